@@ -1,4 +1,4 @@
-// Different sets of fields of a PointCloud2, for readers that each ask for others.
+// Different sets of fields of a PointCloud2, for readers each of which asks for other fields.
 #pragma once
 
 #include <cstddef>
@@ -6,9 +6,9 @@
 
 namespace sft::bench {
 
-/// A different set of small fields for each number below 64. It begins with a comma, or is empty.
+/// Returns small fields, another set for each number below 64, as text that begins with a comma or is empty.
 std::string small_fields(std::size_t number);
-/// Returns the same fields and the data of the cloud.
+/// Returns the same fields, and the data of the cloud.
 std::string own_fields_and_data(std::size_t number);
 
 }  // namespace sft::bench

@@ -1,5 +1,5 @@
-// Times short operations against each other, in turns and in batches that are long against the clock's
-// resolution. The best batch counts, since other work of the machine only adds to a time.
+// Compares the times of short operations. They run in turns, in batches that are long compared with the
+// clock's resolution. The fastest batch counts, since other work of the machine can only add to a time.
 #pragma once
 
 #include <cstddef>
@@ -8,8 +8,7 @@
 
 namespace sft::bench {
 
-/// Tells the compiler that all memory has been read and may have changed, so that no operation is optimised
-/// away.
+/// Tells the compiler that all memory was read and may have changed, so that it optimises no operation away.
 inline void clobber_memory() { asm volatile("" ::: "memory"); }
 
 template <class T>
@@ -29,7 +28,7 @@ Batch batch_of(Operation operation) {
   };
 }
 
-/// The best time in nanoseconds of one operation of each contender.
+/// Returns the best time in nanoseconds of one operation of each contender.
 std::vector<double> best_times_ns(std::vector<Batch> contenders, int rounds);
 
 }  // namespace sft::bench

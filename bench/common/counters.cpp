@@ -53,7 +53,7 @@ struct EventType {
 constexpr EventType instructions{PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS};
 constexpr EventType cache_misses{PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES};
 
-/// A counter of one event in one thread. Not valid if there is none; errno says why.
+/// Returns a counter of one event in one thread. It is not valid if there is none; errno says why.
 FileDescriptor open_event(const EventType& event, pid_t thread) {
   perf_event_attr attributes{};
   attributes.size = sizeof attributes;
@@ -63,7 +63,8 @@ FileDescriptor open_event(const EventType& event, pid_t thread) {
       static_cast<int>(syscall(SYS_perf_event_open, &attributes, thread, -1, -1, PERF_FLAG_FD_CLOEXEC)));
 }
 
-/// The events that the kernel names. The file system is mounted for this process alone if it is nowhere.
+/// Opens the directory of the kernel's events. If its file system is not mounted, it is mounted for this
+/// process only.
 FileDescriptor open_tracefs() {
   FileDescriptor mounted(open("/sys/kernel/tracing", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
   if (mounted && faccessat(mounted.get(), "events", F_OK, 0) == 0) return mounted;
@@ -72,7 +73,7 @@ FileDescriptor open_tracefs() {
   return FileDescriptor(fsmount(context.get(), FSMOUNT_CLOEXEC, 0));
 }
 
-/// The event "a system call begins".
+/// Returns the event "a system call begins".
 std::optional<EventType> system_call_event() {
   const FileDescriptor events = open_tracefs();
   if (!events) return std::nullopt;
@@ -107,7 +108,7 @@ std::int64_t number_behind(const std::string& key, std::istream& lines) {
   return 0;
 }
 
-/// Reads the counts that the kernel keeps of each thread in any case.
+/// Reads the counts that the kernel maintains for each thread anyway.
 Counts noted(const std::filesystem::path& task) {
   std::ifstream status(task / "status");
   Counts counts;

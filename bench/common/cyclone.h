@@ -1,4 +1,4 @@
-// Cyclone DDS, as a program without SFT uses it.
+// Cyclone DDS, used as in a program without SFT.
 #pragma once
 
 #include <dds/dds.h>
@@ -14,14 +14,14 @@ namespace sft::bench {
 dds_entity_t checked(dds_entity_t entity);
 
 using CycloneQos = std::unique_ptr<dds_qos_t, void (*)(dds_qos_t*)>;
-/// Best effort, volatile, keep last 1.
+/// Returns QoS with best effort, volatile, and keep last 1.
 CycloneQos cyclone_best_effort();
 
-/// One participant in domain 0. Its functions are for one thread.
+/// One participant in domain 0. Only one thread may call its functions.
 class CycloneParticipant {
  public:
-  /// Creates and deletes the domain, too, unless this process has it already. REQUIRES: the participant that
-  /// created it outlives all others.
+  /// Creates the domain, too, unless this process already has it; the same participant deletes it. REQUIRES:
+  /// the participant that creates the domain outlives all others.
   explicit CycloneParticipant(const std::string& config);
   ~CycloneParticipant();
   CycloneParticipant(const CycloneParticipant&) = delete;
@@ -33,7 +33,8 @@ class CycloneParticipant {
   dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos,
                       dds_on_data_available_fn on_data, void* context) const;
 
-  /// The number of readers that are matched with a writer, and of writers that are matched with a reader.
+  /// Return the number of readers that are matched with a writer, and of writers that are matched with a
+  /// reader.
   static std::size_t readers(dds_entity_t writer);
   static std::size_t writers(dds_entity_t reader);
 
@@ -42,9 +43,9 @@ class CycloneParticipant {
  private:
   dds_entity_t topic(const dds_topic_descriptor_t& type, const std::string& name) const;
 
-  const dds_entity_t domain_;  ///< less than 0: it is that of another participant
+  const dds_entity_t domain_;  ///< negative: the domain belongs to another participant
   const dds_entity_t participant_;
-  mutable std::map<std::string, dds_entity_t> topics_;  ///< by their names: dds_find_topic() crashes at times
+  mutable std::map<std::string, dds_entity_t> topics_;  ///< by name, since dds_find_topic() can crash
 };
 
 }  // namespace sft::bench

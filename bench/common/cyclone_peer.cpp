@@ -16,9 +16,9 @@ namespace sft::bench {
 
 namespace {
 
-// The fastest configuration for large samples among those that were tried, with fragments and datagrams of
-// other sizes down to the MTU. It has the largest datagrams, which IP fragments, buffers for several samples
-// at both ends, and as many bytes that are not acknowledged yet.
+// The fastest of the configurations that were tried for large samples, with fragments and datagrams of
+// various sizes down to the MTU. It has the largest datagrams, which IP fragments. Both ends have buffers for
+// several samples, and as many bytes may be unacknowledged.
 constexpr const char* fastest = R"(
   <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
@@ -32,8 +32,8 @@ constexpr const char* unicast = "<General><AllowMulticast>spdp</AllowMulticast><
 struct Ways {
   std::string config;
   bool in_memory = false;
-  bool loans = false;  ///< samples have a fixed size
-  bool usual = false;  ///< default settings
+  bool loans = false;  ///< true: samples have a fixed size
+  bool usual = false;  ///< true: default settings
 };
 
 CycloneQos qos_of(const Topic& topic, const Ways& ways) {
@@ -65,7 +65,7 @@ void require_memory(dds_entity_t writer) {
   std::exit(1);
 }
 
-/// A sample with a number, with which all types of such samples begin.
+/// Memory for a sample with a number, which comes first in all types of such samples.
 union Message {
   sft_bench_Small small{};
   sft_bench_Bulk bulk;
@@ -159,7 +159,7 @@ class CycloneReader : public Reader {
     }
     return false;
   }
-  /// Means something only if the sample has a number.
+  /// Valid only if the sample has a number.
   std::uint64_t number() const { return *static_cast<const std::uint64_t*>(message_); }
 
   const CycloneParticipant& participant_;
@@ -170,7 +170,8 @@ class CycloneReader : public Reader {
   dds_entity_t wait_set_ = 0;
 };
 
-/// Cyclone DDS 0.10.5 deprecates this function for a QoS that 0.10.2 does not have.
+/// Turns batching on or off. Cyclone DDS 0.10.5 deprecates this function in favour of a QoS that 0.10.2
+/// lacks.
 void set_batching(bool is_on) {
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wdeprecated-declarations"
@@ -190,7 +191,7 @@ class CyclonePeer : public Peer {
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
     return std::make_unique<CycloneReader>(participant_, topic, ways_, std::move(arrived));
   }
-  /// Looks for the announcement of a writer.
+  /// Waits until a writer is announced.
   void know_writer(const Topic&) override {
     constexpr double timeout_s = 60;  // many nodes that start at once need time
     const dds_entity_t announcements = checked(

@@ -1,4 +1,4 @@
-// Reads and writes the benchmark's messages with Fast CDR, member by member, as Fast CDR's generated code
+// Reads and writes the benchmark's messages with Fast CDR, member by member, as code that Fast DDS generates
 // does.
 #pragma once
 
@@ -13,7 +13,7 @@
 
 namespace sft::bench {
 
-// One list of members for both directions; Io is FastCdrReader or FastCdrWriter.
+// One list of members for both directions. Io is FastCdrReader or FastCdrWriter.
 template <class Io>
 void members(Io& io, builtin_interfaces::msg::Time& m) {
   io.all(m.sec, m.nanosec);
@@ -65,7 +65,7 @@ void members(Io& io, nav_msgs::msg::Odometry& m) {
 
 class FastCdrStream {
  public:
-  /// The body has at least the alignment of `memory`.
+  /// `memory` begins with the body, which has at least its alignment.
   explicit FastCdrStream(std::span<std::byte> memory)
       : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(make(buffer_)) {}
 
@@ -77,8 +77,8 @@ class FastCdrStream {
   eprosima::fastcdr::Cdr cdr_;
 
  private:
-  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12), and aligns numbers of 8 bytes to 4
-  // unless it is told not to.
+  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12). Unless told otherwise, it aligns
+  // numbers of 8 bytes to 4.
   static eprosima::fastcdr::Cdr make(eprosima::fastcdr::FastBuffer& buffer) {
     using eprosima::fastcdr::Cdr;
 #if __has_include(<fastcdr/CdrSizeCalculator.hpp>)

@@ -1,5 +1,5 @@
-// Fast DDS, as a program without SFT uses it. It is one header, since Fast DDS's headers are slow to compile
-// and each program includes them in one source only.
+// Fast DDS, used as in a program without SFT. It is one header: Fast DDS's headers are slow to compile, and
+// each program includes them in one source only.
 #pragma once
 
 #include <cstdio>
@@ -36,7 +36,7 @@ T& checked(T* entity, const char* what) {
   return *entity;
 }
 
-/// The type support of a message, which Fast DDS's generator would write.
+/// The type support of a message, which the generator of Fast DDS would write.
 template <class T>
 class Type : public AnyType {
  public:
@@ -81,8 +81,8 @@ class PlainType : public Type<T> {
   bool is_same_in_memory() const override { return true; }
 };
 
-/// Makes the QoS of a writer or reader best effort, volatile and keep last 1. The memory of the sample grows
-/// as needed.
+/// Sets the QoS of a writer or reader to best effort, volatile, and keep last 1. The memory of the sample
+/// grows as needed.
 template <class Qos>
 Qos best_effort(Qos qos) {
   qos.reliability().kind = dds::BEST_EFFORT_RELIABILITY_QOS;
@@ -93,7 +93,7 @@ Qos best_effort(Qos qos) {
   return qos;
 }
 
-/// A participant in domain 0 with these transports.
+/// A participant in domain 0 with the transports that are passed.
 class Participant {
  public:
   template <class... TransportDescriptors>
@@ -133,7 +133,8 @@ class Participant {
   dds::DomainParticipant* participant_ = nullptr;
 };
 
-/// The number of readers that are matched with a writer, and of writers that are matched with a reader.
+/// Return the number of readers that are matched with a writer, and of writers that are matched with a
+/// reader.
 inline std::size_t readers(const dds::DataWriter& writer) {
   dds::PublicationMatchedStatus status;
   writer.get_publication_matched_status(status);

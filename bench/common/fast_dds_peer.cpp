@@ -1,5 +1,5 @@
-// Fast DDS. A sample is its CDR, which is copied to the wire and from it: that takes less time than the code
-// that Fast DDS's own generator would write.
+// Fast DDS. A sample is its CDR, which is copied to the wire and from it. That takes less time than code that
+// Fast DDS's own generator would write.
 #include <algorithm>
 #include <fastdds/dds/core/LoanableSequence.hpp>
 #include <string>
@@ -20,7 +20,7 @@ namespace transports = fast::transports;
 struct Ways {
   bool over_udp = true;
   bool in_memory = false;
-  bool usual = false;  ///< default settings
+  bool usual = false;  ///< true: default settings
   bool multicast = false;
 };
 
@@ -34,7 +34,7 @@ struct Fixed {
 
 class BodyType : public fast::Type<Body> {
  public:
-  /// The types of two topics have different names, since Fast DDS makes room for the size of each.
+  /// The types of two topics have different names, since Fast DDS reserves memory for the size of each type.
   BodyType(const std::string& name, std::size_t bytes)
       : Type(name.c_str(), static_cast<std::uint32_t>(bytes)) {}
 
@@ -54,7 +54,7 @@ class BodyType : public fast::Type<Body> {
   }
 };
 
-/// The bodies that are sent in turns. That of a sample with a number begins with it.
+/// Returns the bodies that are sent in turns. The body of a sample with a number begins with the number.
 std::vector<Body> bodies_of(const Topic& topic) {
   if (topic.messages) return topic.messages->bodies();
   constexpr std::size_t small_bytes = 64, number_and_stamp_bytes = 16;
@@ -73,7 +73,7 @@ dds::Topic& topic_of(fast::Participant& participant, const Topic& topic) {
                            new BodyType("sft_bench::" + topic.name, largest(bodies_of(topic))));
 }
 
-/// The transport between hosts, with the largest datagrams, which IP fragments, and buffers for several
+/// The transport between hosts. It has the largest datagrams, which IP fragments, and buffers for several
 /// samples.
 std::shared_ptr<transports::UDPv4TransportDescriptor> udp(const Ways& ways) {
   auto transport = std::make_shared<transports::UDPv4TransportDescriptor>();
@@ -84,8 +84,8 @@ std::shared_ptr<transports::UDPv4TransportDescriptor> udp(const Ways& ways) {
   return transport;
 }
 
-/// The segment has room for several of the largest samples. Pieces of a megabyte are the fastest: Fast DDS
-/// writes a piece while the reader reads the one before.
+/// The transport in shared memory. The segment has room for several of the largest samples. Pieces of a
+/// megabyte are the fastest: Fast DDS writes a piece while the reader reads the previous one.
 std::shared_ptr<transports::SharedMemTransportDescriptor> shared_memory(const Ways& ways) {
   auto transport = std::make_shared<transports::SharedMemTransportDescriptor>();
   transport->segment_size(ways.usual ? 40'000'000 : 64 << 20);
@@ -103,7 +103,7 @@ template <class Qos>
 Qos qos_of(const Topic& topic, const Ways& ways, Qos qos) {
   qos = fast::best_effort(qos);
   qos.data_sharing().off();
-  qos.resource_limits().allocated_samples = 0;  // otherwise it sets aside memory for a hundred of them
+  qos.resource_limits().allocated_samples = 0;  // otherwise it reserves memory for a hundred samples
   if (ways.usual) qos.history().depth = static_cast<std::int32_t>(topic.depth);
   if (!topic.reliable) return qos;
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
@@ -122,7 +122,7 @@ dds::DataWriterQos writer_qos(const Topic& topic, const Ways& ways) {
     qos.reliability().max_blocking_time = {10, 0};
     fast::answer_soon(qos);
   }
-  // Fast DDS sends larger samples over UDP only from a thread of its own.
+  // Fast DDS sends samples that exceed a datagram only from a thread of its own.
   const bool by_a_thread = ways.over_udp || topic.reliable;
   if (by_a_thread && largest(bodies_of(topic)) > in_one_datagram_bytes)
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
@@ -154,7 +154,7 @@ class FastDdsWriter : public Writer {
   void write(std::uint64_t number) override {
     Body& body = bodies_[number % bodies_.size()];
     if (numbered_) std::memcpy(body.data(), &number, sizeof number);
-    // A write into a full history can fail without having waited; it then succeeds the next time.
+    // A write into a full history can fail without a wait. It then succeeds the next time.
     while (!fast::write(writer_, &body) && patient_) {
     }
   }
@@ -190,7 +190,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
     }
     return false;
   }
-  /// Means something only if the sample has a number.
+  /// Valid only if the sample has a number.
   std::uint64_t number() const {
     std::uint64_t number = 0;
     std::memcpy(&number, body_.data(), std::min(sizeof number, body_.size()));

@@ -1,5 +1,5 @@
-// What differs between Fast DDS 2 (Debian 12) and Fast DDS 3 (Debian 13): folders, namespaces, and names of
-// functions. Contenders use the names of this header. FAST_DDS_3 is set by bench/CMakeLists.txt.
+// The differences between Fast DDS 2 (Debian 12) and Fast DDS 3 (Debian 13): folders, namespaces, and names
+// of functions. Contenders use the names of this header. bench/CMakeLists.txt sets FAST_DDS_3.
 #pragma once
 
 #if FAST_DDS_3
@@ -39,7 +39,7 @@ inline bool write(dds::DataWriter& writer, void* data) { return writer.write(dat
 #endif
 using rtps::IPLocator;
 
-/// Fast DDS's interface of a type, without keys.
+/// Fast DDS's interface of a type without keys.
 class AnyType : public dds::TopicDataType {
  public:
   AnyType(const AnyType&) = delete;
@@ -51,10 +51,10 @@ class AnyType : public dds::TopicDataType {
   virtual void* make() = 0;
   virtual void unmake(void* data) = 0;
   virtual void encode(const void* data, rtps::SerializedPayload_t& payload) = 0;
-  /// False: it is malformed.
+  /// Returns false if the payload is malformed.
   virtual bool decode(rtps::SerializedPayload_t& payload, void* data) = 0;
   virtual std::uint32_t encoded_bytes(const void* data) = 0;
-  /// True: its bytes in memory are those on the wire.
+  /// Returns true if the bytes of the type in memory are those on the wire.
   virtual bool is_same_in_memory() const { return false; }
 
 #if FAST_DDS_3
@@ -109,8 +109,8 @@ class AnyType : public dds::TopicDataType {
 #endif
 };
 
-/// Lets a writer answer for what was missed, and a reader ask for it, at once. By default, Fast DDS asks for
-/// missing fragments every 3 s only.
+/// Makes a writer announce its samples, and a reader ask for missing ones, without much delay. By default,
+/// Fast DDS asks for missing fragments only every 3 s.
 inline void answer_soon(dds::DataWriterQos& qos) {
   auto& times = qos.reliable_writer_qos().times;
 #if FAST_DDS_3

@@ -1,4 +1,4 @@
-// Processes on the hosts of a network of their own.
+// Processes on the hosts of a benchmark's own network.
 #pragma once
 
 #include <sys/types.h>
@@ -14,9 +14,9 @@ namespace sft::bench {
 
 class HostProcesses {
  public:
-  /// The host 0, and `hosts` others, which live as long as the crowd.
+  /// Makes host 0 and `hosts` others, which exist as long as this object.
   explicit HostProcesses(std::size_t hosts);
-  /// The host 0, and `hosts` others, of a network that several crowds may use one after the other.
+  /// Uses host 0 and `hosts` others of a network that several objects may use one after the other.
   HostProcesses(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t hosts);
   /// Ends all processes.
   ~HostProcesses();
@@ -25,23 +25,23 @@ class HostProcesses {
 
   /// Calls `run` in a new process on a host.
   pid_t start(std::size_t host, const std::function<int()>& run);
-  /// The host of a reader, by its number: all but host 0 in turns.
+  /// Returns the host of the reader with this number: all hosts but host 0 are used in turns.
   std::size_t host_of_reader(std::size_t number) const { return 1 + number % (hosts_ - 1); }
 
   std::size_t hosts() const { return hosts_; }
   std::size_t size() const { return members_.size(); }
-  /// Waits for the process that was started first. True if its exit code was 0.
+  /// Waits for the process that was started first. Returns true if its exit code was 0.
   bool first_succeeds();
 
-  // These functions return the sums over all processes, or over all interfaces.
+  // The following functions return the sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
-  /// Memory that no file has: what the processes have written for themselves.
+  /// The memory that no file backs: what the processes have written for themselves.
   double anonymous_bytes() const;
-  /// REQUIRES: there is a process on each host.
+  /// The bytes of all hosts' interfaces. REQUIRES: there is a process on each host.
   LinkBytes link_bytes() const;
 
-  /// The bytes of the interface of one host. REQUIRES: there is a process on that host.
+  /// The bytes of one host's interface. REQUIRES: there is a process on that host.
   LinkBytes link_bytes(std::size_t host) const;
 
  private:

@@ -1,4 +1,4 @@
-// Hosts joined by a network, for one benchmark.
+// Hosts that are joined by a network, for one benchmark.
 #pragma once
 
 #include <functional>
@@ -8,24 +8,24 @@
 
 namespace sft::bench {
 
-/// The way in which interfaces of hosts send a train of datagrams that one system call hands over.
+/// How interfaces of hosts send a train of datagrams that one system call hands over.
 enum class Trains {
-  cut,    ///< cut into frames, each of which is counted with its headers
-  whole,  ///< passed on in one piece, as fast as the system can
-  none    ///< nothing is left to the interface: each frame passes the whole system alone, with its checksum
+  cut,    ///< trains are cut into frames, each of which is counted with its headers
+  whole,  ///< trains are passed on in one piece, as fast as the system can
+  none    ///< the interface does nothing: each frame passes the whole system alone, with its checksum
 };
 
-/// Ends the program with a message if it does not run as root.
+/// Makes hosts joined by a network. Ends the program with a message if it does not run as root.
 hosts::EmulatedNetwork make_hosts(std::size_t hosts, Trains trains);
 
-/// The address of a host, as a number in network byte order.
+/// Returns the address of a host as a number in network byte order.
 std::uint32_t address_of(std::size_t host);
 
 class TwoHosts {
  public:
   explicit TwoHosts(Trains trains = Trains::cut);
 
-  /// The sender runs on the first host, the receiver on the second.
+  /// Returns the sides of a pair: the sender runs on the first host, the receiver on the second.
   Sides sides(std::function<void(Exchange&)> sender, std::function<void(Exchange&)> receiver) const;
   /// Moves the calling process to the first host or to the second.
   void enter(std::size_t host) const;

@@ -1,4 +1,4 @@
-// iceoryx as its own examples use it, in sftd's memory.
+// iceoryx in sftd's memory, used as in its own examples.
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace sft::bench {
 
 namespace {
 
-/// Joins sftd before it makes a port. sftd serves only programs whose names begin with "sft_".
+/// Joins sftd, before any port is made. sftd serves only programs whose names begin with "sft_".
 iox::capro::ServiceDescription service(const Topic& topic) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
@@ -48,7 +48,8 @@ class IceoryxWriter : public LendingWriter {
         data_(copies ? topic.bulk_bytes - sizeof(std::uint64_t) : 0, std::byte{1}),
         readers_(topic.readers) {}
 
-  /// All or none, since iceoryx does not say how many there are. Each reader knows its own state.
+  /// Returns the number of all readers or 0, since iceoryx only tells whether there is one. Each reader
+  /// knows its own state.
   std::size_t readers() const override { return publisher_.hasSubscribers() ? readers_ : 0; }
   void prepare(std::uint64_t number) override {
     publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) {
@@ -62,12 +63,12 @@ class IceoryxWriter : public LendingWriter {
  private:
   iox::popo::UntypedPublisher publisher_;
   const std::uint32_t bytes_;
-  const std::vector<std::byte> data_;  ///< what is copied into each loan; empty if nothing is
+  const std::vector<std::byte> data_;  ///< the data that is copied into each loan; empty if none is
   const std::size_t readers_;
   void* chunk_ = nullptr;
 };
 
-/// Sleeps in a WaitSet.
+/// A reader that sleeps in a WaitSet.
 class IceoryxReader : public Reader {
  public:
   explicit IceoryxReader(const Topic& topic)
@@ -95,7 +96,7 @@ class IceoryxReader : public Reader {
  private:
   iox::popo::UntypedSubscriber subscriber_;
   iox::popo::WaitSet<> wait_set_;
-  const bool spinning_;  ///< the caller does, which calls take() until a sample comes
+  const bool spinning_;  ///< true: the caller spins, and calls take() until a sample comes
 };
 
 class IceoryxPeer : public Peer {

@@ -1,4 +1,4 @@
-// Messages that all contenders send, as messages of SFT and as the CDR of the same messages.
+// Messages that all contenders send, both as messages of SFT and as the same messages in CDR.
 #pragma once
 
 #include <sft/sft.h>
@@ -21,7 +21,7 @@ struct dds_topic_descriptor;
 
 namespace sft::bench {
 
-/// Some messages of one type, which are sent in turns. Immutable.
+/// Messages of one type, which are sent in turns. Immutable.
 class Messages {
  public:
   explicit Messages(const dds_topic_descriptor& cyclone_type) : cyclone_type_(cyclone_type) {}
@@ -37,7 +37,7 @@ class Messages {
   /// Opens SFT's subscriber to all fields of such messages.
   virtual std::unique_ptr<Reader> reader(Node& node, const std::string& topic,
                                          const SubscriberOptions& options, Arrived arrived) const = 0;
-  /// The bytes of CDR of a message, by its number, if only these fields are sent.
+  /// Returns the bytes of CDR of the message with this number if only these fields are sent.
   virtual std::size_t masked_bytes(std::size_t number, FieldSet fields) const = 0;
 
   /// The bodies of the messages in CDR, without encapsulation, with all fields.
@@ -47,10 +47,10 @@ class Messages {
   std::size_t largest() const;
 
   FieldSet all() const { return all_fields(type().type().members.size()); }
-  /// The fields as a mask, and as Node::subscriber() takes them.
+  /// Returns the fields as a mask, or as text for Node::subscriber().
   FieldMask mask_of(FieldSet fields) const;
   std::string text_of(FieldSet fields) const { return type().format_mask(mask_of(fields)); }
-  /// The fields with these names.
+  /// Returns the fields with these names.
   FieldSet named(const std::vector<std::string>& names) const;
 
  protected:
@@ -67,14 +67,14 @@ std::vector<std::byte> encoded(const T& message) {
   const StructType& type = detail::TypeTable<T>::type;
   const FieldMask full = type_support<T>().full();
   const std::uint32_t bytes = detail::encoded_size(type, &message, full).bytes;
-  std::vector<std::uint64_t> memory((bytes + 7) / 8);  // for the alignment
+  std::vector<std::uint64_t> memory((bytes + 7) / 8);  // words of 8 bytes are aligned as bodies must be
   const std::span<std::byte> body = std::as_writable_bytes(std::span(memory)).first(bytes);
   std::vector<std::uint32_t> index(detail::slot_count(type));
   detail::encode(type, &message, full, body, index);
   return {body.begin(), body.end()};
 }
 
-/// Nothing if the body is malformed.
+/// Returns the message; nothing if the body is malformed.
 template <class T>
 std::optional<T> decoded(std::span<const std::byte> body) {
   const FieldMask full = type_support<T>().full();

@@ -10,9 +10,9 @@
 
 namespace sft::bench {
 
-/// Keeps all threads of the node on the CPUs of the calling thread, which has a core of its own in most
-/// benchmarks. By default, a node's threads do not inherit the CPUs of the thread that opens it
-/// (NodeOptions::Threads).
+/// Returns options with which all threads of the node stay on the CPUs of the calling thread, which has a
+/// core of its own in most benchmarks. By default, a node's threads do not inherit the CPUs of the thread
+/// that opens it (NodeOptions::Threads).
 inline NodeOptions node_options(std::string name, TransportChoice transport) {
   cpu_set_t set;
   CPU_ZERO(&set);

@@ -1,4 +1,4 @@
-// How much else the machine did while a benchmark ran.
+// How much other work the machine did while a benchmark ran.
 #pragma once
 
 #include <string>
@@ -12,15 +12,15 @@ class Noise {
  public:
   Noise() : begin_(now()) {}
 
-  /// In percent of all processors, since this object was made. Processes that this one has waited for are
-  /// parts of the benchmark; a daemon that outlives it is not.
+  /// Shares of the time of all processors since this object was made, in percent. A child process
+  /// counts as `own` once this process has waited for its end. A daemon that outlives this process does not.
   struct Shares {
     double own = 0, other_programs = 0, other_machines = 0;
   };
   Shares shares() const;
 
  private:
-  /// Seconds of all processors.
+  /// Sums over all processors, in seconds.
   struct Moment {
     double busy_s = 0, stolen_s = 0, all_s = 0, own_s = 0;
   };
@@ -30,7 +30,7 @@ class Noise {
 };
 
 std::string text_of(const Noise::Shares& shares);
-/// For the file with the figures. No change of them makes a benchmark better or worse.
+/// Returns the shares for the file with the figures. A change of them makes no benchmark better or worse.
 std::vector<Figure> figures_of(const Noise::Shares& shares);
 
 }  // namespace sft::bench

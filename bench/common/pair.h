@@ -1,4 +1,4 @@
-// Two processes, each pinned to a core, that pass messages. All measurements of latency have this form.
+// Two processes that pass messages, each pinned to a core. All measurements of latency have this form.
 #pragma once
 
 #include <atomic>
@@ -9,29 +9,29 @@
 
 namespace sft::bench {
 
-/// Nanoseconds of CLOCK_MONOTONIC, comparable between processes of one machine.
+/// Returns nanoseconds of CLOCK_MONOTONIC, which processes of one machine can compare.
 inline std::int64_t now_ns() {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(
              std::chrono::steady_clock::now().time_since_epoch())
       .count();
 }
 
-/// Shared by the two processes.
+/// The state that the two processes share.
 class Exchange {
  public:
   static constexpr std::size_t samples_max = 20'000;
 
   alignas(64) std::atomic<std::uint64_t> sent{0};      ///< number of the last message that was sent
   alignas(64) std::atomic<std::uint64_t> received{0};  ///< number of the last message that was read
-  alignas(64) std::atomic<bool> ready{false};          ///< the receiver has begun
+  alignas(64) std::atomic<bool> ready{false};          ///< true when the receiver has begun
   std::atomic<bool> failed{false};
   std::int64_t sent_at[samples_max] = {};
-  std::int64_t returned_at[samples_max] = {};  ///< 0 where nobody asks for it
+  std::int64_t returned_at[samples_max] = {};  ///< 0 if it was not noted
   std::int64_t received_at[samples_max] = {};
 
-  /// Called by the sender: waits until the receiver has read message n. False after a second.
+  /// Called by the sender. Waits until the receiver has read message n. Returns false after a second.
   bool wait_for_receipt(std::uint64_t n);
-  /// Called by the receiver when it has read message n.
+  /// Called by the receiver after it has read message n.
   void note_receipt(std::uint64_t n);
 };
 
@@ -48,7 +48,7 @@ struct Sides {
 struct Delivery {
   std::int64_t sent_at = 0;
   std::int64_t received_at = 0;  ///< 0: it was not read
-  std::int64_t returned_at = 0;  ///< when the function returned that sent it; 0: that was not noted
+  std::int64_t returned_at = 0;  ///< when the function that sent the message returned; 0: that was not noted
 
   double us() const { return static_cast<double>(received_at - sent_at) / 1000.0; }
 };
@@ -59,13 +59,15 @@ std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages)
 /// read, without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
-/// Pauses so that the receiver falls asleep between two messages. Keeps this core out of deep idle states.
+/// Pauses so long that the receiver falls asleep between two messages. Keeps this core out of deep idle
+/// states.
 void pause_us(std::int64_t us);
 /// Sleeps, and leaves the core to other threads.
 void sleep_us(std::int64_t us);
 /// Sleeps until a time of now_ns().
 void sleep_until(std::int64_t ns);
-/// Waits until `holds` is true, which it checks every millisecond. False after the time.
+/// Checks every millisecond whether `holds` returns true, and then returns true. Returns false after the
+/// timeout.
 bool wait_until(const std::function<bool()>& holds, double timeout_s = 20);
 
 }  // namespace sft::bench

@@ -9,15 +9,15 @@ namespace sft::bench {
 
 void pin_to_core(int core);
 
-/// Calls `run` in a new process, whose exit code is the result. The process is killed when this process ends,
-/// or after five minutes, since it then hangs.
+/// Calls `run` in a new process, whose exit code is the result. The process is killed when the calling
+/// process ends, or after five minutes, because it hangs then.
 pid_t start_process(const std::function<int()>& run);
 /// The same, pinned to a core.
 pid_t start_on_core(int core, const std::function<int()>& run);
-/// Waits until the process has ended. True if its exit code was 0.
+/// Waits until the process has ended. Returns true if its exit code was 0.
 bool succeeds(pid_t process);
 
-/// The user and system time of all threads of a process that runs; 0 if there is none.
+/// Returns the user and system time of all threads of a running process; 0 if there is no such process.
 double cpu_s(pid_t process);
 
 }  // namespace sft::bench

@@ -1,5 +1,5 @@
-// The main program of each benchmark: it measures its groups of figures, or a chosen one, prints a table and
-// how noisy the machine was, and writes both to a file.
+// The main program of each benchmark. It measures its groups of figures, or a chosen group. It prints a table
+// and the noise of the machine, and writes both to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -23,16 +23,16 @@ class Program {
   /// Measures `groups` in this order.
   Program(const std::string& description, std::vector<Group> groups);
 
-  /// Takes the options of the benchmark, besides --json and --only.
+  /// The options of the benchmark, besides --json and --only.
   CLI::App& options() { return options_; }
 
-  /// For a benchmark whose groups print tables of their own.
+  /// Prints no table. For a benchmark whose groups print tables of their own.
   void leave_out_table() { has_table_ = false; }
 
-  /// Returns the exit code if the program must end at once. Opens the file for the figures here, since an
-  /// isolated run has its own /tmp.
+  /// Returns the exit code if the program must end at once. Opens the file for the figures already here,
+  /// since an isolated run has its own /tmp.
   std::optional<int> parse(int argc, char** argv);
-  /// Returns the exit code.
+  /// Runs the benchmark and returns the exit code.
   int run();
 
  private:

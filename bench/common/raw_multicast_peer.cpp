@@ -17,7 +17,7 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint16_t port = 45'901;
-constexpr int datagram_bytes = 1472;  // of a packet of 1,500 bytes
+constexpr int datagram_bytes = 1472;  // the payload of a packet of 1,500 bytes
 
 sockaddr_in address(in_addr_t ip) {
   sockaddr_in address{};
@@ -36,7 +36,7 @@ ip_mreqn on_the_link() {
   return membership;
 }
 
-/// Ends the process if the system refuses something.
+/// Ends the process if `done` is false, because the system has refused something.
 void must(bool done) {
   if (!done) std::abort();
 }
@@ -55,14 +55,14 @@ int sending_socket() {
 
 int receiving_socket() {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
-  set(fd, SOL_SOCKET, SO_REUSEADDR, 1);  // several readers are on one host
+  set(fd, SOL_SOCKET, SO_REUSEADDR, 1);  // needed for several readers on one host
   const sockaddr_in here = address(INADDR_ANY);
   must(bind(fd, reinterpret_cast<const sockaddr*>(&here), sizeof here) == 0);
   set(fd, IPPROTO_IP, IP_ADD_MEMBERSHIP, on_the_link());
   return fd;
 }
 
-/// The end of a sample is a datagram that is not full.
+/// Receives samples. The last datagram of a sample is the one that is not full.
 [[noreturn]] void receive(int socket, const Arrived& arrived) {
   std::array<std::uint8_t, datagram_bytes> datagram{};
   for (;;) {
@@ -90,7 +90,7 @@ class RawMulticastWriter : public Writer {
   const std::size_t readers_;
 };
 
-/// Its thread reads until the process ends.
+/// A reader whose thread reads until the process ends.
 class RawMulticastReader : public Reader {
  public:
   explicit RawMulticastReader(const Arrived& arrived) {

@@ -95,7 +95,7 @@ class RawTcpReader : public Reader {
   std::uint64_t take() override { return std::exchange(come_, 0); }
 
  private:
-  /// Receives a sample. False if the other side has closed the connection.
+  /// Receives a sample. Returns false if the other side has closed the connection.
   bool receive() {
     if (connection_ < 0) connection_ = accept(socket_, nullptr, nullptr);
     for (std::span<std::byte> missing = sample_; !missing.empty();) {

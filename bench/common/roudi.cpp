@@ -45,7 +45,7 @@ int serve(std::atomic<bool>& serving) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kError,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
   for (std::ostream* words : {&std::cout, &std::clog})
-    words->setstate(std::ios::failbit);  // hides iceoryx's greeting
+    words->setstate(std::ios::failbit);  // suppresses iceoryx's greeting
   const auto components = std::make_unique<iox::roudi::IceOryxRouDiComponents>(config());
   constexpr bool kill_programs_at_exit = false;
   const iox::roudi::RouDi roudi(components->rouDiMemoryManager, components->portManager,
@@ -76,7 +76,7 @@ Roudi::Roudi() {
 
 Roudi::~Roudi() {
   close(mounts_);
-  kill(process_, SIGKILL);  // the kernel frees its memory with its namespace
+  kill(process_, SIGKILL);  // the kernel frees the daemon's memory together with its namespace
   succeeds(process_);
 }
 

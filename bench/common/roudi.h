@@ -1,5 +1,5 @@
 // iceoryx's own daemon, which Cyclone DDS needs, since sftd serves programs of SFT only. It has its own
-// /dev/shm and /tmp, so that it does not meet sftd.
+// /dev/shm and /tmp, so that it does not collide with sftd.
 #pragma once
 
 #include <sys/types.h>
@@ -15,7 +15,7 @@ class Roudi {
   Roudi(const Roudi&) = delete;
   Roudi& operator=(const Roudi&) = delete;
 
-  /// Moves the calling process to the daemon's namespace, where it reaches the daemon.
+  /// Moves the calling process to the daemon's namespace, where the daemon can be reached.
   void enter() const;
 
  private:

@@ -1,4 +1,4 @@
-// Publishers and subscribers of SFT, of one type.
+// Publishers and subscribers of SFT for one type.
 #pragma once
 
 #include <sft/sft.h>
@@ -26,7 +26,7 @@ std::size_t connected_to(const Status& status) {
       std::ranges::count_if(status.writers, &SubscriberStatus::Writer::connected));
 }
 
-/// Writes messages in turns. If they have a number, that of the sample is written into it.
+/// Writes messages in turns. If messages have a number, the number of the sample is written into them.
 template <class T>
 class SftWriter : public Writer {
  public:
@@ -60,7 +60,8 @@ class SftWriter : public Writer {
   std::vector<T> together_;
 };
 
-/// Reads the fields `requirement` of messages of type T, and returns the number, or 0 if there is none.
+/// Reads the fields `requirement` of messages of type T. Returns the number in the message, or 0 if it has
+/// none.
 template <class T, Req<T> requirement = Req<T>(all<T>)>
 class SftReader : public Reader {
  public:

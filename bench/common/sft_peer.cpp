@@ -23,8 +23,8 @@ using CloudField = PointCloud2::Field;
 struct Ways {
   TransportChoice transport = TransportChoice::udp;
   bool loans = false;
-  bool clouds = false;  ///< bulk samples are point clouds
-  bool usual = false;   ///< default settings
+  bool clouds = false;  ///< true: bulk samples are point clouds
+  bool usual = false;   ///< true: default settings
   bool multicast = true;
   std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
 };
@@ -43,8 +43,8 @@ Durability durability(const Topic& topic) {
   return topic.durable ? Durability::transient_local : Durability::volatile_;
 }
 
-/// Unless it has its default settings, the publisher waits for a reader that does not keep up, as those of
-/// other contenders do.
+/// Returns the options of a publisher. Without default settings, the publisher waits for a reader that does
+/// not keep up, like the writers of other contenders.
 PublisherOptions publisher_options(const Topic& topic, const Ways& ways) {
   PublisherOptions options{.reliability = reliability(topic), .durability = durability(topic)};
   if (!ways.usual) options.max_blocking = std::chrono::seconds(1);
@@ -62,7 +62,7 @@ SubscriberOptions subscriber_options(const Topic& topic) {
 }
 
 /// Makes samples in the memory from which they are sent. Writes only the number each time, since in a driver
-/// the device writes the rest.
+/// the device would write the data.
 class SftLoanWriter : public LendingWriter {
  public:
   SftLoanWriter(Node& node, const Topic& topic, const PublisherOptions& options)
@@ -73,7 +73,7 @@ class SftLoanWriter : public LendingWriter {
     prototype_.number = number;
     loan_ = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
     const auto data = (*loan_)->data();
-    if (data.back() != written) std::ranges::fill(data, written);  // only the first time
+    if (data.back() != written) std::ranges::fill(data, written);  // once per memory
   }
   void publish() override { std::move(*loan_).publish(); }
 
@@ -85,7 +85,7 @@ class SftLoanWriter : public LendingWriter {
   std::optional<Loan<Bulk>> loan_;
 };
 
-/// Publishes loans of clouds. Does not write their data.
+/// Publishes clouds in loans. Does not write their data.
 class CloudLoanWriter : public LendingWriter {
  public:
   CloudLoanWriter(Node& node, const Topic& topic)
@@ -105,7 +105,7 @@ class CloudLoanWriter : public LendingWriter {
   std::optional<Loan<PointCloud2>> loan_;
 };
 
-/// Publishes a cloud in the program's own memory.
+/// Publishes a cloud from the program's own memory.
 class CloudWriter : public LendingWriter {
  public:
   CloudWriter(Node& node, const Topic& topic)
@@ -120,7 +120,7 @@ class CloudWriter : public LendingWriter {
   PointCloud2 cloud_;
 };
 
-/// Reads the height and width of a cloud, which has so many points as the number of the sample.
+/// Reads the height and width of a cloud. The number of its points is the number of the sample.
 class CloudReader : public Reader {
  public:
   CloudReader(Node& node, const Topic& topic)
@@ -138,7 +138,7 @@ class CloudReader : public Reader {
   Subscriber<PointCloud2, CloudField::height | CloudField::width> subscriber_;
 };
 
-/// Calls the getters of all leaves of a part of a sample.
+/// Calls the getters of all leaves in a part of a sample.
 void read_all(const DynamicView& part) {
   if (part.is_struct()) {
     for (const DynamicView& member : part.members()) read_all(member);
@@ -157,7 +157,7 @@ void read_fields(const DynamicSample& sample, FieldSet fields) {
   }
 }
 
-/// Reads some fields of messages.
+/// Reads the wanted fields of messages.
 class SftFieldReader : public Reader {
  public:
   SftFieldReader(Node& node, const Topic& topic, Arrived arrived)

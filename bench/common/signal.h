@@ -19,7 +19,7 @@ class Signal {
     while (sem_wait(&semaphore_) != 0) {
     }
   }
-  /// False after the timeout.
+  /// Waits for the signal. Returns false after the timeout.
   bool comes(double timeout_s) {
     timespec until{};
     clock_gettime(CLOCK_MONOTONIC, &until);

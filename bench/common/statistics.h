@@ -5,16 +5,16 @@
 
 namespace sft::bench {
 
-/// The q-quantile (0 to 1) by nearest rank; 0 without values. Sorts `values`.
+/// Returns the q-quantile (q from 0 to 1) by nearest rank; 0 without values. Sorts `values`.
 double quantile(std::vector<double>& values, double q);
 
-/// The median of the results of several rounds, so that one disturbed round does not count.
+/// Returns the median of the results of several rounds. A single disturbed round does not change it much.
 double median(std::vector<double> values);
-/// The median; not a number without values.
+/// Returns the median; NaN without values.
 double median_if_any(const std::vector<double>& values);
 
-/// Quantiles of a contender that is measured in several rounds. Each quantile is the median over the rounds,
-/// and not a number, which is within no bound, if all rounds failed.
+/// Quantiles of a contender that is measured in several rounds. Each quantile is the median over the rounds.
+/// If all rounds failed it is NaN, which is within no bound.
 class Rounds {
  public:
   void add(std::vector<double> times);

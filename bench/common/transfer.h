@@ -1,4 +1,4 @@
-// Passes samples from one process to another one, one after the other.
+// Passes samples one after the other from one process to another.
 #pragma once
 
 #include <cstdint>
@@ -18,15 +18,16 @@ struct Transfer {
   bool preparing_counts = false;
 };
 
-/// Sends each sample when the one before was read. In the pause before it a reader that sleeps falls asleep.
+/// Sends each sample after the previous one was read. The pause in between is so long that a reader that
+/// sleeps falls asleep.
 void send_each(Exchange& exchange, const Transfer& transfer, Writer& writer);
-/// Takes each sample.
+/// Takes each sample and notes its receipt.
 void receive_each(Exchange& exchange, const Transfer& transfer, Reader& reader);
 
 /// One-way times in microseconds from publish() until the reader has taken the sample.
 std::vector<double> transfer_times(Contender contender, const Topic& topic, const Transfer& transfer);
 /// The same until the contender has called the reader. Both processes first call `enter`. The writer begins
-/// so long after both are matched.
+/// `connecting_us` after both are matched.
 std::vector<double> called_times(
     Contender contender, const Topic& topic, const Transfer& transfer,
     const std::function<void()>& enter = [] {}, std::int64_t connecting_us = 0);

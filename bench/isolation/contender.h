@@ -12,12 +12,12 @@ inline constexpr std::array all_middleware{Middleware::sft, Middleware::cyclone,
 
 struct Contender {
   Middleware middleware{};
-  bool reliable = false;  ///< the delivery to all readers
+  bool reliable = false;  ///< true: delivery to all readers is reliable
 
   friend auto operator<=>(const Contender&, const Contender&) = default;
 };
 
-/// The name with the delivery: "Cyclone DDS, reliable".
+/// Returns the name with the kind of delivery: "Cyclone DDS, reliable".
 inline std::string name_of(const Contender& contender) {
   constexpr std::array names{"SFT", "Cyclone DDS", "Fast DDS"};
   return names[static_cast<std::size_t>(contender.middleware)] +

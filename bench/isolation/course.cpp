@@ -18,7 +18,7 @@ namespace {
 constexpr double timeout_s = 20;
 constexpr double recovery_s = 2;
 constexpr std::int64_t warm_up_us = 1'000'000;
-constexpr std::int64_t straggling_us = 500'000;  // for messages that arrive late
+constexpr std::int64_t straggling_us = 500'000;  // the time for late messages
 
 struct Watched {
   Phase phase;
@@ -35,19 +35,19 @@ void check(const Result<void>& done) {
   std::exit(1);
 }
 
-/// The link of the remote reader's host, which can become bad. Ends the program with a message where the
-/// system cannot do what is asked for.
+/// The link of the remote reader's host, which can be made bad. Ends the program with a message if the system
+/// cannot do what is asked for.
 class Link {
  public:
   Link(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t host)
       : network_(std::move(network)), host_(host) {}
 
-  /// The host loses `lossy_percent` of the packets that arrive, each by chance (nftables).
+  /// Makes the host lose `lossy_percent` of the arriving packets, chosen at random (nftables).
   void make_lossy() const;
-  /// The switch passes no more than `narrow_mbit_s` on to the host. It queues 50 ms of it, and drops the rest
+  /// Makes the switch pass at most `narrow_mbit_s` on to the host. It queues 50 ms of traffic, and drops more
   /// (the token bucket filter of tc).
   void make_narrow() const;
-  // These functions end that.
+  // The following functions undo that.
   void lose_nothing() const;
   void widen() const;
 
@@ -81,7 +81,7 @@ void Link::widen() const {
   check(network_->run_on_switch({"tc", "qdisc", "del", "dev", hosts::EmulatedNetwork::port(host_), "root"}));
 }
 
-/// What happens to the remote reader.
+/// Applies each phase to the remote reader.
 class Remote {
  public:
   Remote(Pipeline& pipeline, Link link) : pipeline_(pipeline), link_(std::move(link)) {}
@@ -94,7 +94,8 @@ class Remote {
     if (phase == Phase::killed) pipeline_.signal_remote(SIGKILL);
   }
 
-  /// Makes all well again, apart from death, and waits for a while until the reader gets new messages.
+  /// Restores normal conditions, except after the reader was killed. Then waits at most recovery_s until the
+  /// reader gets new messages.
   void end(Phase phase) {
     if (phase == Phase::alone || phase == Phase::again || phase == Phase::killed) return;
     if (phase == Phase::joined) warn_if_missing();

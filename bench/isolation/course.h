@@ -1,4 +1,4 @@
-// One round of one contender: all phases, one after the other.
+// One round of one contender: all phases one after the other.
 #pragma once
 
 #include <memory>
@@ -14,12 +14,12 @@ struct Scale {
   int rounds = 3;
   double phase_s = 3;  ///< the length of each phase
   double rate_hz = 20;
-  bool quick = false;  ///< best effort with SFT only
+  bool quick = false;  ///< true: best effort only with SFT
   std::vector<Middleware> middleware{all_middleware.begin(), all_middleware.end()};
 };
 
-/// Adds the observations of all phases to `results`. Adds nothing, and says so on the standard error, if the
-/// programs of one host do not find each other. `network` has two hosts.
+/// Adds the observations of all phases to `results`. If the programs of one host do not find each other, says
+/// so on the standard error and adds nothing. `network` has two hosts.
 void run_course(const Contender& contender, const std::shared_ptr<const hosts::EmulatedNetwork>& network,
                 const Scale& scale, Results& results);
 

@@ -1,7 +1,7 @@
-// Measures whether a remote reader disturbs the readers on the publisher's host: a camera and a lidar with
-// three local readers at 20 Hz, 6.3 MB, while a remote reader joins, stalls, loses packets, asks for
-// everything over a narrow link, and dies. SFT, Cyclone DDS and Fast DDS run one after the other. Hosts are
-// network namespaces with an MTU of 1500. The system chooses the cores.
+// Measures whether a remote reader disturbs the readers on the publisher's host. A camera and a lidar send
+// 6.3 MB at 20 Hz to three local readers. Meanwhile a remote reader joins, stalls, loses packets, asks for
+// everything over a narrow link, and is killed. SFT, Cyclone DDS and Fast DDS run one after the other. Hosts
+// are network namespaces with an MTU of 1500. The system chooses the cores.
 #include <fmt/format.h>
 
 #include <map>
@@ -20,7 +20,7 @@ namespace {
 using namespace sft::bench;
 using namespace sft::bench::isolation;
 
-constexpr unsigned shm_mebibytes = 1024;  // as on a usual robot: enough for all of sftd's default memory
+constexpr unsigned shm_mebibytes = 1024;  // enough for all of sftd's default memory, as on a usual robot
 
 const std::map<std::string, Middleware> middleware_by_option{
     {"sft", Middleware::sft}, {"cyclone", Middleware::cyclone}, {"fast_dds", Middleware::fast_dds}};
@@ -42,7 +42,7 @@ class Study {
       if (results_.has(contender)) fmt::print("{}", table(results_, contender));
     }
     fmt::print("\n");
-    std::fflush(stdout);  // otherwise each process that is forked later has a copy
+    std::fflush(stdout);  // otherwise each process that is forked later would have a copy
     return figures(results_, reliable);
   }
 

@@ -1,4 +1,4 @@
-// What was seen in one phase, and its summary over several rounds. Pure: nothing is run or read here.
+// What was observed in one phase, and its summary over several rounds. Pure: no process is run or read here.
 #pragma once
 
 #include <atomic>
@@ -9,22 +9,22 @@
 namespace sft::bench::isolation {
 
 inline constexpr std::size_t local_readers = 3;
-inline constexpr std::size_t remote_reader = local_readers;  ///< its place behind the local ones
+inline constexpr std::size_t remote_reader = local_readers;  ///< the index of the remote reader
 inline constexpr std::size_t messages_max = 8192;
 
-/// The notes of all processes of a run, in memory that they share. The index in an array is the number of a
-/// message. Numbers begin at 1.
+/// The notes of all processes of a run, in memory that they share. The index into an array is the number of a
+/// message, from 1.
 struct Board {
   std::atomic<std::size_t> ready{0};            ///< processes that are matched, without the remote reader
-  std::atomic<bool> begun{false};               ///< the publisher may write
-  std::atomic<std::uint64_t> written{0};        ///< the number of the last message whose turn has come
+  std::atomic<bool> begun{false};               ///< true: the publisher may write
+  std::atomic<std::uint64_t> written{0};        ///< the number of the last message that was due
   std::atomic<std::uint64_t> remote_latest{0};  ///< the greatest number that the remote reader has read
   std::atomic<bool> remote_matched{false};
   std::int64_t due_ns[messages_max] = {};
-  std::int64_t sent_ns[messages_max] = {};                        ///< before the call that writes
-  std::int64_t returned_ns[messages_max] = {};                    ///< after it; 0: it has not returned
-  std::int64_t page_faults[messages_max] = {};                    ///< of the publisher's thread in that call
-  std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: not read
+  std::int64_t sent_ns[messages_max] = {};                        ///< the time before the call that writes
+  std::int64_t returned_ns[messages_max] = {};                    ///< the time after it; 0: it still runs
+  std::int64_t page_faults[messages_max] = {};                    ///< page faults of the thread in that call
+  std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: the reader has not read the message
 };
 
 /// The messages of a phase: [first, end).
@@ -35,24 +35,24 @@ struct Numbers {
 
 struct Resources {
   double s = 0;
-  double local_cpu_s = 0;  ///< of the publisher and the local readers
+  double local_cpu_s = 0;  ///< processor time of the publisher and the local readers
   double remote_cpu_s = 0;
 };
 
 struct Observation {
-  std::vector<double> local_us{};  ///< from before the call that writes until a local reader has the message
-  std::vector<double> publish_us{};  ///< the time of that call
-  std::vector<double> late_us{};     ///< how much later than planned the publisher ran
-  std::int64_t page_faults = 0;      ///< of all these calls
-  std::size_t lost = 0;              ///< messages that a local reader did not get, counted for each reader
+  std::vector<double> local_us{};    ///< the times from before the writing call until a local reader has read
+  std::vector<double> publish_us{};  ///< the duration of that call
+  std::vector<double> late_us{};     ///< how much later than planned the publisher wrote
+  std::int64_t page_faults = 0;      ///< page faults in all these calls
+  std::size_t lost = 0;              ///< messages that a local reader missed, summed over the local readers
   std::size_t remote_received = 0;
   Resources resources{};
 };
 
 Observation observe(const Board& board, const Numbers& numbers, const Resources& resources);
 
-/// Quantiles of the rounds: the medians over the rounds, and the worst of all times. Not a number without
-/// times.
+/// Quantiles over several rounds: the medians of the rounds' quantiles, and the worst of all times. NaN
+/// without times.
 struct Times {
   double p50 = 0;
   double p99 = 0;
@@ -66,7 +66,7 @@ struct Summary {
   Times local{};
   Times publish{};
   double published_hz = 0;
-  double cpu_percent = 0;  ///< of one processor
+  double cpu_percent = 0;  ///< percent of one processor
   double remote_cpu_percent = 0;
   std::int64_t page_faults = 0;
   std::size_t lost = 0;
@@ -75,8 +75,8 @@ struct Summary {
 
 Summary summarize(const std::vector<Observation>& rounds);
 
-/// The next turn of a publisher after the one at `due_ns`. Turns that are over by `now_ns` are left out, so
-/// that a publisher that was held up does not write a burst.
+/// Returns when a publisher writes next after the turn at `due_ns`. Turns that have passed at `now_ns` are
+/// skipped, so that a delayed publisher does not write a burst.
 std::int64_t next_turn_ns(std::int64_t due_ns, std::int64_t now_ns, std::int64_t period_ns);
 
 }  // namespace sft::bench::isolation

@@ -1,5 +1,5 @@
 // The phases of a run: what happens to the remote reader while the readers on the publisher's host are
-// watched.
+// observed.
 #pragma once
 
 #include <array>
@@ -9,12 +9,12 @@ namespace sft::bench::isolation {
 
 enum class Phase {
   alone,    ///< there is no remote reader: the baseline
-  again,    ///< the same once more: its difference to the first time is noise
-  joined,   ///< the remote reader starts with the phase, and then reads everything
-  stalled,  ///< its process is stopped
-  lossy,    ///< it loses a fifth of the packets that are sent to it
-  narrow,   ///< it asks for everything over a link of 50 Mbit/s
-  killed    ///< its process is killed
+  again,    ///< the same again: the difference to the first time is noise
+  joined,   ///< the remote reader starts at the beginning of the phase, and then reads everything
+  stalled,  ///< the remote reader's process is stopped
+  lossy,    ///< the remote reader loses a fifth of the packets that are sent to it
+  narrow,   ///< the remote reader asks for everything over a link of 50 Mbit/s
+  killed    ///< the remote reader's process is killed
 };
 
 inline constexpr std::array all_phases{Phase::alone, Phase::again,  Phase::joined, Phase::stalled,
@@ -22,7 +22,7 @@ inline constexpr std::array all_phases{Phase::alone, Phase::again,  Phase::joine
 inline constexpr std::array disturbances{Phase::joined, Phase::stalled, Phase::lossy, Phase::narrow,
                                          Phase::killed};
 
-/// The name in tables and figures: "joined".
+/// Returns the name in tables and figures: "joined".
 inline std::string name_of(Phase phase) {
   constexpr std::array names{"alone", "again", "joined", "stalled", "lossy", "narrow", "killed"};
   return names[static_cast<std::size_t>(phase)];

@@ -24,16 +24,16 @@ Topic topic_of(const char* name, const Contender& contender) {
   return {.name = name, .bulk_bytes = sent_cloud_bytes, .reliable = contender.reliable, .depth = depth};
 }
 
-/// Opens the contender with its default settings. SFT has shared memory within the host, and so has Fast DDS;
-/// Cyclone DDS has UDP there, too. The hosts have a network of their own each, and one memory together, in
-/// which a remote reader must not look for samples.
+/// Opens the contender with its default settings. Within the host, SFT and Fast DDS use shared memory, and
+/// Cyclone DDS uses UDP. The emulated hosts have separate networks, but the same memory, in which a remote
+/// reader must not look for samples.
 std::unique_ptr<Peer> open(Middleware middleware, bool is_remote) {
   if (middleware == Middleware::sft) return is_remote ? sft_usual_peer() : sft_local_peer();
   if (middleware == Middleware::cyclone) return cyclone_usual_peer();
   return is_remote ? fast_dds_usual_peer() : fast_dds_local_peer();
 }
 
-/// The page faults of the calling thread so far: memory that its process uses for the first time.
+/// Returns the page faults of the calling thread so far: memory that its process used for the first time.
 std::int64_t page_faults() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
@@ -44,8 +44,8 @@ std::int64_t page_faults() {
   for (;;) pause();
 }
 
-/// Lets all other processes run first. The remote host has processors of its own in reality, which this
-/// machine cannot have.
+/// Lets all other processes run first. A real remote host has processors of its own, which this machine
+/// cannot provide.
 void yield_to_others() {
   const sched_param parameters{};
   sched_setscheduler(0, SCHED_IDLE, &parameters);
@@ -119,7 +119,7 @@ int Pipeline::read_all(std::size_t reader) const {
   stay();
 }
 
-/// One thread at a time calls back for a topic, so that no two threads note the same message.
+/// Only one thread at a time calls back for a topic, so that no two threads note the same message.
 Arrived Pipeline::note_arrivals(std::size_t reader) const {
   return [this, reader](std::uint64_t number) {
     if (number >= messages_max) return;

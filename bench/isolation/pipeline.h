@@ -1,5 +1,5 @@
 // The processes of one contender: the sensors' program and three readers on host 0, and a reader on host 1.
-// There are two topics, "camera" and "lidar", which carry samples of 6.3 MB in turns. Each reader reads both.
+// The topics "camera" and "lidar" carry samples of 6.3 MB in turns. Each reader reads both topics.
 #pragma once
 
 #include <sys/types.h>
@@ -21,18 +21,18 @@ class Pipeline {
  public:
   static constexpr std::size_t remote_host = 1;
 
-  /// Starts all but the remote reader.
+  /// Starts all processes but the remote reader.
   Pipeline(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, double rate_hz);
 
   bool is_ready() const { return board_->ready.load() == 1 + local_readers; }
   void begin() { board_->begun = true; }
 
   void start_remote();
-  /// Sends the remote reader's process a signal. REQUIRES: it was started.
+  /// Sends a signal to the remote reader's process. REQUIRES: the process was started.
   void signal_remote(int signal) const;
 
   const Board& board() const { return *board_; }
-  /// The time, and the processor time that the processes have used so far.
+  /// Returns the time, and the processor time that the processes have used so far.
   Resources resources() const;
 
  private:
@@ -46,7 +46,7 @@ class Pipeline {
   const Shared<Board> board_;
   HostProcesses processes_;
   std::array<pid_t, 1 + local_readers> local_{};
-  pid_t remote_ = 0;  ///< 0: it was not started
+  pid_t remote_ = 0;  ///< 0: the process was not started
 };
 
 }  // namespace sft::bench::isolation

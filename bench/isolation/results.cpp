@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* without = "without the remote reader";
 
-/// In ms, "1.23 (1.02)", or "none".
+/// Formats times in ms: "1.23 (1.02)", where the second number is the ratio, or "none".
 std::string beside(double us, double baseline_us) {
   if (std::isnan(us)) return "none";
   if (std::isnan(baseline_us)) return fmt::format("{:.2f}", us / 1000);
@@ -61,7 +61,7 @@ std::vector<Figure> figures_of(const Results& results, const Contender& contende
   return figures;
 }
 
-/// The baseline's second half beside its first half: a ratio that is due to nothing but noise.
+/// The second part of the baseline relative to its first part: a ratio that is due to noise only.
 Figure noise(const Results& results, const Contender& contender, const std::string& prefix) {
   Figure figure = p99(prefix + "_again_local_p99" + suffix(contender.middleware),
                       results.of(contender, Phase::again).local, results.of(contender, Phase::alone).local);

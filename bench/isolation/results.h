@@ -1,4 +1,5 @@
-// The observations of a benchmark, and what it says of them. Pure.
+// The observations of a benchmark, and the tables and figures made from them. Pure: no process is run or read
+// here.
 #pragma once
 
 #include <map>
@@ -13,7 +14,7 @@
 namespace sft::bench::isolation {
 
 inline constexpr double local_ratio_max =
-    1.1;  ///< of the p99 of local readers to that without the remote one
+    1.1;  ///< the maximum ratio of the p99 of local readers to that without the remote reader
 
 class Results {
  public:
@@ -24,22 +25,22 @@ class Results {
   Summary of(const Contender& contender, Phase phase) const;
   /// Returns the summary of all rounds without a remote reader. REQUIRES: has(contender).
   Summary baseline(const Contender& contender) const;
-  /// How much later than planned publishers ran, for each message.
+  /// Returns how much later than planned publishers wrote, for each message.
   std::vector<double> late_us() const;
 
  private:
   std::map<Contender, std::map<Phase, std::vector<Observation>>> observations_;
 };
 
-/// Explains the columns of table().
+/// Returns an explanation of the columns of table().
 std::string legend();
 
-/// A line for each phase. Behind each time is its ratio to that without the remote reader.
+/// Returns a row for each phase. Each time is followed by its ratio to the time without the remote reader.
 std::string table(const Results& results, const Contender& contender);
 
-/// For each disturbance the p99 of the local readers and of publish(), lost messages and processor time of
-/// SFT, each with the baseline as its reference, and the p99 of the others. "isolation_joined_local_p99" is a
-/// name; with best effort it is "isolation_best_effort_joined_local_p99".
+/// Returns the figures of each disturbance. For SFT these are the p99 of the local readers and of publish(),
+/// lost messages and processor time, with the baseline as reference; for other contenders the p99 only. A
+/// name is "isolation_joined_local_p99"; with best effort it is "isolation_best_effort_joined_local_p99".
 std::vector<Figure> figures(const Results& results, bool reliable);
 
 }  // namespace sft::bench::isolation

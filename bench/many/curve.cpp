@@ -12,7 +12,7 @@ namespace sft::bench {
 
 namespace {
 
-/// Costs that do not grow have exponents near 0, of which neither a ratio nor a bar says anything.
+/// Costs that do not grow have exponents near 0. Neither a ratio nor a bar of these has a meaning.
 constexpr const char* unit_of_exponents = "exponent";
 
 std::string cell(double value) { return fmt::format(" {:>13.{}f}", value, std::abs(value) < 100 ? 2 : 0); }

@@ -1,4 +1,4 @@
-// Costs at several sizes, with the exponents with which they grow, of SFT beside Cyclone DDS.
+// Costs at several sizes, and the exponents with which they grow, of SFT compared with Cyclone DDS.
 #pragma once
 
 #include <cstddef>
@@ -11,9 +11,9 @@
 
 namespace sft::bench {
 
-/// The exponent p of the law cost = a * size^p that fits pairs of a size and its cost best: the slope of
-/// least squares of their logarithms. Not a number with fewer than two pairs above 0 of different sizes;
-/// pairs that are not above 0 do not count.
+/// Returns the exponent p of the law cost = a * size^p that fits the pairs of size and cost best: the slope
+/// of least squares of their logarithms. Pairs with a number that is not above 0 are ignored. Returns NaN if
+/// fewer than two pairs of different sizes remain.
 double exponent(const std::vector<std::pair<double, double>>& costs);
 
 class Curve {
@@ -23,19 +23,19 @@ class Curve {
     std::string unit;
   };
 
-  /// `reference`: what the costs are compared with.
+  /// `reference` names what the costs are compared with.
   Curve(std::string name, std::vector<std::size_t> sizes, std::vector<Cost> costs,
         std::string reference = "Cyclone DDS");
 
-  /// Adds a round at one of the sizes. There is a value for each cost, which is not a number if it was not
-  /// measured.
+  /// Adds a round at one of the sizes. `values` has a value for each cost: NaN if it was not measured.
   void add_ours(std::size_t size, const std::vector<double>& values);
   void add_reference(std::size_t size, const std::vector<double>& values);
 
-  /// NAME_SIZE_COST, the medians, and NAME_exponent_COST. An exponent is that of the sizes that both
-  /// contenders have carried, so that both exponents are of the same range.
+  /// Returns the medians, NAME_SIZE_COST, and the exponents, NAME_exponent_COST. Exponents are computed from
+  /// the sizes that both contenders have managed, so that both exponents have the same range.
   std::vector<Figure> figures() const;
-  /// The same figures, a row for each cost and contender, and a column for each size and for the exponent.
+  /// Returns the same figures as a table: a row for each cost and contender, a column for each size and for
+  /// the exponent.
   std::string table() const;
   /// Prints the table, and returns the figures.
   std::vector<Figure> report() const;
@@ -47,7 +47,7 @@ class Curve {
   std::vector<std::size_t> sizes_;
   std::vector<Cost> costs_;
   std::string reference_;
-  std::vector<std::vector<Tally>> tallies_;  ///< of each cost, at each size
+  std::vector<std::vector<Tally>> tallies_;  ///< one tally for each cost and each size
 };
 
 }  // namespace sft::bench

@@ -1,4 +1,4 @@
-// A publisher and its readers, one node in each process, which start at once, and stay.
+// A publisher and its readers, each a node in a process of its own. They start together, and keep running.
 #pragma once
 
 #include <unistd.h>
@@ -22,7 +22,8 @@ class Gathering {
       processes_.start(processes_.host_of_reader(i), [&] { return be_reader(); });
   }
 
-  /// Waits until all are matched. If they are not in time, says so, and returns false.
+  /// Waits until all nodes are matched. After the timeout it reports that on the standard error, and returns
+  /// false.
   bool wait(double timeout_s) {
     if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, timeout_s)) {
       std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", member_.name,
@@ -32,13 +33,13 @@ class Gathering {
     }
     return true;
   }
-  /// The time from the start until the last one was matched, or until the timeout was over.
+  /// Returns the time from the start until the last node was matched, or until the timeout.
   double seconds() const { return static_cast<double>(board_->last_ns.load() - begin_ns_) / 1e9; }
   const HostProcesses& processes() const { return processes_; }
 
  private:
   static constexpr std::int64_t pause_us =
-      5000;  // more would be seen in the time, less in the processor time
+      5000;  // a longer pause would distort the time, a shorter one the processor time
 
   struct Board {
     std::atomic<std::size_t> matched{0};

@@ -1,7 +1,7 @@
-// Measures how costs grow with the number of nodes, each of which has ten endpoints. Nodes form a ring: each
-// one subscribes to the five topics of the next one, which runs on another host, so that the number of pairs
-// that match grows no faster than the number of nodes. Node 0 has a host to itself; all others are in up to
-// eight processes on as many hosts.
+// Measures how costs grow with the number of nodes, each of which has ten endpoints. The nodes form a ring:
+// each one subscribes to the five topics of the next one, which runs on another host. So the number of
+// matching pairs grows only as fast as the number of nodes. Node 0 has a host to itself. All others are in up
+// to eight processes on as many hosts.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -27,11 +27,11 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::size_t topics = 5;  // that each node publishes, and as many it subscribes to
+constexpr std::size_t topics = 5;  // topics that each node publishes, and to which it subscribes
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// The time that a contender may take for all sizes, or for each one if crowds stay together, and the part of
-/// it in which idle nodes are watched.
+/// `all_s` is the time limit of a contender for all sizes together, or for each size if rings keep running.
+/// Nodes are idle for `settled_s` before they are observed for `window_s`.
 struct Times {
   double all_s, settled_s, window_s;
 };
@@ -53,7 +53,7 @@ class RingNode {
   bool matched() const {
     return hears_all() && std::ranges::all_of(writers_, [](const auto& writer) { return writer->serves(1); });
   }
-  /// True if each topic that it subscribes to has a publisher.
+  /// Returns true if each topic to which the node subscribes has a publisher.
   bool hears_all() const {
     return std::ranges::all_of(readers_, [](const auto& reader) { return reader->writers() == 1; });
   }
@@ -67,10 +67,10 @@ class RingNode {
 struct Board {
   std::atomic<std::size_t> matched{0};
   std::atomic<std::int64_t> last_ns{0};
-  std::atomic<std::int64_t> newcomer_ns{0};  ///< when the newcomer heard all that it subscribes to
+  std::atomic<std::int64_t> newcomer_ns{0};  ///< when the newcomer knew a publisher of each of its topics
 };
 
-/// Many nodes in a process have many sockets.
+/// Raises the limit of descriptors: many nodes in a process have many sockets.
 void allow_descriptors() {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
@@ -78,7 +78,7 @@ void allow_descriptors() {
   setrlimit(RLIMIT_NOFILE, &limit);
 }
 
-/// The numbers of the nodes of a host.
+/// Returns the numbers of the nodes on a host.
 std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
   std::vector<std::size_t> numbers;
   if (host == 0) numbers.push_back(0);
@@ -86,8 +86,8 @@ std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
   return numbers;
 }
 
-/// The pause between two looks whether a node is matched: a longer one would be seen in the time of few
-/// nodes, a shorter one in the processor time of many.
+/// Returns the pause between two checks whether a node is matched. A longer pause would distort the time of
+/// few nodes, a shorter one the processor time of many nodes.
 std::int64_t pause_us(std::size_t nodes) { return nodes > 32 ? 50'000 : 5'000; }
 
 int be_some_nodes(const Member& member, Board& board, const std::vector<std::size_t>& numbers,
@@ -104,7 +104,7 @@ int be_some_nodes(const Member& member, Board& board, const std::vector<std::siz
   for (;;) pause();
 }
 
-/// One more node, in a process of its own. It subscribes to the topics of node 0.
+/// Runs one more node in a process of its own, which subscribes to the topics of node 0.
 int be_a_newcomer(const Member& member, Board& board, std::size_t nodes) {
   const RingNode node(member, nodes, 0);
   while (!node.hears_all()) sleep_us(1000);
@@ -114,7 +114,7 @@ int be_a_newcomer(const Member& member, Board& board, std::size_t nodes) {
 
 double megabytes(const LinkBytes& bytes) { return static_cast<double>(bytes.sent) / 1e6; }
 
-/// Nodes that start at once, and stay.
+/// Nodes that start together, and keep running.
 class Ring {
  public:
   Ring(const Member& member, std::size_t nodes)
@@ -124,7 +124,7 @@ class Ring {
                        [&, host] { return be_some_nodes(member, *board_, nodes_of(host, nodes), nodes); });
   }
 
-  /// Returns the costs of joining; nothing if not all are matched in time.
+  /// Returns the costs of joining; nothing if not all nodes are matched in time.
   std::optional<std::vector<double>> join(double timeout_s) const {
     if (wait_until([&] { return board_->matched == nodes_; }, timeout_s))
       return std::vector{static_cast<double>(board_->last_ns - begin_ns_) / 1e9,
@@ -136,7 +136,8 @@ class Ring {
                processes_.cpu_s());
     return std::nullopt;
   }
-  /// Returns the time from the start of one more process until its node hears all that it subscribes to.
+  /// Returns the time from the start of one more process until its node knows a publisher of each of its
+  /// topics.
   double newcomer_s(double timeout_s) {
     const std::int64_t begin_ns = now_ns();
     processes_.start(1, [&] { return be_a_newcomer(member_, *board_, nodes_); });
@@ -153,7 +154,7 @@ class Ring {
   const std::int64_t begin_ns_;
 };
 
-/// The bytes that node 0 of each crowd receives in a second.
+/// Returns the bytes per second that node 0 of each ring receives.
 std::vector<double> received_per_s(const std::vector<const HostProcesses*>& crowds, double seconds) {
   std::vector<double> bytes;
   for (const HostProcesses* processes : crowds)
@@ -168,7 +169,7 @@ std::vector<double> received_per_s(const std::vector<const HostProcesses*>& crow
 
 using Add = void (Curve::*)(std::size_t size, const std::vector<double>& values);
 
-/// Adds the costs at each size, up to the first one that this machine does not carry.
+/// Adds the costs at each size, up to the first size that this machine does not manage.
 void measure_alone(const Member& member, Curve& curve, const std::vector<std::size_t>& sizes,
                    const Times& times, Add add) {
   const std::int64_t begin_ns = now_ns();
@@ -187,14 +188,14 @@ void measure_alone(const Member& member, Curve& curve, const std::vector<std::si
   }
 }
 
-/// Rings of one contender, which stay while others join.
+/// The rings of one contender, which keep running while others join.
 struct Rings {
   void add(std::size_t nodes, double timeout_s) {
     rings.push_back(std::make_unique<const Ring>(member, nodes));
     costs.push_back(rings.back()->join(timeout_s).value_or(std::vector(3, unknown)));
   }
 
-  /// The costs of a ring that has received so many bytes in a second.
+  /// Returns the costs of a ring that has received this number of bytes per second.
   std::vector<double> all_costs(std::size_t ring, double received_per_s) const {
     std::vector<double> all = costs[ring];
     all.push_back(std::isfinite(all[0]) ? received_per_s : unknown);
@@ -206,8 +207,8 @@ struct Rings {
   std::vector<std::vector<double>> costs{};
 };
 
-/// All rings are idle, and are watched, in the same seconds. Those that are there already take some time of
-/// the processors while others join, so that the contenders take turns at joining first.
+/// All rings are idle and observed in the same seconds. Rings that exist already use some processor time
+/// while others join. So the contenders take turns at joining first.
 void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, int round) {
   Rings ours{sft_member}, theirs{cyclone_member};
   for (const std::size_t nodes : sizes) {
@@ -230,7 +231,7 @@ void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const
 
 const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
 
-/// Returns the costs of a ring, and the time that one more node takes.
+/// Returns the costs of a ring, and that of one more node.
 std::vector<Curve::Cost> costs_of_growth() {
   std::vector<Curve::Cost> costs = costs_of_ring;
   costs.push_back({"newcomer", "s"});

@@ -12,7 +12,7 @@ struct Idle {
   Tally received, sent, cpu_percent, resident_mb, anonymous_mb;
 };
 
-/// The costs of a crowd up to a moment.
+/// The costs of a group of processes up to a moment.
 struct Moment {
   explicit Moment(const HostProcesses& processes)
       : at_ns(now_ns()), link(processes.link_bytes()), cpu_s(processes.cpu_s()) {}
@@ -37,7 +37,7 @@ void note(const HostProcesses& processes, const Moment& before, void (Tally::*ad
 
 }  // namespace
 
-/// All crowds are idle, and are measured, in the same seconds, since they hardly take any time of the
+/// All groups of processes are idle, and are measured in the same seconds, since they hardly use the
 /// processors.
 std::vector<Figure> idle(const ManyScale& scale) {
   Gathering ours(sft_member, 31, emulated_hosts);

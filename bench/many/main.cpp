@@ -1,5 +1,5 @@
-// Measures how costs grow with readers, masks, nodes, fields and the size of samples, beside Cyclone DDS and
-// raw sockets in the same run.
+// Measures how costs grow with readers, masks, nodes, fields and the size of samples, compared with Cyclone
+// DDS and raw sockets in the same run.
 // Hosts are network namespaces with an MTU of 1500. Unless a group says otherwise, the system chooses the
 // cores of the processes.
 #include "bench/common/program.h"

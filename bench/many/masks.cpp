@@ -1,4 +1,4 @@
-// Measures what readers with different masks cost.
+// Measures the costs of readers with different masks.
 #include "bench/common/cloud_masks.h"
 #include "bench/many/many.h"
 #include "bench/many/sample_costs.h"
@@ -13,7 +13,7 @@ constexpr std::size_t data_bytes = 16'000;
 struct Tallies {
   Tally bytes, publisher_cpu, subscriber_cpu, settled;
 
-  /// Runs both contenders at the same time, which bytes do not depend on.
+  /// Runs both contenders at the same time, since that does not influence bytes.
   void run_for_bytes(const Case& of, int rounds) {
     for (int round = 0; round < rounds; ++round) {
       SampleCosts ours(sft_member, of);
@@ -41,9 +41,9 @@ Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t sampl
           .period_us = 50'000};
 }
 
-/// So many take 8.5 s. What goes on beside samples is processor time of a node, too: Cyclone DDS renews its
-/// leases every 8 s, all nodes at once, which half as many samples would meet or miss by chance. A node of
-/// SFT says once a second that it lives.
+/// This number of samples takes 8.5 s. The processor time of a node includes its control traffic. Cyclone
+/// DDS renews the leases of all nodes at once every 8 s: half as many samples would include a renewal or not,
+/// by chance. A node of SFT sends a heartbeat every second.
 constexpr std::uint64_t samples_of_a_period = 170;
 
 /// Returns the fields that a map, a display and a monitor may need. Two of them need the data, and all of

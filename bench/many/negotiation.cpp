@@ -1,4 +1,4 @@
-// Takes figures of bench/negotiation, with the bounds of this benchmark.
+// Includes figures of bench/negotiation, with the bounds of this benchmark.
 #include "bench/negotiation/negotiation.h"
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Measures the way from publish to callback between two hosts that sleep in between: of large samples the
-// worst, and of small ones the median. Of small ones, also measures the processor time that they take.
+// Measures the time from publish to callback between two hosts that sleep in between: the worst time of large
+// samples, and the median of small ones. For small samples, also measures their processor time.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -37,7 +37,7 @@ struct Contest {
   Figure figure() const { return tally.figure(name, "us", rival_name, bound); }
 };
 
-/// The processor time of a sample, both sides together.
+/// The processor time of a sample, of both sides together.
 struct CpuContest {
   std::string rate;
   Paced paced;
@@ -60,7 +60,7 @@ struct CpuContest {
 
 std::vector<Figure> worst_large(const ManyScale& scale) {
   const TwoHosts hosts(Trains::whole);
-  // The first tenth of 27 does not count.
+  // The first tenth of 27 messages is not counted.
   Contest contest{.name = "worst_6.3MB",
                   .paced = {.topic = {.bulk_bytes = 6'300'000}, .messages = 27, .period_us = 100'000},
                   .rival = raw_tcp_peer,

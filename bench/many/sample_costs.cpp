@@ -25,7 +25,7 @@ Topic topic_of(const Case& of) {
   return topic;
 }
 
-/// The resources that were used so far.
+/// The resources that have been used so far.
 struct Used {
   double s = 0, bytes = 0, publisher_s = 0, readers_s = 0;
 
@@ -62,13 +62,13 @@ class Publishing {
   static constexpr std::int64_t settling_period_us = 20'000;
   static constexpr std::int64_t settled_bytes_per_s = 50'000;
   static constexpr double calming_s = 20;
-  static constexpr double arriving_at_least = 0.95;  // of all samples, since the network loses none
-  static constexpr double arriving_s = 0.2;          // after which a sample is lost
+  static constexpr double arriving_at_least = 0.95;  // share of all samples; the network loses none
+  static constexpr double arriving_s = 0.2;          // a sample counts as lost after this time
   static constexpr double arriving_reliably_s = 20;
 
   bool all_matched() const { return board_.matched.load() == matched_ && writer_->serves(case_.readers); }
 
-  /// Waits until discovery is over, as far as its traffic shows.
+  /// Waits until discovery has ended, judged by its traffic.
   void wait_until_settled() const {
     const std::int64_t end = now_ns() + static_cast<std::int64_t>(calming_s * 1e9);
     while (now_ns() < end) {
@@ -81,7 +81,7 @@ class Publishing {
     }
   }
 
-  /// Publishes while readers come, and for a while after that.
+  /// Publishes while readers match, and for a while after that.
   bool settle() {
     std::vector<Counted> samples;
     const std::int64_t begin = now_ns();
@@ -98,7 +98,7 @@ class Publishing {
     return matched_ns != 0;
   }
 
-  /// A sample waits until the one before has arrived.
+  /// Sends samples one by one: each waits until the previous one has arrived.
   void send(std::uint64_t samples) {
     const double timeout_s = case_.topic.reliable ? arriving_reliably_s : arriving_s;
     for (std::uint64_t i = 0; i < samples; ++i) {
@@ -147,8 +147,8 @@ class Publishing {
 
   Board& board_;
   const Case& case_;
-  std::size_t matched_ = 0;  ///< the board's count when all readers of this phase are matched
-  Costs* costs_ = nullptr;   ///< of this phase
+  std::size_t matched_ = 0;  ///< the board's count when all readers of the present phase are matched
+  Costs* costs_ = nullptr;   ///< the costs of the present phase
   const char* const name_;
   const std::unique_ptr<Peer> peer_;
   const std::unique_ptr<Writer> writer_;

@@ -1,6 +1,6 @@
-// Measures what a sample costs that a publisher sends many readers: bytes that leave the publisher's host,
-// processor time, and latency. The bytes of the same nodes without samples are taken off; the processor time
-// is all that they took.
+// Measures what a sample to many readers costs: bytes that leave the publisher's host, processor time, and
+// latency. The bytes that the same nodes send without samples are subtracted. The processor time is not
+// reduced.
 #pragma once
 
 #include <array>
@@ -19,14 +19,13 @@ namespace sft::bench {
 struct Case {
   std::size_t readers;
   std::size_t hosts;
-  Topic topic;                 ///< with messages
-  std::vector<Fields> phases;  ///< what the same readers ask for, one after the other
-  double settling_s;  ///< for which samples are sent until the bytes settle; 0: it does not wait for that
+  Topic topic;                 ///< a topic with messages
+  std::vector<Fields> phases;  ///< the fields for which the same readers ask, one phase after the other
+  double settling_s;           ///< the time for the bytes to settle while samples are sent; 0: none
   std::uint64_t samples;
   std::int64_t period_us;
-  std::int64_t settled_us =
-      1'000'000;              ///< a time in which discovery sends next to nothing is a sign of its end
-  std::uint64_t warming = 0;  ///< samples that do not count
+  std::int64_t settled_us = 1'000'000;  ///< discovery has ended if it sends next to nothing for this time
+  std::uint64_t warming = 0;            ///< samples that are not counted
 };
 
 /// The costs of a sample.
@@ -36,29 +35,29 @@ struct Costs {
   double bytes = unknown;
   double publisher_cpu_us = unknown;
   double subscriber_cpu_us = unknown;
-  double latency_us = unknown;  ///< the median of all samples at all readers
+  double latency_us = unknown;  ///< the median over all samples and readers
   double settled_ms = unknown;
 };
 
-/// One case with one contender. It begins at once, and goes on until wait().
+/// One case with one contender. It starts at once, and ends in wait().
 class SampleCosts {
  public:
   SampleCosts(const Member& member, const Case& of);
 
-  /// The costs of each phase.
+  /// Waits for the end, and returns the costs of each phase.
   std::vector<Costs> wait();
 
-  // For the processes of the crowd.
+  // The following members are for the processes of the case.
 
   static constexpr std::size_t readers_max = 64, phases_max = 4, arrivals_max = 16'384;
 
   struct Board {
     std::atomic<std::size_t> knowing{0};       ///< readers' nodes that know the publisher
-    std::array<Signal, readers_max> go;        ///< a reader begins the next phase
-    std::atomic<std::size_t> matched{0};       ///< readers, in all phases together
+    std::array<Signal, readers_max> go;        ///< tells a reader to begin the next phase
+    std::atomic<std::size_t> matched{0};       ///< the number of matched readers, summed over all phases
     std::atomic<std::int64_t> sent_ns{0};      ///< when the last sample was sent
-    std::atomic<std::uint64_t> received{0};    ///< samples that all readers together have received
-    std::array<double, arrivals_max> us = {};  ///< that each of them took, in a ring
+    std::atomic<std::uint64_t> received{0};    ///< samples that all readers have received, together
+    std::array<double, arrivals_max> us = {};  ///< the latency of each received sample, in a ring
     std::array<pid_t, readers_max> readers = {};
     std::array<Costs, phases_max> costs;
 

@@ -9,7 +9,8 @@ namespace sft::bench {
 namespace {
 
 constexpr double allowed = 0.05;
-constexpr std::size_t window = 5;  // samples; control traffic that falls into one of them does not count
+constexpr std::size_t window =
+    5;  // samples in a mean, so that control traffic during one has little influence
 
 double bytes_per_sample(const std::vector<Counted>& samples, std::size_t first, std::size_t last) {
   return static_cast<double>(samples[last].bytes - samples[first].bytes) / static_cast<double>(last - first);

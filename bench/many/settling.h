@@ -1,4 +1,4 @@
-// Finds out when the bytes of a sample have settled, from the bytes that were counted at each sample.
+// Determines when the bytes of a sample have settled, from the bytes that were counted at each sample.
 #pragma once
 
 #include <cstdint>
@@ -6,15 +6,15 @@
 
 namespace sft::bench {
 
-/// Bytes that the host had sent just before a sample was published.
+/// The bytes that the host had sent just before a sample was published.
 struct Counted {
   std::int64_t at_ns = 0;
   std::int64_t bytes = 0;
 };
 
-/// The time in milliseconds from `begin_ns` until the mean of the following samples stays within 5 % of the
-/// final figure, which is the mean of the last half of all samples. 0 if it was so before; not a number if
-/// there are too few samples to tell.
+/// Returns the time in milliseconds from `begin_ns` until the mean of the following samples stays within 5 %
+/// of the final value, which is the mean of the last half of all samples. Returns 0 if it did so before, and
+/// NaN if there are too few samples.
 double settled_ms(const std::vector<Counted>& samples, std::int64_t begin_ns);
 
 }  // namespace sft::bench

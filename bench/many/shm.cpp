@@ -16,7 +16,7 @@ using std::chrono::microseconds;
 
 constexpr std::int64_t period_us = 5000;  // 200 Hz
 
-/// The writer sleeps, too.
+/// Sends samples; the writer sleeps in between, too.
 void send_slowly(Exchange& exchange, const Topic& topic, std::uint64_t messages) {
   const auto peer = sft_memory_peer();
   const auto writer = peer->writer(topic);
@@ -29,7 +29,7 @@ void send_slowly(Exchange& exchange, const Topic& topic, std::uint64_t messages)
   exchange.failed = exchange.failed || !exchange.wait_for_receipt(messages);
 }
 
-/// The median time until wait() has returned and the sample is taken.
+/// Returns the median time until wait() has returned and the sample is taken.
 double wait_us(std::optional<microseconds> spin, std::uint64_t messages) {
   const Topic topic{.reliable = false, .spin = spin};
   return median_if_any(run_pair({.sender = [&](Exchange& e) { send_slowly(e, topic, messages); },
@@ -59,11 +59,11 @@ std::vector<Figure> shm_publish(const ManyScale& scale) {
           medium.figure("shm_publish_16kB", "us", "iceoryx WaitSet", 1.2)};
 }
 
-/// The noise is the largest difference between two rounds of the default.
+/// Compares values of `spin`. The noise is the largest difference between two rounds of the default.
 std::vector<Figure> shm_wait(const ManyScale& scale) {
   constexpr std::array spins{microseconds(0), microseconds(5), microseconds(50), microseconds(200)};
   const std::uint64_t messages = scale.quick ? 60 : 400;
-  const int rounds = std::max(scale.rounds, 2);  // one round has no noise to tell
+  const int rounds = std::max(scale.rounds, 2);  // the noise cannot be estimated from one round
   std::vector<double> usual;
   std::array<std::vector<double>, spins.size()> fixed;
   for (int round = 0; round < rounds; ++round) {

@@ -1,4 +1,4 @@
-// The results of one figure over the rounds.
+// The results of one figure over several rounds.
 #pragma once
 
 #include <optional>
@@ -11,11 +11,12 @@ namespace sft::bench {
 
 class Tally {
  public:
-  // A result that is not a number is that of a round that failed, and does not count.
+  // NaN is the result of a round that failed, and is ignored.
   void add_ours(double value) { add(value, ours_); }
   void add_reference(double value) { add(value, reference_); }
 
-  /// The medians, and the worst round, which is the largest value or, with `at_least`, the smallest one.
+  /// Returns the medians, and the worst round, which is the largest value or, with `at_least`, the smallest
+  /// one.
   Figure figure(const std::string& name, const std::string& unit, const std::string& reference_name,
                 std::optional<double> bound, bool at_least = false) const;
   /// Returns the same figure with a bound for the value.

@@ -17,10 +17,10 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t medium_bytes = 16'000;
-constexpr std::size_t datagram_bytes = 1472;  // that fit into an MTU of 1500
+constexpr std::size_t datagram_bytes = 1472;  // the payload at an MTU of 1500
 constexpr core::EndpointId writer = 1;
 
-/// An encoded cloud, as a publisher hands it to the transport.
+/// An encoded cloud, as a publisher passes it to the transport.
 struct Encoded {
   explicit Encoded(std::size_t data_bytes) : sample(cloud(data_bytes)) {
     const auto body = sample.body().first(sample.state().body_bytes);
@@ -49,7 +49,7 @@ Operation fragmenting(const std::string& name, std::size_t data_bytes) {
           })};
 }
 
-/// Receives the datagrams of one sample again and again, each time as those of the next sample.
+/// Receives the datagrams of one sample repeatedly, each time as those of the next sample.
 class Receiver {
  public:
   explicit Receiver(std::size_t data_bytes)

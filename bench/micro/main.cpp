@@ -1,4 +1,4 @@
-// Times the operations of the data path alone, on one core, as ratios to copies of memory in the same run.
+// Measures the single operations of the data path on one core, relative to copies of memory in the same run.
 #include <fmt/format.h>
 
 #include <algorithm>

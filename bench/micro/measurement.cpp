@@ -13,10 +13,10 @@ namespace sft::bench::micro {
 
 namespace {
 
-/// The times of each benchmark, by repetition.
+/// The times of each benchmark's repetitions.
 using Times = std::map<std::string, std::vector<double>>;
 
-/// Keeps the times and prints nothing.
+/// Collects the times, and prints nothing.
 class Collector : public benchmark::BenchmarkReporter {
  public:
   bool ReportContext(const Context&) override { return true; }
@@ -47,7 +47,7 @@ void enlist(const std::string& name, const Batch& batch, const Scale& scale) {
 
 std::string copy_of(std::size_t bytes) { return "memcpy_" + std::to_string(bytes); }
 
-/// Where a copy begins within a cache line decides how long a short one takes.
+/// The position within a cache line at which a copy begins affects the time of a short copy.
 struct alignas(64) CacheLine {
   std::byte bytes[64];
 };
@@ -59,7 +59,7 @@ Batch copying(std::size_t bytes) {
   return batch_of([from, to, bytes] { std::memcpy(to->data(), from->data(), bytes); });
 }
 
-/// Google Benchmark takes settings for all benchmarks as a command line.
+/// Passes settings to Google Benchmark, which takes them for all benchmarks as a command line.
 void set_up() {
   static bool done = false;
   if (std::exchange(done, true)) return;

@@ -25,7 +25,7 @@ class Topic {
     if (negotiation_.serving(writer_).network.size() != readers) std::abort();
   }
 
-  /// The readers take turns, and ask for other fields each time.
+  /// Makes the next reader ask for other fields. The readers take turns.
   void change_a_request() {
     ++sequence_;
     const core::EndpointId reader = first_reader_ + sequence_ % readers_;

@@ -11,28 +11,28 @@ namespace sft::bench::micro {
 
 struct Operation {
   std::string name;
-  std::size_t copied_bytes;  ///< by the memcpy that it is measured against
-  Batch batch;               ///< owns all that the operation needs
+  std::size_t copied_bytes;  ///< the bytes of the memcpy with which it is compared
+  Batch batch;               ///< owns everything that the operation needs
 };
 
 using Operations = std::vector<Operation>;
 
-/// What operations that touch only a few bytes are measured against.
+/// The bytes of the memcpy for operations that touch only a few bytes.
 inline constexpr std::size_t small_copy_bytes = 1024;
 
-/// From a message in the program's memory to its CDR and index.
+/// Encodes a message in the program's memory as CDR and index.
 Operations encode_operations();
-/// From an encoded sample to the runs of its body that a mask asks for.
+/// Gathers the runs of an encoded sample's body for which a mask asks.
 Operations gather_operations();
-/// Getters of an encoded sample.
+/// Reads an encoded sample by getters.
 Operations view_operations();
-/// Sets of fields: reading their text, joining and comparing them.
+/// Reads sets of fields from text, joins and compares them.
 Operations mask_operations();
-/// From an encoded body to datagrams.
+/// Cuts an encoded body into datagrams.
 Operations fragment_operations();
-/// From datagrams to a sample that was checked and has its index.
+/// Reassembles datagrams to a sample that is checked and has its index.
 Operations reassemble_operations();
-/// A reader asks for other fields, until the publisher knows what to send to whom.
+/// Changes a reader's request, until the publisher knows which fields to send to which readers.
 Operations negotiate_operations();
 
 }  // namespace sft::bench::micro

@@ -1,6 +1,6 @@
-// Measures how soon the first sample of a publisher on another host comes by UDP: to a node that starts, and
-// to a new subscriber of a node that the publisher's node knows. If nothing is kept for late readers, the
-// publisher publishes ten thousand times a second, so that waiting for the next sample does not count.
+// Measures how soon the first sample of a publisher on another host arrives by UDP: at a node that starts,
+// and at a new subscriber of a node that the publisher's node knows. If nothing is kept for late readers, the
+// publisher publishes ten thousand times per second. So the wait for the next sample is negligible.
 #include <atomic>
 #include <memory>
 #include <string>
@@ -14,15 +14,15 @@ namespace sft::bench {
 
 namespace {
 
-/// A program with SFT and one with Cyclone DDS alone. The former waits for samples, and a listener of the
-/// latter is called.
+/// A program with SFT or with Cyclone DDS alone. The one with SFT waits for samples. The other one has a
+/// listener that is called.
 struct Contestant {
   Contender open;
   bool is_called;
 };
 constexpr Contestant sft_program{sft_peer, false}, cyclone_program{cyclone_control_peer, true};
 
-/// Late readers get the samples that are sent from then on, or the last one before as well.
+/// What late readers get: only samples that are sent from then on, or the last earlier sample, too.
 enum class Late { nothing, last_sample };
 
 Topic topic_for(Late late) {
@@ -37,7 +37,7 @@ class OneSample {
     reader_ = peer.reader(topic, std::move(arrived));
   }
 
-  /// False after five seconds.
+  /// Waits for the sample. Returns false if it does not arrive within five seconds.
   bool wait() {
     if (is_called_) came_.wait(false);
     for (int second = 0; second < 5 && !came_; ++second) {
@@ -59,12 +59,12 @@ class OneSample {
 };
 
 constexpr std::int64_t period_us = 100;
-constexpr std::int64_t settled_us = 100'000;  // the control traffic of the last change is over
+constexpr std::int64_t settled_us = 100'000;  // the control traffic of a change is over after it
 
-/// The publisher's node starts at the same moment, or has been running for a while.
+/// Whether the publisher's node starts at the same moment, or has been running for a while.
 enum class Sender { starts_too, runs };
 
-/// Waits for the receiver, so that both sides go on at the same moment.
+/// Waits for the receiver, so that both sides continue at the same moment.
 void meet_receiver(Exchange& exchange) {
   while (!exchange.ready.load()) {
   }
@@ -104,7 +104,7 @@ void read_as_new_node(Exchange& exchange, const Contestant& program) {
   exchange.received = 1;
 }
 
-/// Starts new processes once, and adds the time to the first sample in milliseconds.
+/// Starts new processes on both hosts, and adds the time to the first sample in milliseconds.
 void start(const Contestant& program, const TwoHosts& hosts, Sender publisher, std::vector<double>& ms) {
   const auto us = run_pair(hosts.sides([=](Exchange& e) { publish_to_new_node(e, program, publisher); },
                                        [=](Exchange& e) { read_as_new_node(e, program); }),
@@ -112,7 +112,7 @@ void start(const Contestant& program, const TwoHosts& hosts, Sender publisher, s
   for (const double time : us) ms.push_back(time / 1000);
 }
 
-/// Publishes to late readers. Reports in Exchange::sent whether there is a reader.
+/// Publishes to late readers. Exchange::sent tells whether there is a reader.
 void publish_to_late_readers(Exchange& exchange, const Contestant& program, Late late,
                              std::uint64_t readers) {
   const auto peer = program.open();

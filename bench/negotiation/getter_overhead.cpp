@@ -1,4 +1,4 @@
-// Measures how much the recording of fields adds to a getter, and how much it costs once for each sample.
+// Measures the time that recording adds to a getter, and the time that it takes once for each sample.
 #include <algorithm>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <string>
@@ -22,7 +22,7 @@ using core::Recorder;
 using sensor_msgs::msg::PointCloud2;
 using visualization_msgs::msg::InteractiveMarker;
 
-/// One encoded message, which a reader gets again and again.
+/// One encoded message, which a reader receives repeatedly.
 template <class T>
 class Samples {
  public:
@@ -50,7 +50,7 @@ class Samples {
   core::SampleHandle buffer_;
 };
 
-/// Getters of a declared field, and of a recorded field that was read before.
+/// Getters of a declared field, and of a recorded field that was already read.
 class Getters {
  public:
   explicit Getters(int rounds) : rounds_(rounds) {}
@@ -82,8 +82,8 @@ class Getters {
   double worst_ns_ = 0;
 };
 
-/// Measures a sample in which eight leaves are read once: the time to record and count them, and the time
-/// that a sample without any read takes.
+/// Measures a sample in which eight leaves are read once: the time to record and count the reads, and the
+/// time for a sample without reads.
 template <class T, class Read>
 std::vector<Figure> once_in_a_sample(const std::string& name, const T& message, int rounds, Read read_eight) {
   Samples<T> samples(message);

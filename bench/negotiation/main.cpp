@@ -1,5 +1,5 @@
-// Measures the negotiation: how soon a reader gets what it asks for, and how much that costs its publisher.
-// Two hosts are two network namespaces, each side on its own core.
+// Measures the negotiation: how soon a reader gets the fields for which it asks, and the costs for its
+// publisher. Two network namespaces are the hosts, and each side has its own core.
 #include "bench/common/program.h"
 #include "bench/negotiation/negotiation.h"
 #include "tests/support/isolated_host.h"

@@ -1,6 +1,6 @@
-// Measures how much 64 readers on another host cost the publishing thread if each asks for other fields, and
-// if all ask for the same, in one node or in two: the time until publish() of a large sample returns while no
-// other sample is being sent, and the number of allocations.
+// Measures the costs for the publishing thread of 64 readers on another host, in one node or in two, if each
+// reader asks for other fields, and if all ask for the same fields. The costs are the duration of publish()
+// for a large sample while no other sample is being sent, and the number of allocations.
 #include <sft/sft.h>
 #include <cstring>
 #include <numeric>
@@ -25,11 +25,11 @@ constexpr std::size_t readers_asking = 64;
 constexpr std::size_t data_bytes = 1'660'000;
 constexpr std::size_t cache_bytes = 64 << 20;  // more than any level of cache
 
-/// The fields that a reader asks for, by its number.
+/// Returns the fields for which the reader with this number asks.
 using Fields = std::string (*)(std::size_t);
 
 std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers_asking - 1); }
-/// Four readers, such as a display, a recorder and a planner, want the data; 60 monitors do not.
+/// Four readers, such as a display, a recorder and a planner, need the data; 60 monitors do not.
 std::string mostly_small_fields(std::size_t number) {
   return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
 }
@@ -39,7 +39,7 @@ bool all_served(const PublisherStatus& status) {
          std::ranges::all_of(status.readers, &PublisherStatus::Reader::served);
 }
 
-/// Waits until each reader has the sample, or until no more come, since UDP may lose some.
+/// Waits until each reader has the sample, or until no more samples arrive, since UDP may lose some.
 void wait_for_readers(Exchange& exchange) {
   std::uint64_t before = 0;
   for (int quiet = 0; before < readers_asking && quiet < 100; ++quiet) {
@@ -50,13 +50,13 @@ void wait_for_readers(Exchange& exchange) {
   }
 }
 
-/// Clears the caches. The variants of 64 masks have so many bytes that they do so, too, and one variant must
-/// not have an advantage.
+/// Clears the caches. The variants of 64 masks have so many bytes that they clear the caches, too, and one
+/// variant must not have an advantage.
 std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches) {
   return std::accumulate(larger_than_caches.begin(), larger_than_caches.end(), std::uint64_t{0});
 }
 
-/// The time in microseconds of a copy of the data, after the caches were cleared.
+/// Returns the time in microseconds of a copy of the data with cleared caches.
 double copy_us(const PointCloud2& cloud, const std::vector<std::uint64_t>& rubbish,
                std::vector<std::uint8_t>& to) {
   if (clear_caches(rubbish) == 0) return 0;
@@ -68,13 +68,13 @@ double copy_us(const PointCloud2& cloud, const std::vector<std::uint64_t>& rubbi
 
 /// The results of one round.
 struct Costs {
-  double allocations = 0;  ///< of a sample
-  double copy_us = 0;      ///< of a memcpy of the data
+  double allocations = 0;  ///< the number per sample
+  double copy_us = 0;      ///< the time of a memcpy of the data
 };
 
-/// Publishes, and counts the allocations of a sample in all threads once buffers have grown. The median of
-/// the last half counts, because allocations of a node without samples (its signs of life) fall into some
-/// samples.
+/// Publishes, and counts the allocations of a sample in all threads after buffers have grown. The median of
+/// the second half is used, because allocations of a node without samples (for its heartbeats) coincide with
+/// some samples.
 void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs& costs) {
   Node node = Node::open(udp_node_options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points", {.asynchronous = asynchronous}).value();
@@ -102,7 +102,7 @@ void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs
   exchange.sent = 1;
 }
 
-/// Each of the nodes, which are served separately, has as many of the readers.
+/// Opens the readers, which are divided equally among the nodes. Each node is served separately.
 void subscribe(Exchange& exchange, Fields fields, std::size_t nodes_asking) {
   const auto count = [&](const DynamicSample&) { exchange.received.fetch_add(1); };
   std::vector<Node> nodes;
@@ -120,9 +120,9 @@ struct Asking {
   Fields fields;
   std::uint64_t samples;
   bool asynchronous = false;
-  std::size_t nodes = 1;  ///< of the readers
+  std::size_t nodes = 1;  ///< the number of the readers' nodes
   Rounds times{};
-  double allocations = 0;  ///< per sample, in the worst round
+  double allocations = 0;  ///< the number per sample, in the worst round
   std::vector<double> copies_us{};
 
   void run(const TwoHosts& hosts) {

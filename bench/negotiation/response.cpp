@@ -24,14 +24,14 @@ struct HeightProbe {
   static void read_wanted(const auto& sample) { (void)sample->height(); }
 };
 
-/// The timeout with the last messages, which come within a millisecond.
+/// The timeout for the last messages, which usually arrive within a millisecond.
 constexpr std::int64_t arriving_ns = 1'000'000'000;
 
 using Act = std::function<void(std::uint64_t)>;
 
 const Topic requests{.name = "requests", .durable = true};
 
-/// Does on a thread of its own what it is given, as the agent of a node does.
+/// Calls `act` on a thread of its own for each given number, like the agent of a node.
 class Helper {
  public:
   explicit Helper(Act act) : act_(std::move(act)), thread_([this] { run(); }) {}
@@ -39,7 +39,7 @@ class Helper {
   Helper(const Helper&) = delete;
   Helper& operator=(const Helper&) = delete;
 
-  /// 0: it ends.
+  /// Passes a number to the thread; 0 ends the thread.
   void give(std::uint64_t number) {
     {
       const std::lock_guard lock(mutex_);
@@ -68,7 +68,7 @@ class Helper {
   std::jthread thread_;
 };
 
-/// Who writes, and who notes what came.
+/// Which thread writes, and which one notes arrivals.
 enum class By { the_thread_itself, a_helper };
 
 void write(Exchange& exchange, std::uint64_t messages, By by) {
@@ -126,7 +126,7 @@ std::vector<Figure> str_response(const Scale& scale) {
     by_helpers.add(dds_write_times(hosts, scale.messages, By::a_helper));
   }
   const char* reference = "dds_write to a listener";
-  // A node leaves requests to its agent, since neither a getter nor a listener of Cyclone DDS may wait.
+  // A node leaves requests to its agent, since neither a getter nor a listener of Cyclone DDS may block.
   const char* floor = "the same, from one helping thread to another";
   return {{"str_response", ours.p50(), "us", raw.p50(), reference, 100, true},
           {"str_response_p99", ours.p99(), "us", raw.p99(), reference, 1000, true},

@@ -1,7 +1,7 @@
-// The time from the getter that meets an absent field until the publisher on another host has applied the new
+// The time from a getter call for an absent field until the publisher on another host has applied the new
 // mask, for messages of any type. `Probe` has the type Message, the field `wanted`, and the functions
-// read_usual() and read_wanted(), of which the latter reads that field of a sample, and the former another
-// one.
+// read_usual() and read_wanted(). read_wanted() reads the field `wanted` of a sample, and read_usual() reads
+// another field.
 #pragma once
 
 #include <sft/sft.h>
@@ -15,7 +15,7 @@
 
 namespace sft::bench {
 
-/// Publishes a thousand times a second, and records when a reader asks for the wanted field.
+/// Publishes a thousand times per second, and notes when a reader asks for the wanted field.
 template <class Probe>
 void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(Probe::wanted);
@@ -36,8 +36,8 @@ void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
-/// Whenever the subscriber has given up the wanted field and gets samples without it, reads that field until
-/// the node asks for it.
+/// Reads the wanted field whenever the subscriber has given it up and gets samples without it, until the
+/// publisher has noted the request.
 template <class Probe>
 void learn(Exchange& exchange, std::uint64_t messages) {
   constexpr std::int64_t timeout_ns = 1'000'000'000;
@@ -52,8 +52,8 @@ void learn(Exchange& exchange, std::uint64_t messages) {
     if (!sample) continue;
     Probe::read_usual(sample);
     const std::uint64_t n = exchange.received.load();
-    if (exchange.sent.load() > n) {  // the request has arrived
-      Probe::read_wanted(sample);    // on a busy machine, the field might be given up again before
+    if (exchange.sent.load() > n) {  // the publisher has not noted the request yet
+      Probe::read_wanted(sample);    // otherwise a busy machine might give up the field before that
       exchange.failed = now_ns() > exchange.sent_at[n] + timeout_ns;
     } else if (n < messages && !sample.mask().contains(wanted) &&
                !subscriber.status().mask.contains(wanted)) {
@@ -64,7 +64,7 @@ void learn(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
-/// In microseconds.
+/// Returns the response times in microseconds.
 template <class Probe>
 std::vector<double> response_times(const TwoHosts& hosts, std::uint64_t messages) {
   return run_pair(hosts.sides([=](Exchange& e) { publish_to_learner<Probe>(e, messages); },
@@ -72,12 +72,12 @@ std::vector<double> response_times(const TwoHosts& hosts, std::uint64_t messages
                   messages);
 }
 
-/// Cyclone DDS alone, with SFT's configuration. Its samples have about the size of a request, and those of
-/// durable topics the QoS of one.
+/// Cyclone DDS alone, with SFT's configuration. Its samples are about as large as a request. Durable topics
+/// have the QoS of requests.
 std::unique_ptr<Peer> cyclone_control_peer();
 
-/// The reference: Cyclone DDS alone, from a thread of one program to a thread of another one, with the QoS of
-/// requests.
+/// The reference: times of Cyclone DDS alone from a thread of one program to a thread of another one, with
+/// the QoS of requests.
 std::vector<double> dds_write_times(const TwoHosts& hosts, std::uint64_t messages);
 
 }  // namespace sft::bench

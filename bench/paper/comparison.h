@@ -1,4 +1,4 @@
-// Compares contenders by the records of the same cases. Pure functions.
+// Compares contenders by their records of the same cases. Pure functions.
 #pragma once
 
 #include <functional>
@@ -18,14 +18,14 @@ double sender_bytes(const Record& record);
 double cpu_us(const Record& record);
 double resident_bytes(const Record& record);
 
-/// Some cases, such as all configurations with one probability.
+/// A set of cases, such as all configurations with one probability.
 using Cases = std::function<bool(const Case&)>;
 
-/// The records of a contender that are not disturbed. Those in which more than a twentieth of the messages
-/// were lost are not among them, since lost messages take no bytes.
+/// Returns the undisturbed records of a contender. Records in which more than a twentieth of the messages
+/// were lost are left out, since lost messages take no bytes.
 Records records_of(const Records& all, const Contender& contender, const Cases& cases);
 
-/// Means over the cases of which both contenders have a record; unknown if there are none.
+/// The means over the cases of which both contenders have a record; unknown if there are none.
 struct Means {
   double ours = unknown;
   double theirs = unknown;
@@ -40,12 +40,13 @@ struct Spread {
 };
 Spread spread(const Records& records, const Metric& metric);
 
-/// The median of the records' medians.
+/// Returns the median of the records' medians.
 double p50_us(const Records& records);
 
-/// The name of a case, with all its repeats; that of a configuration is "5 x 128 B, 3 receivers, 50 %".
+/// Returns the name of a case, the same for all its repeats; for a configuration "5 x 128 B, 3 receivers, 50
+/// %".
 std::string label_of(const Case& of);
-/// The names of all cases, in the order of their configurations, each of them once.
+/// Returns the names of all cases in the order of their configurations, each once.
 std::vector<std::string> labels(const Records& all);
 Cases labelled(const std::string& label);
 

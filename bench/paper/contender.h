@@ -1,4 +1,4 @@
-// The contenders.
+// The contenders of the experiments.
 #pragma once
 
 #include <compare>
@@ -8,8 +8,8 @@
 namespace sft::bench::paper {
 
 enum class Way {
-  sft_recorded,  ///< SFT finds out which fields the program reads
-  sft_declared,  ///< the program says so
+  sft_recorded,  ///< SFT records which fields the program reads
+  sft_declared,  ///< the program declares the fields that it reads
   sft_full,      ///< the program asks for all fields
   cyclone,
   fast_dds
@@ -18,21 +18,21 @@ enum class Way {
 struct Contender {
   Way way{};
   bool reliable = false;
-  bool multicast = false;  ///< false: all samples go by unicast; true: the middleware may choose
+  bool multicast = false;  ///< false: samples are sent by unicast only; true: multicast is allowed
 
   bool is_sft() const { return way <= Way::sft_full; }
   friend auto operator<=>(const Contender&, const Contender&) = default;
 };
 
 std::string name_of(Way way);
-/// The name with the QoS and the network: "Cyclone DDS, reliable, unicast".
+/// Returns the name with the QoS and the network: "Cyclone DDS, reliable, unicast".
 std::string name_of(const Contender& contender);
 
-/// SFT with fields that are recorded, declared, and all; Cyclone DDS; Fast DDS. Each of them best effort and
-/// reliable, with unicast and with multicast.
+/// Returns SFT with recorded, declared and all fields, Cyclone DDS, and Fast DDS. Each of them is best effort
+/// and reliable, with unicast and with multicast.
 std::vector<Contender> all_contenders();
 
-/// The contender whose idle traffic is that of `contender`, since neither fields nor QoS change it.
+/// Returns the contender with the same idle traffic as `contender`: neither fields nor QoS influence it.
 Contender idle_twin(const Contender& contender);
 
 }  // namespace sft::bench::paper

@@ -18,7 +18,7 @@ void tell(const Scale& scale, std::size_t repeat, const std::string& what) {
   fmt::print(stderr, "  repeat {} of {}: {}\n", repeat + 1, scale.repeats, what);
 }
 
-/// The order of the contenders is another one in each session.
+/// Returns a seed for the order of the contenders, which is different in each session.
 std::uint64_t next_seed(const Scale& scale, const Results& results) {
   return scale.seed * 1'000'003 + results.records.size();
 }
@@ -38,12 +38,12 @@ void run_parametric_session(const Stage& stage, Configuration of, std::size_t re
     of.percent = percent;
     phases.push_back(parametric_phase(of, repeat, scale));
   }
-  // Each configuration has its turn while the nodes are young and idle traffic is more.
+  // In random order, since nodes have more idle traffic while they are young.
   std::shuffle(phases.begin(), phases.end(), std::mt19937_64(next_seed(scale, results)));
   run_session(stage, of.receivers, phases, scale.pace, next_seed(scale, results), results);
 }
 
-/// Adds a case if its messages are on this machine.
+/// Adds a case if its messages are available on this machine.
 void add(std::vector<Phase>& to, const char* name, std::size_t repeat, const SharedMessages& messages,
          const std::vector<FieldSet>& needed) {
   if (messages == nullptr) return;
@@ -68,7 +68,7 @@ void add_grid(std::vector<Phase>& to, const char* name, std::size_t repeat, cons
   if (grids != nullptr) add(to, name, repeat, grids, {grids->all()});
 }
 
-/// A diagnosis, an object detector and a SLAM.
+/// Adds a case with three receivers: a diagnosis, an object detector and a SLAM.
 void add_cloud(std::vector<Phase>& to, const char* name, std::size_t repeat, const SharedMessages& clouds) {
   if (clouds == nullptr) return;
   add(to, name, repeat, clouds,

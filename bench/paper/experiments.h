@@ -1,4 +1,4 @@
-// The paper's experiments: which messages are sent to whom, and which fields each receiver reads.
+// The paper's experiments: which messages are sent to which receivers, and which fields each receiver reads.
 #pragma once
 
 #include <cstdint>
@@ -13,18 +13,18 @@ namespace sft::bench::paper {
 
 struct Scale {
   Pace pace{};
-  std::size_t repeats = 5;                ///< of each case
-  std::vector<std::size_t> fields{5, 7};  ///< of a message of the parametric study
+  std::size_t repeats = 5;                ///< the number of repeats of each case
+  std::vector<std::size_t> fields{5, 7};  ///< the numbers of fields of a message in the parametric study
   std::vector<std::size_t> field_bytes{128, 256, 512};
-  std::uint64_t seed = 1;        ///< of the receivers' fields, and of the order of contenders
-  std::filesystem::path data{};  ///< the directory of recorded messages
+  std::uint64_t seed = 1;        ///< determines the receivers' fields and the order of contenders
+  std::filesystem::path data{};  ///< the directory with recorded messages
 };
 
-// These functions add the records of all repeats to `results`.
+// The following functions add the records of all repeats to `results`.
 void run_parametric_study(const Stage& stage, const Scale& scale, Results& results);
-/// The cases of Nav2, with messages of this benchmark and with recorded ones.
+/// The cases of Nav2, with messages that this benchmark makes and with recorded ones.
 void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results);
-/// The case of the PointCloud2, with both.
+/// The case of the PointCloud2, with messages of both kinds.
 void run_point_cloud_case(const Stage& stage, const Scale& scale, Results& results);
 
 }  // namespace sft::bench::paper

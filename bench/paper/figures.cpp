@@ -14,7 +14,7 @@ struct Comparison {
   Contender ours;
   Contender theirs;
   Metric metric;
-  bool has_bound = true;  ///< also where some fields are sent
+  bool has_bound = true;  ///< true: the bound also applies to rows in which only some fields are sent
 };
 
 constexpr bool reliable = true, multicast = true;
@@ -41,7 +41,7 @@ Figure bytes_figure(const Records& all, const Row& row, const Comparison& compar
                 .unit = "B",
                 .reference = means.theirs,
                 .reference_name = name_of(comparison.theirs)};
-  // A peer that lost too many messages in all cases is no reference.
+  // A peer that lost too many messages in all cases cannot be a reference.
   const bool is_compared = !std::isnan(means.theirs);
   if ((comparison.has_bound || row.sends_all) && is_compared) figure.bound = row.bound;
   return figure;
@@ -52,7 +52,7 @@ std::string latency_name(const Row& row) {
   return "latency_" + (row.name.starts_with(prefix) ? row.name.substr(prefix.size()) : row.name);
 }
 
-/// The contender of Cyclone DDS and Fast DDS that takes less time, with the same QoS and network.
+/// Returns the faster one of Cyclone DDS and Fast DDS, with the same QoS and network as `ours`.
 Contender better_dds(const Records& all, const Contender& ours, const Cases& cases) {
   const Contender cyclone{Way::cyclone, ours.reliable, ours.multicast};
   const Contender fast_dds{Way::fast_dds, ours.reliable, ours.multicast};
@@ -71,7 +71,7 @@ Figure latency_figure(const Records& all, const std::string& name, const Contend
           .bound = 1};
 }
 
-/// The configuration in which SFT is slowest beside the better DDS.
+/// Returns the configuration in which SFT is slowest relative to the better DDS.
 Figure worst_latency(const Records& all, const std::string& name, const Contender& ours) {
   std::optional<Figure> worst;
   for (const std::string& label : labels(all)) {
@@ -82,7 +82,7 @@ Figure worst_latency(const Records& all, const std::string& name, const Contende
   return *worst;
 }
 
-/// The bytes that receivers got, and the fewest that could have carried the same fields.
+/// The bytes that receivers got, and the fewest possible bytes that carry the same fields.
 struct Carried {
   double bytes = 0;
   double least = 0;
@@ -107,8 +107,7 @@ Carried carried(const Records& records, bool small) {
   return sum;
 }
 
-/// The configuration in which samples take most bytes beside the fewest that can be; nothing if there is
-/// none.
+/// The configuration in which samples take most bytes relative to the fewest possible ones.
 struct Worst {
   std::string label;
   Carried carried;

@@ -1,4 +1,4 @@
-// The figures of this benchmark, with the bounds that SFT has to keep.
+// The figures of this benchmark, with the bounds that SFT must keep.
 #pragma once
 
 #include <vector>
@@ -9,14 +9,15 @@
 
 namespace sft::bench::paper {
 
-/// Bytes and latencies of each row that has records.
+/// Returns bytes and latencies of each row that has records.
 std::vector<Figure> row_figures(const Records& all, const std::vector<Row>& rows);
 
-/// Returns the figures that have a bound in every configuration: bytes beside the fewest possible, and
+/// Returns the figures that have a bound in every configuration: bytes relative to the fewest possible, and
 /// latencies.
 std::vector<Figure> configuration_figures(const Records& all);
 
-/// What selecting fields costs beside sending all of them: processor time and memory of the parametric study.
+/// Returns the costs of selecting fields relative to sending all fields: processor time and memory of the
+/// parametric study.
 std::vector<Figure> overhead_figures(const Records& all);
 
 }  // namespace sft::bench::paper

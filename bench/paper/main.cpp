@@ -1,4 +1,4 @@
-// Repeats the experiments of the paper "Selective Field Transmission", beside Cyclone DDS and Fast DDS in the
+// Repeats the experiments of the paper "Selective Field Transmission". Cyclone DDS and Fast DDS run in the
 // same seconds. Hosts are network namespaces with an MTU of 1500. The system chooses the cores.
 #include <fmt/format.h>
 
@@ -21,7 +21,8 @@ namespace {
 using namespace sft::bench;
 using namespace sft::bench::paper;
 
-/// Leaves nothing in a buffer, of which each process that is forked later would have a copy.
+/// Prints and flushes, since each process that is forked later would have a copy of what is left in the
+/// buffer.
 void say(const std::string& text) {
   fmt::print("{}", text);
   std::fflush(stdout);
@@ -46,7 +47,7 @@ class Experiments {
     for (const Row& row : point_cloud_rows()) say(receivers_table(results_.records, row));
     return row_figures(results_.records, point_cloud_rows());
   }
-  /// Returns the figures over all cases that were measured before.
+  /// Returns figures over all cases that the groups before have measured.
   std::vector<Figure> bounds() const {
     std::vector<Figure> figures = configuration_figures(results_.records);
     if (figures.empty()) return {};
@@ -58,7 +59,7 @@ class Experiments {
     if (trace_) say(fmt::format("\nThe trace has a response of {:.0f} us.\n", trace_->response_us()));
     Figure figure = str_response({.messages = quick ? 100u : 400u, .rounds = quick ? 1 : 3}).front();
     figure.name = "response";
-    // Either bound is enough.
+    // It is enough if either of the two bounds is kept.
     figure.bound_is_of_value = figure.value <= 100;
     figure.bound = figure.bound_is_of_value ? 100 : 1.5;
     return {figure};
@@ -119,7 +120,8 @@ void add_options(CLI::App& to, Experiments& experiments, std::string& trace) {
   to.add_option("--trace", trace, "also write the messages around one change of fields to this file");
 }
 
-/// The error is empty if all is well. Opens what has to be reachable on a host of its own.
+/// Opens files before the program is isolated, since it cannot reach them afterwards. Returns an error; empty
+/// if there is none.
 std::string prepare(Experiments& experiments, const std::string& trace) {
   if (!trace.empty()) experiments.trace.open(trace);
   if (experiments.trace.fail()) return "cannot write " + trace;

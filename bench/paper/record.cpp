@@ -5,7 +5,8 @@
 
 namespace sft::bench::paper {
 
-// The standard defines the numbers of these two, but not those of its distributions.
+// std::seed_seq and std::mt19937_64 give the same numbers everywhere, but distributions of the standard do
+// not.
 FieldSet draw_fields(std::uint64_t seed, const Configuration& of, std::size_t repeat, std::size_t receiver) {
   std::seed_seq all{seed,
                     seed >> 32,

@@ -4,7 +4,7 @@ namespace sft::bench::paper {
 
 namespace {
 
-constexpr double full_masks = 1.01;  // of the peers' bytes, at most, where all fields are sent
+constexpr double full_masks = 1.01;  // the maximum relative to the peers' bytes if all fields are sent
 
 bool is_parametric(const Case& of) { return of.name == "parametric"; }
 

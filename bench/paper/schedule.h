@@ -1,6 +1,6 @@
-// When each contender writes each message. All contenders write in turns: each has a slot of its own in every
-// period, so that the same seconds measure all of them, and none has to share the processors with another one
-// while its message is on the way.
+// When each contender writes each message. Each contender has a slot of its own in every period. So the same
+// seconds measure all contenders, and no contender has to share the processors with another one while its
+// message is on the way.
 #pragma once
 
 #include <cstddef>
@@ -10,32 +10,32 @@
 namespace sft::bench::paper {
 
 struct Pace {
-  double rate_hz = 25;        ///< messages a second, of each contender
-  std::size_t learning = 10;  ///< messages of all phases at the beginning, from which SFT learns the fields
-  double settled_s = 3;  ///< from then until the first phase, for discovery and negotiation to come to an end
-  std::size_t settling = 25;  ///< messages before those that count, in each phase
-  std::size_t samples = 50;   ///< messages that count, in each phase
+  double rate_hz = 25;        ///< messages per second of each contender
+  std::size_t learning = 10;  ///< the first messages of all phases, from which SFT learns the needed fields
+  double settled_s = 3;  ///< time between these and the first phase, in which discovery and negotiation end
+  std::size_t settling = 25;  ///< messages of each phase before those that are counted
+  std::size_t samples = 50;   ///< messages of each phase that are counted
 };
 
-/// An error if the contenders' slots would be too short.
+/// Returns an error if the contenders' slots would be too short; otherwise an empty text.
 std::string check(const Pace& pace, std::size_t contenders);
 
-/// All times are of CLOCK_MONOTONIC in nanoseconds.
+/// The schedule of a session. All times are nanoseconds of CLOCK_MONOTONIC.
 class Schedule {
  public:
   Schedule(const Pace& pace, std::size_t contenders, std::int64_t begin_ns)
       : pace_(pace), contenders_(contenders), begin_ns_(begin_ns) {}
 
-  /// When a contender that has this slot writes its `number`-th message from which fields are learnt.
+  /// When a contender with this slot writes its `number`-th message from which SFT learns the fields.
   std::int64_t learning_ns(std::size_t number, std::size_t slot) const;
-  /// When a contender that has this slot writes its `number`-th message of a phase. Those that count begin
-  /// with the number Pace::settling.
+  /// When a contender with this slot writes its `number`-th message of a phase. The messages that are counted
+  /// begin with number Pace::settling.
   std::int64_t due_ns(std::size_t phase, std::size_t number, std::size_t slot) const;
-  /// A contender that is late waits so long after each message, so that it is known which one arrives.
+  /// The minimum pause of a late contender after each message, so that it is known which message arrives.
   std::int64_t pause_min_ns() const { return period_ns() / 2; }
   /// The largest delay of a message that is still counted in its phase.
   static std::int64_t late_max_ns() { return gap_ns / 4; }
-  /// No message is under way at these times, before and after the messages of a phase that count.
+  /// Times at which no message is under way, before and after the messages of a phase that are counted.
   std::int64_t before_ns(std::size_t phase) const;
   std::int64_t after_ns(std::size_t phase) const;
 

@@ -15,9 +15,10 @@ namespace sft::bench::paper {
 namespace {
 
 constexpr double timeout_s = 40;
-constexpr std::int64_t lead_ns = 300'000'000;  // from the decision to begin until the first message
+constexpr std::int64_t lead_ns = 300'000'000;  // the time from the decision to begin until the first message
 
-/// The turns of the contenders, since one may suffer from what another one does after its message.
+/// Returns random slots of the contenders, since one may suffer from the work of another one after its
+/// message.
 std::vector<std::size_t> turns(std::size_t contenders, std::uint64_t seed) {
   std::vector<std::size_t> slots(contenders);
   std::iota(slots.begin(), slots.end(), std::size_t{0});
@@ -26,7 +27,7 @@ std::vector<std::size_t> turns(std::size_t contenders, std::uint64_t seed) {
 }
 
 using Teams = std::vector<std::unique_ptr<Team>>;
-/// Returns the resources that each team has used.
+/// The resources that each team has used.
 using Moment = std::vector<Used>;
 
 Moment moment(const Teams& teams) {
@@ -40,7 +41,7 @@ Moment moment_at(const Teams& teams, std::int64_t ns) {
   return moment(teams);
 }
 
-/// Ends and removes those that are not ready in time.
+/// Waits until all teams are ready. Ends and removes teams that are not ready in time.
 void wait_until_ready(Teams& teams) {
   const auto ready = [](const auto& team) { return team->is_ready(); };
   if (wait_until([&] { return std::ranges::all_of(teams, ready); }, timeout_s)) return;
@@ -53,8 +54,8 @@ void wait_until_ready(Teams& teams) {
 }
 
 struct Measured {
-  Used phase;  ///< from before until after the messages that count
-  Used idle;   ///< by the twin in the same time
+  Used phase;  ///< the resources from before until after the counted messages
+  Used idle;   ///< the resources of the twin in the same time
   double resident_bytes = 0;
 };
 
@@ -62,7 +63,7 @@ std::size_t number_of(std::size_t sample, const Phase& phase, const Pace& pace) 
   return (pace.settling + sample) % phase.messages->size();
 }
 
-/// The mean of some size over all messages that count.
+/// Returns the mean of some size over all messages that are counted.
 template <class Size>
 double mean_over(const Phase& phase, const Pace& pace, Size size) {
   double sum = 0;
@@ -80,7 +81,7 @@ Received received(const Phase& phase, std::size_t receiver, const Contender& con
           .least_bytes = mean_over(phase, pace, [&](std::size_t n) { return paper::least_bytes(bytes(n)); })};
 }
 
-/// The times of arrival in microseconds. Counts the messages that did not arrive.
+/// Returns the times until arrival in microseconds. Counts the messages that did not arrive.
 std::vector<double> times_us(const Board& board, std::size_t phase, const Pace& pace, Record& record) {
   std::vector<double> times;
   for (std::size_t r = 0; r < record.receivers.size(); ++r) {
@@ -116,7 +117,7 @@ Record record_of(const Team& team, const Phase& phase, std::size_t phase_number,
   return record;
 }
 
-/// How much later than planned the writer wrote each message of a phase that counts.
+/// Returns how much later than planned the writer wrote each counted message of a phase.
 std::vector<double> late_us(const Board& board, std::size_t phase, const Pace& pace) {
   std::vector<double> late;
   for (std::size_t i = 0; i < pace.samples; ++i)
@@ -124,7 +125,7 @@ std::vector<double> late_us(const Board& board, std::size_t phase, const Pace& p
   return late;
 }
 
-/// Starts each twin right behind the first of its contenders, so that their idle bursts come together.
+/// Starts each twin just after the first of its contenders, so that their idle bursts coincide.
 Teams start(const Stage& stage, const Team::Task& task, std::uint64_t seed) {
   const std::size_t contenders = stage.contenders().size();
   const std::vector<std::size_t> slots = turns(contenders, seed);
@@ -140,7 +141,7 @@ Teams start(const Stage& stage, const Team::Task& task, std::uint64_t seed) {
   return teams;
 }
 
-/// The number of the twin's team; the number of teams if it is not among them.
+/// Returns the number of the twin's team; the number of teams if there is no such team.
 std::size_t twin_of(const Team& team, const Teams& teams) {
   const Contender twin = idle_twin(team.contender());
   const auto found = std::ranges::find_if(
@@ -148,7 +149,7 @@ std::size_t twin_of(const Team& team, const Teams& teams) {
   return static_cast<std::size_t>(found - teams.begin());
 }
 
-/// The counts of all teams around the messages that count, for each phase.
+/// The counts of all teams before and after the counted messages of each phase.
 struct Counts {
   std::vector<Moment> before, after;
 };
@@ -209,7 +210,7 @@ Stage::Stage(std::vector<Contender> contenders) : contenders_(std::move(contende
 
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results) {
-  constexpr std::size_t repetitions_max = 6;  // in all, so that the benchmark ends in time on a busy machine
+  constexpr std::size_t repetitions_max = 6;  // the maximum of the whole benchmark, which has to end in time
   const Team::Task task{receivers, phases, pace, stage.contenders().size()};
   Results session = try_session(stage, task, seed);
   if (is_mostly_disturbed(session) && results.repeated_sessions < repetitions_max) {

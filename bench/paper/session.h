@@ -11,16 +11,15 @@
 
 namespace sft::bench::paper {
 
-/// A network for each contender, and one for each of their idle twins, of a sender's host and of
-/// `receivers_max` others.
+/// A network for each contender and for each idle twin: a sender's host and `receivers_max` others.
 class Stage {
  public:
   explicit Stage(std::vector<Contender> contenders);
 
   const std::vector<Contender>& contenders() const { return contenders_; }
-  /// The idle teams, which write nothing, in the order of their contenders.
+  /// The contenders of the idle teams, which write nothing, in the order of the first contender of each.
   const std::vector<Contender>& idle_twins() const { return idle_twins_; }
-  /// The networks of the contenders, and then those of the twins.
+  /// The networks of the contenders, followed by those of the twins.
   std::shared_ptr<const hosts::EmulatedNetwork> network(std::size_t number) const {
     return networks_[number];
   }
@@ -33,14 +32,14 @@ class Stage {
 
 struct Results {
   std::vector<Record> records;
-  std::vector<double> late_us;        ///< how much later than planned the writers ran, for each message
-  std::size_t repeated_sessions = 0;  ///< because most of their records were disturbed
+  std::vector<double> late_us;        ///< how much later than planned the writers wrote, for each message
+  std::size_t repeated_sessions = 0;  ///< sessions that were repeated because of disturbed records
 };
 
-/// Adds the records of a session to `results`. The turns of the contenders follow from `seed`. Contenders
-/// that do not get ready in time are named on the standard error, and have no records. Idle traffic comes in
-/// bursts a few seconds apart, so that it is counted in the same seconds, on the network of the contender's
-/// twin. A session most of whose records are disturbed is repeated once.
+/// Adds the records of a session to `results`. `seed` determines the slots of the contenders. Contenders that
+/// are not ready in time are named on the standard error, and have no records. Idle traffic comes in bursts a
+/// few seconds apart. So it is counted in the same seconds, on the network of the contender's twin. A session
+/// most of whose records are disturbed is repeated once.
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results);
 

@@ -20,12 +20,13 @@ bool has_records(const Records& all, const Row& row) {
   return std::ranges::any_of(all, [&](const Record& record) { return row.cases(record.of); });
 }
 
-/// "530.0 kbit/s" of the paper if it says so.
+/// Formats a number of the paper; returns an empty text if the paper does not have it.
 std::string published(const Row& row, double Published::*figure) {
   return row.published ? fmt::format("{:.1f}", (*row.published).*figure) : "";
 }
 
-/// The bytes of a contender beside those of Cyclone DDS in the same cases: "416.7 (-21.4 %)".
+/// Formats the bytes of a contender and their relation to those of Cyclone DDS in the same cases: "416.7
+/// (-21.4 %)".
 std::string beside_cyclone(const Records& all, const Row& row, const Metric& metric, Way way) {
   const double cyclone = means(all, {way}, {Way::cyclone}, row.cases, received_bytes).theirs;
   const double ours = means(all, {way}, {Way::cyclone}, row.cases, metric).ours;

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::int64_t poll_us = 10'000;
 
-/// Opens the contender with its default settings, apart from multicast. The hosts have a network of their own
-/// each, and one memory together: SFT must not look for it.
+/// Opens the contender with its default settings, apart from multicast. The emulated hosts have separate
+/// networks, but the same memory, in which SFT must not look for samples.
 std::unique_ptr<Peer> open(const Contender& contender) {
   if (contender.is_sft()) return contender.multicast ? sft_usual_peer() : sft_unicast_peer();
   if (contender.way == Way::cyclone)
@@ -103,7 +103,8 @@ int Team::read_all(std::size_t receiver) const {
   stay();
 }
 
-/// A message that arrives is the one that was written last, since the next one is written a period later.
+/// An arriving message is taken for the last one that was written, since the next one is written a period
+/// later.
 Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
   return [this, phase, receiver](std::uint64_t) {
     const std::int64_t now = now_ns();

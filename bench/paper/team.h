@@ -15,22 +15,21 @@
 
 namespace sft::bench::paper {
 
-/// Messages of one type on a topic of their own.
+/// Messages of one type on their own topic.
 struct Phase {
   Case of;
   SharedMessages messages;
-  std::array<FieldSet, receivers_max> needed{};  ///< by each receiver
+  std::array<FieldSet, receivers_max> needed{};  ///< the fields that each receiver needs
 };
 
 inline constexpr std::size_t phases_max = 8;
 inline constexpr std::size_t samples_max = 512;
 
-/// The notes of all processes of a team, for the parent.
+/// The notes of all processes of a team, which the parent process reads.
 struct Board {
-  std::atomic<std::size_t> ready{0};      ///< processes whose writers or readers are all matched
-  std::atomic<std::int64_t> begin_ns{0};  ///< of the schedule; 0: not known yet
-  std::atomic<std::size_t> written[phases_max] =
-      {};  ///< messages, those among them that only settle included
+  std::atomic<std::size_t> ready{0};                  ///< processes whose writers or readers are all matched
+  std::atomic<std::int64_t> begin_ns{0};              ///< the beginning of the schedule; 0: not known yet
+  std::atomic<std::size_t> written[phases_max] = {};  ///< messages, with those that are not counted
   std::int64_t due_ns[phases_max][samples_max] = {};
   std::int64_t sent_ns[phases_max][samples_max] = {};
   std::int64_t received_ns[phases_max][receivers_max][samples_max] = {};  ///< 0: not received
@@ -38,7 +37,7 @@ struct Board {
 
 /// The resources that a team has used up to a moment.
 struct Used {
-  double s = 0;  ///< the time
+  double s = 0;  ///< the time at that moment
   double sender_bytes = 0;
   std::array<double, receivers_max> receiver_bytes{};
   double cpu_s = 0;
@@ -48,16 +47,16 @@ struct Used {
 
 class Team {
  public:
-  /// What the team takes part in. `phases` outlive the team.
+  /// The session in which the team takes part. `phases` must outlive the team.
   struct Task {
     std::size_t receivers;
     const std::vector<Phase>& phases;
     Pace pace;
-    std::size_t slots;  ///< turns in each period
+    std::size_t slots;  ///< slots in each period
   };
   static constexpr std::size_t silent = SIZE_MAX;
 
-  /// Starts the processes. `slot` is its turn in each period. A team that is `silent` writes nothing.
+  /// Starts the processes. `slot` is the team's slot in each period. A team that is `silent` writes nothing.
   Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, const Task& task,
        std::size_t slot);
 

@@ -1,4 +1,4 @@
-// One change of recorded fields, from message to message: the response-time trace of the paper.
+// One change of recorded fields, message by message: the response-time trace of the paper.
 #pragma once
 
 #include <iosfwd>
@@ -7,25 +7,25 @@
 
 namespace sft::bench::paper {
 
-/// Times are in milliseconds since the first message was published.
+/// The events of a change. Times are in milliseconds since the first message was published.
 struct Trace {
   struct Message {
-    double at_ms = 0;      ///< when the receiver had it
-    double cdr_bytes = 0;  ///< that it brought
+    double at_ms = 0;      ///< when the receiver got the message
+    double cdr_bytes = 0;  ///< bytes of the fields in the message
   };
   std::vector<Message> messages{};
   double changed_ms =
-      0;  ///< the receiver's program has read the message after which SFT asks for fewer fields
-  double applied_ms = 0;  ///< the publisher sends only these from here on
+      0;  ///< when the receiver's program had read the message after which SFT asks for fewer fields
+  double applied_ms = 0;  ///< when the publisher began to send only these fields
 
   double response_us() const { return 1000 * (applied_ms - changed_ms); }
 };
 
-/// A receiver with recorded fields that reads half of the 7 fields of 512 bytes each, at 10 messages a
-/// second. Nothing if the publisher did not apply its request.
+/// Runs a receiver with recorded fields that reads half of the 7 fields of 512 bytes each, at 10 messages per
+/// second. Returns nothing if the publisher did not apply its request.
 std::optional<Trace> response_trace();
 
-/// Comma-separated values: a line for each message, and one for each of both moments.
+/// Writes comma-separated values: a row for each message, one for changed_ms, and one for applied_ms.
 void write(std::ostream& out, const Trace& trace);
 
 }  // namespace sft::bench::paper

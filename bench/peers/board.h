@@ -14,11 +14,11 @@
 
 namespace sft::bench::peers {
 
-/// What a reader has got of the messages of one size, which are numbered from 1.
+/// The messages of one size, numbered from 1, that a reader has received.
 struct Receipts {
-  alignas(64) std::atomic<std::uint64_t> last{0};  ///< the greatest number
+  alignas(64) std::atomic<std::uint64_t> last{0};  ///< the greatest number received
   std::atomic<std::uint64_t> count{0};
-  std::int64_t at_ns[samples_max] = {};  ///< when the message came, at its number modulo samples_max
+  std::int64_t at_ns[samples_max] = {};  ///< when the message arrived, at its number modulo samples_max
 
   void note(std::uint64_t number) {
     at_ns[number % samples_max] = now_ns();
@@ -29,7 +29,7 @@ struct Receipts {
 
 struct ReaderNotes {
   std::atomic<pid_t> process{0};
-  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< of which the reader has got the last message
+  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< sizes whose last message was received
   Receipts receipts[sizes_max];
 };
 
@@ -41,7 +41,7 @@ struct SizeResult {
 
 struct Board {
   std::atomic<std::size_t> ready{0};  ///< readers that know the writer
-  /// The number of the last message of each size, which the writer decides when it has measured all.
+  /// The number of the last message of each size, which the writer sets after it has measured everything.
   std::atomic<std::uint64_t> last_number[sizes_max];
   ReaderNotes readers[readers_max];
   SizeResult results[sizes_max];

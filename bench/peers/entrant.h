@@ -1,4 +1,4 @@
-// Who takes part, and where and how samples are waited for.
+// The entrants of this benchmark, and where and how their readers wait for samples.
 #pragma once
 
 #include <compare>
@@ -13,8 +13,8 @@ enum class Waiting { sleeping, spinning };
 enum class Way {
   sft_two_fields,
   sft_full,
-  sft_loan,  ///< full, from a loan
-  iceoryx,   ///< alone, with a copy of each message
+  sft_loan,  ///< all fields, from a loan
+  iceoryx,   ///< iceoryx alone, with a copy of each message
   iceoryx_loan,
   cyclone,
   cyclone_iceoryx,
@@ -22,20 +22,20 @@ enum class Way {
   fast_dds_memory,
   tcp,
   udp,
-  memcpy_alone  ///< copies the message from one buffer to another one: there is no reader
+  memcpy_alone  ///< copies the message from one buffer to another one, without a reader
 };
 
 struct Entrant {
   Way way{};
-  bool spin_0 = false;  ///< SubscriberOptions::spin is 0, and not the default
+  bool spin_0 = false;  ///< true: SubscriberOptions::spin is 0, and not the default
 
   bool is_sft() const { return way <= Way::sft_loan; }
   friend auto operator<=>(const Entrant&, const Entrant&) = default;
 };
 
-/// The name for people: "SFT, full, spin 0".
+/// Returns the name for people: "SFT, full, spin 0".
 std::string name_of(const Entrant& entrant);
-/// The name in figures: "sft_full_spin0".
+/// Returns the name in figures: "sft_full_spin0".
 std::string id_of(const Entrant& entrant);
 
 struct Case {
@@ -46,12 +46,13 @@ struct Case {
   friend auto operator<=>(const Case&, const Case&) = default;
 };
 
-/// All who take part in a case, in the order of the tables. Where nobody sleeps there is no spin of 0. With
-/// several readers a spin of 0 is tried once, and nothing is copied without a reader.
+/// Returns all entrants of a case in the order of the tables. If readers do not sleep, there is no entrant
+/// with a spin of 0. With several readers only sft_full also runs with a spin of 0, and memcpy_alone is left
+/// out.
 std::vector<Entrant> entrants(const Case& of);
 
-/// The entrants in the turns of a round. Each round begins with another one, so that nobody always runs right
-/// behind the same one, or first.
+/// Returns the entrants in their order in a round. Each round begins with another entrant, so that no entrant
+/// always runs first or just after the same one.
 std::vector<Entrant> turns(std::vector<Entrant> all, std::size_t round);
 
 }  // namespace sft::bench::peers

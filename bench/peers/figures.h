@@ -1,4 +1,4 @@
-// The figures of SFT beside those of the fastest peer, for --json and ./run bench all.
+// The figures of SFT compared with those of the fastest peer, for --json and ./run bench all.
 #pragma once
 
 #include <string>
@@ -9,9 +9,9 @@
 
 namespace sft::bench::peers {
 
-/// The p50, its processor time and the throughput of each entrant of SFT in each column, beside the best peer
-/// in each of them. memcpy is no peer. The name of a figure is that of the group, the number of readers, the
-/// size, the entrant and the measure: "intra_readers_8_16B_sft_full_p50".
+/// Returns the p50, its processor time and the throughput of each entrant of SFT in each column, compared
+/// with the best peer in each of them. memcpy is not a peer. The name of a figure consists of the group, the
+/// number of readers, the size, the entrant and the measure: "intra_readers_8_16B_sft_full_p50".
 std::vector<Figure> figures(const std::string& group, const Records& all, const std::vector<Column>& columns);
 
 }  // namespace sft::bench::peers

@@ -1,4 +1,4 @@
-// Measures SFT beside other middleware, sockets and memcpy: latency, throughput and processor time over sizes
+// Compares SFT with other middleware, sockets and memcpy: latency, throughput and processor time over sizes
 // and readers, within one host and between hosts. Hosts are network namespaces with an MTU of 1500.
 #include <fmt/format.h>
 
@@ -43,7 +43,8 @@ constexpr const char* how =
     "its\n"
     "CPU time is what the benchmark itself takes to sleep and to wake up.\n";
 
-/// Leaves nothing in a buffer, of which each process that is forked later would have a copy.
+/// Prints and flushes, since each process that is forked later would have a copy of what is left in the
+/// buffer.
 void say(const std::string& text) {
   fmt::print("{}", text);
   std::fflush(stdout);
@@ -54,7 +55,7 @@ std::string title_of(const Case& of) {
          (of.waiting == Waiting::sleeping ? ", sleeping" : ", spinning");
 }
 
-/// The ids of all entrants: all of them run in this case.
+/// Returns the ids of all entrants, all of which run in this case.
 std::vector<std::string> ids() {
   std::vector<std::string> ids;
   for (const Entrant& entrant : entrants({Where::one_host, Waiting::sleeping})) ids.push_back(id_of(entrant));
@@ -63,13 +64,13 @@ std::vector<std::string> ids() {
 
 class Peers {
  public:
-  /// One reader, all sizes.
+  /// Measures all sizes with one reader.
   std::vector<Figure> sizes(const std::string& group, Where where, Waiting waiting) {
     const Case of{where, waiting};
     const Records records = measure(group, {of}, scale.sizes, scale.pace);
     return report(group, title_of(of) + ", one reader", records, columns_of_sizes(of, scale.sizes));
   }
-  /// Some sizes, several readers that sleep.
+  /// Measures some sizes with several readers that sleep.
   std::vector<Figure> readers(const std::string& group, Where where) {
     std::vector<Case> cases;
     for (const std::size_t readers : scale.readers) cases.push_back({where, Waiting::sleeping, readers});
@@ -89,7 +90,7 @@ class Peers {
   void finish() { write_csv(csv, records_); }
 
   Scale scale;
-  std::vector<std::string> contenders;  ///< the ids of those that run; empty: all
+  std::vector<std::string> contenders;  ///< the ids of the entrants that run; empty: all run
   std::ofstream csv;
 
  private:
@@ -103,7 +104,7 @@ class Peers {
     }
     return *stage_;
   }
-  /// Those of the last case, which has the most readers, run in all cases.
+  /// Measures the entrants of the last case, which has the most readers, in all cases.
   Records measure(const std::string& group, const std::vector<Case>& cases,
                   const std::vector<std::uint32_t>& sizes, const Pace& pace) {
     Records measured;

@@ -15,9 +15,9 @@ constexpr std::int64_t timeout_ns = 2'000'000'000;
 constexpr std::int64_t look_again_us = 50;
 constexpr std::size_t warm_up_min = 5;
 constexpr double warm_up_s = 0.1;
-constexpr std::uint64_t received_min = 8;  // messages from which a rate is taken, if they come in time
+constexpr std::uint64_t received_min = 8;  // the least messages for a rate, if they arrive in time
 constexpr double timeout_of_rate_s = 1;
-constexpr std::int64_t quiet_us = 50'000;  // no more messages come after a pause of this time
+constexpr std::int64_t quiet_us = 50'000;  // no more messages arrive after a pause of this time
 
 std::int64_t ns_of(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 
@@ -118,8 +118,8 @@ void Sender::count_lost() {
   result_.lost = static_cast<double>(number_ - received()) / static_cast<double>(number_);
 }
 
-/// Readers wait for a message, so that only a message can tell them that they are done. It is sent again in
-/// case that it was lost.
+/// Readers wait for a message, so that only a message can end them. The last message is sent again in case
+/// it was lost.
 bool Sender::finish() {
   constexpr int tries = 5;
   board_.last_number[size_] = number_ + 1;

@@ -12,10 +12,11 @@ namespace sft::bench::peers {
 
 class Sender {
  public:
-  /// `size` is the number of the size. Everything outlives the sender.
+  /// `size` is the index of the size. All arguments must outlive the sender.
   Sender(Board& board, Writer& writer, std::size_t size, const Case& of, const Pace& pace);
 
-  /// Writes the results to the board. False if the readers do not get the last message.
+  /// Measures, and writes the results to the board. Returns false if the readers do not receive the last
+  /// message.
   bool measure();
 
  private:
@@ -27,14 +28,15 @@ class Sender {
 
   bool sleeps() const { return of_.waiting == Waiting::sleeping; }
   Moment moment() const;
-  /// Messages that every reader has got, and the greatest number of these.
+  /// The number of messages that every reader has received, and the greatest number that every reader has
+  /// received.
   std::uint64_t received() const;
   std::uint64_t last_received() const;
-  /// When the last of the readers got a message.
+  /// When the last of the readers received a message.
   std::int64_t received_at_ns(std::uint64_t number) const;
 
-  /// Sends a message and waits until it has arrived, and the period is over. Returns its time in
-  /// microseconds; not a number if it has not arrived.
+  /// Sends a message, and waits until it has arrived and the period is over. Returns its time in
+  /// microseconds; NaN if it has not arrived.
   double send_and_wait();
   void warm_up();
   void measure_latency();

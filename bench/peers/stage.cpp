@@ -16,9 +16,9 @@ namespace {
 
 using sft_bench::Bulk;
 
-constexpr unsigned memory_mebibytes = 1024;  // sftd takes half of it
+constexpr unsigned memory_mebibytes = 1024;  // twice the memory that sftd takes
 
-/// Starts sftd, which goes on when the node is gone. True when it lends memory.
+/// Starts sftd, which continues to run after the node is closed. Returns true once sftd lends memory.
 bool start_daemon() {
   Node node = Node::open(node_options("first", TransportChoice::shm)).value();
   auto publisher = node.publisher<Bulk>("first").value();

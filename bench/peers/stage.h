@@ -16,7 +16,7 @@ class Stage {
   /// REQUIRES: the program is isolated.
   Stage();
 
-  /// Moves the calling process, the writer's or that of a reader, to its host and its shared memory.
+  /// Moves the calling process, which is the writer's or a reader's, to its host and its shared memory.
   void enter_as_writer(Way way) const;
   void enter_as_reader(const Case& of, Way way, std::size_t reader) const;
 

@@ -12,11 +12,11 @@ namespace sft::bench::peers {
 
 namespace {
 
-constexpr std::size_t samples_of_p999 = 1000;  // with fewer, it is the worst one
+constexpr std::size_t samples_of_p999 = 1000;  // with fewer samples, the p999 is the worst one
 
 using Cell = std::function<std::string(const Records&)>;
 
-/// The entrants of all columns that have records.
+/// Returns the entrants that have records in any of the columns.
 std::vector<Entrant> rows_of(const Records& all, const std::vector<Column>& columns) {
   std::vector<Entrant> rows;
   for (const Column& column : columns) {

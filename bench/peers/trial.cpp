@@ -19,7 +19,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-/// The contender that a way with readers is, in the order of Way.
+/// Opens the contender for the entrant's way, which must be one with readers.
 std::unique_ptr<Peer> open(const Trial& trial) {
   const Contender sft = trial.of.where == Where::one_host ? sft_memory_peer : sft_peer;
   const Contender contenders[] = {sft,
@@ -36,7 +36,7 @@ std::unique_ptr<Peer> open(const Trial& trial) {
   return contenders[static_cast<std::size_t>(trial.entrant.way)]();
 }
 
-/// The topic for messages of one size, by its number.
+/// Returns the topic for messages of the size with this index.
 Topic topic_of(const Trial& trial, std::size_t number) {
   const std::uint32_t bytes = trial.sizes[number];
   Topic topic{.name = "bytes" + std::to_string(bytes),
@@ -51,7 +51,7 @@ Topic topic_of(const Trial& trial, std::size_t number) {
   return topic;
 }
 
-/// Copies each message, and notes its receipt for all readers when the copy is made.
+/// Copies each message, and then notes its receipt for all readers.
 class CopyingWriter : public Writer {
  public:
   CopyingWriter(Board& board, std::size_t size, const Trial& trial)
@@ -98,7 +98,7 @@ int write_all(Board& board, const Trial& trial) {
   return measure_all(board, writers, trial);
 }
 
-/// Reads messages of one size until the last one.
+/// Reads messages of one size until the last message.
 void read(Reader& reader, Receipts& receipts, const std::atomic<std::uint64_t>& last_number) {
   while (receipts.last.load() < last_number.load()) {
     reader.wait();
@@ -127,7 +127,7 @@ int read_all(Board& board, const Trial& trial, std::size_t number) {
   return 0;
 }
 
-/// Runs all processes to their end. False if one of them failed.
+/// Runs all processes to their end. Returns false if one of them failed.
 bool run_processes(Board& board, const Trial& trial, const Stage& stage) {
   if (trial.entrant.way == Way::memcpy_alone)
     return succeeds(start_on_core(0, [&] { return copy_all(board, trial); }));

@@ -1,5 +1,5 @@
-// One entrant in one case: a writer's process on the first core, and the readers' processes on the second
-// one, which they share. One start serves for all sizes.
+// One entrant in one case. The writer's process is on the first core. The readers' processes share the second
+// core. They are started once for all sizes.
 #pragma once
 
 #include <cstdint>
@@ -15,11 +15,11 @@ namespace sft::bench::peers {
 struct Trial {
   Case of;
   Entrant entrant;
-  std::vector<std::uint32_t> sizes;  ///< at most sizes_max
+  std::vector<std::uint32_t> sizes;  ///< at most sizes_max of them
   Pace pace;
 };
 
-/// A record for each size. Names an entrant that failed on the standard error, and returns none then.
+/// Returns a record for each size. If the entrant failed, names it on the standard error, and returns none.
 Records run(const Trial& trial, const Stage& stage);
 
 }  // namespace sft::bench::peers

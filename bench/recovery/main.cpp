@@ -1,4 +1,5 @@
-// Measures for how long hostile programs and mishaps disturb others after their end; see tests/hostile.
+// Measures for how long hostile programs and mishaps disturb other programs after their end; see
+// tests/hostile.
 #include "bench/common/program.h"
 #include "bench/recovery/recovery.h"
 #include "tests/support/isolated_host.h"

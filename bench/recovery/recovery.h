@@ -1,4 +1,5 @@
-// Measures how long after a hostile act or a mishap every honest pair of programs is served as before.
+// Measures how long it takes after a hostile act or a mishap until every honest pair of programs is served
+// again.
 #pragma once
 
 #include <chrono>
@@ -10,13 +11,14 @@
 namespace sft::bench {
 
 struct RecoveryScale {
-  int rounds = 3;                         ///< of each act
-  std::chrono::milliseconds length{500};  ///< of an act
+  int rounds = 3;                         ///< the number of rounds of each act
+  std::chrono::milliseconds length{500};  ///< the duration of an act
   std::string act{};                      ///< the act to perform; empty: all acts
-  unsigned long seed = 1;                 ///< of all random numbers
+  unsigned long seed = 1;                 ///< the seed of all random numbers
 };
 
-/// First kill -9 of the publisher and its new start, as the floor, then each act: median and worst case.
+/// Returns the median and the worst time: first of a publisher that is killed by kill -9 and restarted, which
+/// is the reference, then of each act.
 std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale);
 
 }  // namespace sft::bench

@@ -19,7 +19,7 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::int64_t period_us = 50'000;
 
-/// Publishes the cloud at 20 Hz; its stamp is the number of the sample.
+/// Publishes the cloud at 20 Hz. The seconds of its stamp are the number of the sample.
 void publish(Exchange& exchange, std::uint64_t samples) {
   Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -37,7 +37,7 @@ void publish(Exchange& exchange, std::uint64_t samples) {
   wait_until([&] { return exchange.received.load() >= samples; }, 2);
 }
 
-/// `bytes` gets what came in by the link for a sample, with the headers of all layers.
+/// Sets `bytes` to the bytes per sample that the link has received, with the headers of all layers.
 void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samples, double& bytes) {
   Node node = Node::open(udp_node_options("reader")).value();
   const DynamicType type = node.find_type("points", std::chrono::seconds(20)).value();
@@ -57,8 +57,8 @@ void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samp
 }
 
 struct Measured {
-  std::vector<double> us;  ///< from publish() to the callback
-  double bytes = 0;        ///< of a sample
+  std::vector<double> us;  ///< times from publish() to the callback
+  double bytes = 0;        ///< bytes per sample
 };
 
 Measured measure(const TwoHosts& hosts, const std::string& fields, std::uint64_t samples) {
@@ -85,7 +85,7 @@ std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds) {
     bytes = part.bytes;
   }
   const double coordinates = 12.0 * cloud.width * cloud.height;
-  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
+  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
   const double least = coordinates + std::ceil(coordinates / payload_bytes) * header_bytes;
   return {{"channels_xyz_wire", bytes, "B", least, "12 B a point in full datagrams, on the link", 1.02},
           {"channels_xyz_latency", part_us.p50(), "us", whole_us.p50(), "the whole cloud", 0.5}};

@@ -23,7 +23,7 @@ using ImageView = ViewOf<Image, all<Image>>;
 using Rgb = std::array<std::uint8_t, 3>;
 using ColourSums = std::array<std::uint32_t, 3>;
 
-/// Rows and columns of an image.
+/// A range of rows and columns of an image.
 struct Window {
   std::uint32_t first_row, rows, first_column, columns;
 };
@@ -101,7 +101,7 @@ std::vector<Figure> reading_cells(int rounds) {
   const LocalPart part(type_support<Image>(), whole, text_of_middle);
   const ImageView full = view_of<Image, all<Image>>(whole.state());
   const ImageView window = view_of<Image, all<Image>>(part.state());
-  // The loop by hand is vectorised, which one that looks for the end of rows is not.
+  // The loop by hand is vectorised. A loop that looks for the ends of rows is not.
   constexpr std::optional<double> none;
   return {time_of_pixels("cells_rows_full", colours_of_rows, full, full, all_pixels, 1.1, rounds),
           time_of_pixels("cells_rows_in_place", colours_of_rows, window, full, middle, 1.1, rounds),

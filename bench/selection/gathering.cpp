@@ -17,7 +17,7 @@ using namespace detail;
 using sensor_msgs::msg::Image;
 using sensor_msgs::msg::PointCloud2;
 
-/// 1920 x 1080, three bytes each.
+/// Returns an image of 1920 x 1080 pixels of three bytes.
 Image colour_image() {
   Image message;
   message.height = 1080;

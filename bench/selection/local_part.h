@@ -13,17 +13,17 @@ namespace sft::bench {
 
 class LocalPart {
  public:
-  /// Puts the message where shared memory would have it. The type outlives this object.
+  /// Puts the message where it would be in shared memory. The type must outlive this object.
   LocalPart(const TypeSupport& type, const Sample& whole, std::string_view selection);
   ~LocalPart();
   LocalPart(const LocalPart&) = delete;
   LocalPart& operator=(const LocalPart&) = delete;
 
-  /// Does what take() does, and what the end of the sample does.
+  /// Does the work of take() and of the end of the sample.
   void take_and_release();
-  /// Returns a copy of what a reader on another host would get.
+  /// Returns a copy that is the same as for a reader on another host.
   core::SampleHandle copied() const { return copies_->of(sample_, *asked_->plan); }
-  /// The sample that stays taken.
+  /// The sample that is taken and kept.
   const detail::SampleState& state() const { return state_; }
 
  private:

@@ -1,5 +1,5 @@
-// Measures selections: how long taking and reading parts of fields and asking conditions lasts, and what they
-// cost between hosts.
+// Measures selections: the time to take and read parts of fields and to evaluate conditions, and the costs
+// between hosts.
 #include "bench/common/program.h"
 #include "bench/selection/selection.h"
 #include "tests/support/isolated_host.h"

@@ -5,7 +5,8 @@
 
 namespace sft::bench {
 
-/// An organised cloud with the channels of an Ouster OS1-128: 6.29 MB, of which x, y and z are a quarter.
+/// Returns an organised cloud with the channels of an Ouster OS1-128: 6.29 MB, of which x, y and z are a
+/// quarter.
 sensor_msgs::msg::PointCloud2 ouster_cloud();
 
 }  // namespace sft::bench

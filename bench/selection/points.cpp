@@ -23,7 +23,7 @@ using sensor_msgs::msg::PointCloud2;
 using View = ViewOf<PointCloud2, all<PointCloud2>>;
 using Sums = std::array<float, 3>;
 
-/// The cloud with coordinates in it.
+/// Returns the cloud with coordinates in its points.
 PointCloud2 cloud_of_values() {
   PointCloud2 cloud = ouster_cloud();
   for (std::size_t i = 0; i < cloud.data.size(); i += cloud.point_step) {
@@ -33,7 +33,7 @@ PointCloud2 cloud_of_values() {
   return cloud;
 }
 
-/// The loop of a program that knows where x, y and z are, and that rows follow one another.
+/// The loop of a program that knows the offsets of x, y and z, and that rows follow one another.
 [[gnu::noinline]] Sums sums_by_hand(const View& view) {
   const std::uint8_t* point = view.data().data();
   const std::size_t step = view.point_step();
@@ -67,8 +67,8 @@ Figure time_of(const SampleState& state, std::string name, int rounds) {
   return {std::move(name), best[0] / 1000, "us", best[1] / 1000, "a loop by hand that sums x, y and z", 1.1};
 }
 
-/// A reader with three channels on the publisher's host: what its part costs at take(), and how its points
-/// are read.
+/// Measures a reader on the publisher's host that asks for three channels: the time to take the part and to
+/// release it, and the time to read its points.
 std::vector<Figure> part_in_place(const Sample& whole, int rounds) {
   LocalPart part(type_support<PointCloud2>(), whole, "data{x,y,z}");
   const auto best = best_times_ns(

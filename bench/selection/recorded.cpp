@@ -23,7 +23,7 @@ using sensor_msgs::msg::LaserScan;
 
 constexpr std::size_t encapsulation_bytes = 4;
 
-/// The bytes of the body that remains of an encoded message, with all other fields whole.
+/// Returns the bytes of the body of an encoded message with this part of a field, and all other fields whole.
 template <class T>
 double bytes_of_part(const detail::SampleState& message, const std::string& part) {
   const TypeSupport& type = type_support<T>();
@@ -35,7 +35,7 @@ double bytes_of_part(const detail::SampleState& message, const std::string& part
   return projection.project(message, plan) ? static_cast<double>(projection.bytes()) : 0;
 }
 
-/// The voltage of a flight, a row every 10 ms: how many samples pass the condition.
+/// Counts how many samples pass the condition. They are voltages of a flight, a row of the file every 10 ms.
 Figure voltage_on_change(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<BatteryState>();
   const Selection selection = type.parse_selection("voltage @ changed 1%").value();
@@ -58,7 +58,7 @@ Figure voltage_on_change(const std::filesystem::path& file) {
           "of a flight, for changed 1%"};
 }
 
-/// The mean of all scans of a drive.
+/// Returns the mean over all scans of a drive.
 Figure every_4th_beam(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<LaserScan>();
   const FieldMask full = type.full();

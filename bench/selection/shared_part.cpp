@@ -26,11 +26,11 @@ constexpr double timeout_s = 60;
 
 struct Progress {
   std::atomic<bool> done{false};
-  std::atomic<std::size_t> read{0};  ///< samples, by all readers
-  double bytes = 0;                  ///< that the publisher's host sent for a sample
+  std::atomic<std::size_t> read{0};  ///< samples that were read, summed over the readers
+  double bytes = 0;                  ///< bytes per sample that the publisher's host has sent
 };
 
-/// Publishes until all readers are in a group, and then counts.
+/// Publishes until all readers are in a multicast group, and then counts.
 void publish_to_all(Progress& progress, std::uint64_t samples) {
   Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -85,7 +85,7 @@ std::vector<Figure> shared_part_of_hosts(std::uint64_t samples) {
   }
   const PointCloud2 cloud = ouster_cloud();
   const double coordinates = 12.0 * cloud.width * cloud.height;
-  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
+  constexpr double payload_bytes = 1472, header_bytes = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
   const double one_copy = coordinates + std::ceil(coordinates / payload_bytes) * header_bytes;
   return {{"channels_group_wire", progress->bytes, "B", one_copy,
            "one copy of x, y and z in full datagrams, for four hosts", 1.05}};

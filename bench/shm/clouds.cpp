@@ -1,5 +1,5 @@
-// Measures 6.3 MB from one program to another one, which sleeps until they come: with SFT as a cloud, and as
-// samples in the shared memory of other middleware.
+// Measures 6.3 MB from one program to another one, which sleeps until they arrive: with SFT as a cloud, and
+// with other middleware as samples in its shared memory.
 #include <algorithm>
 
 #include "bench/common/roudi.h"
@@ -11,9 +11,9 @@ namespace sft::bench {
 
 namespace {
 
-constexpr double loan_bound = 1. / 10;   // times the standard message of others
-constexpr double fixed_bound = 1. / 3;   // times their loans of fixed size
-constexpr double owned_bound = 1 / 1.5;  // times the standard message of others
+constexpr double loan_bound = 1. / 10;   // relative to a standard message of the others
+constexpr double fixed_bound = 1. / 3;   // relative to their loans of fixed size
+constexpr double owned_bound = 1 / 1.5;  // relative to a standard message of the others
 
 }  // namespace
 

@@ -1,4 +1,4 @@
-// Measures eight programs that sleep until the same message comes. The writer has one core, and the readers
+// Measures eight programs that sleep until the same message arrives. The writer has one core, and the readers
 // share the other one. The writer sleeps after publish(), so that a thread that wakes readers for it has a
 // core, too.
 #include <csignal>
@@ -20,8 +20,8 @@ constexpr std::int64_t asleep_us = 300;  // all readers sleep after this time
 constexpr std::int64_t timeout_ns = 1'000'000'000;
 
 struct Board {
-  std::atomic<std::uint64_t> ready{0};  ///< readers that have begun
-  std::atomic<std::uint64_t> read{0};   ///< messages that all readers together have read
+  std::atomic<std::uint64_t> ready{0};  ///< the number of readers that have begun
+  std::atomic<std::uint64_t> read{0};   ///< messages that were read, summed over the readers
   std::int64_t sent_at[Exchange::samples_max] = {};
   std::int64_t returned_at[Exchange::samples_max] = {};
   std::atomic<std::int64_t> last_read_at[Exchange::samples_max] = {};
@@ -58,7 +58,7 @@ bool send(Board& board, Contender contender, std::uint64_t messages) {
     board.returned_at[i] = now_ns();
     if (!board.wait_for_all(i + 1)) return false;
   }
-  writer->prepare(messages + 1);  // ends the readers
+  writer->prepare(messages + 1);  // tells the readers to end
   writer->publish();
   return true;
 }

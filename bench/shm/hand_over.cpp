@@ -1,4 +1,4 @@
-// Measures the way from one process to another one, which spins or sleeps while it waits.
+// Measures the time from one process to another one, which spins or sleeps while it waits.
 #include <linux/futex.h>
 #include <sys/syscall.h>
 #include <unistd.h>
@@ -14,7 +14,7 @@ namespace sft::bench {
 
 namespace {
 
-// The least time to wake a process: a word in shared memory and the system call.
+// The least time to wake a process: with a word in shared memory and the system call.
 
 using Word = std::atomic<std::uint32_t>;
 

@@ -1,5 +1,5 @@
-// Measures the cost of a waiting node: the processor time of the whole process, whose subscriber has a
-// publisher in another program.
+// Measures the cost of a waiting node: the processor time of a whole process with a subscriber, whose
+// publisher is in another program.
 #include <unistd.h>
 
 #include "bench/common/contender.h"

@@ -1,5 +1,5 @@
-// Measures shared memory: latency, fan-out, and the cost of waiting. Every side is pinned to a core. The
-// references run in turns with SFT, with messages of the same size.
+// Measures shared memory: latency, fan-out, and the cost of waiting. Every side is pinned to a core. SFT and
+// the references run in turns, with messages of the same size.
 #include "bench/common/pair.h"
 #include "bench/common/program.h"
 #include "bench/shm/shm.h"

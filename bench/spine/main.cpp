@@ -1,5 +1,5 @@
-// Measures the basic path of a sample: latency in shared memory and over UDP, and bytes on the wire. For
-// latency, each side is pinned to its own core, and SFT runs in turns with its reference.
+// Measures the basic path of a sample: latency in shared memory and by UDP, and bytes on the wire. For
+// latency, each side is pinned to its own core, and SFT and its reference run in turns.
 #include "bench/common/program.h"
 #include "bench/spine/spine.h"
 #include "tests/support/isolated_host.h"

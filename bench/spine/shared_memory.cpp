@@ -1,4 +1,4 @@
-// Measures SFT in shared memory with samples of two sizes, since the latency must not depend on the size.
+// Measures SFT in shared memory with samples of two sizes, since latency must not depend on the size.
 #include "bench/common/statistics.h"
 #include "bench/common/transfer.h"
 #include "bench/spine/spine.h"
@@ -10,7 +10,7 @@ namespace {
 const Topic small{.bulk_bytes = 16, .reliable = false};
 const Topic large{.bulk_bytes = sent_cloud_bytes, .reliable = false};
 
-/// The contenders for one kind of reader: asleep, or spinning.
+/// The contenders for one kind of reader, which sleeps or spins.
 struct Contest {
   Rounds ours, ours_small, raw;
 

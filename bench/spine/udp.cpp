@@ -1,4 +1,4 @@
-// Measures 64 bytes of fields over UDP to another host and back, callback to callback, with readers that
+// Measures 64 bytes of fields by UDP to another host and back, from callback to callback, with readers that
 // sleep.
 #include <sft/sft.h>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -57,7 +57,7 @@ void ping(Exchange& exchange, std::uint64_t messages) {
   std::uint64_t before = 0;
   while (rounds.load() < messages) {
     sleep_us(1'000'000);
-    if (rounds.load() == before) {  // a datagram was lost: send the next one
+    if (rounds.load() == before) {  // a datagram was lost: send the next sample
       exchange.failed = rounds.load() == 0;
       send();
     }

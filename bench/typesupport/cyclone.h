@@ -1,4 +1,4 @@
-// One message of Cyclone DDS, with its serializer. Memory for sequences is allocated once and used again.
+// One message of Cyclone DDS, with its serializer. Memory for sequences is allocated once and reused.
 #pragma once
 
 #include <dds/dds.h>
@@ -16,7 +16,7 @@ class CycloneMessage {
   CycloneMessage& operator=(const CycloneMessage&) = delete;
   ~CycloneMessage();
 
-  /// Checks a body in place and fills the C struct, as for a sample that arrived. False if the body is
+  /// Checks a body in place and fills the C struct, as for an arriving sample. Returns false if the body is
   /// malformed.
   bool read(std::span<std::byte> body);
   /// Encodes the C struct into a buffer of this object, and returns the number of bytes.

@@ -19,7 +19,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// Compares reading two scalars with deserializing the whole message, as other middleware does.
+/// Compares reading two scalars with the deserialization of the whole message in other middleware.
 std::vector<Figure> two_scalars(int rounds) {
   Sample sample(cloud(large_bytes));
   CycloneMessage cyclone(sensor_msgs_msg_PointCloud2_desc);
@@ -40,7 +40,7 @@ std::vector<Figure> two_scalars(int rounds) {
           {"read_two_scalars_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
 }
 
-/// Checks and decodes a message, as for a sample that arrived.
+/// Checks and decodes a message, as for an arriving sample.
 template <class T>
 std::vector<Figure> full(const std::string& name, const T& message, const dds_topic_descriptor_t& type,
                          int rounds) {

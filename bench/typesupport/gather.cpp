@@ -27,7 +27,7 @@ std::vector<Figure> gathering(int rounds) {
            {},
            "Odometry without covariances",
            300},
-          // A run is copied leaf by leaf if it moves by a distance that is no multiple of its alignment.
+          // A run is copied leaf by leaf if it moves by a distance that is not a multiple of its alignment.
           {"gather_17_shifted",
            projection_ns(battery(),
                          "header.stamp voltage temperature current charge capacity design_capacity "

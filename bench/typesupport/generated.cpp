@@ -29,7 +29,7 @@ Figure lines_per_field() {
     std::ifstream stream(file.path());
     for (std::string line; std::getline(stream, line);) {
       if (line.find_first_not_of(" \t") != std::string::npos) ++lines;
-      if (line.find("sft::member<") != std::string::npos) ++fields;  // a row in the table of a type
+      if (line.find("sft::member<") != std::string::npos) ++fields;  // a row of a type's table
     }
   }
   return {"generated_lines_per_field", lines / fields, "", {}, "of all headers, blank lines aside", 40};
@@ -41,7 +41,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-/// Writes calls of all getters below `view`.
+/// Returns code that calls all getters below `view`.
 std::string reads(const StructType& type, const std::string& view, int depth = 0) {
   std::string code;
   const std::string element = "e" + std::to_string(depth);
@@ -61,7 +61,8 @@ std::string reads(const StructType& type, const std::string& view, int depth = 0
 
 constexpr const char* headers = "#include <sft/sft.h>\n";
 
-/// The source of a program that publishes a message, and reads all fields of the messages that it receives.
+/// Returns the source of a program that publishes a message, and reads all fields of the messages that it
+/// receives.
 std::string program_with(const StructType& type) {
   const std::string name(type.name);
   return std::string(headers) + "#include <" + replaced(name, "::", "/") + ".hpp>\n" +  //
@@ -84,8 +85,8 @@ void subscribe(sft::Node& node) {
          "}\n";
 }
 
-/// The processor time of the compiler, which is the time to wait on an idle core. Negative if the compiler
-/// failed.
+/// Returns the processor time of the compiler, which is the waiting time on an idle core. Negative if the
+/// compiler failed.
 double compile_seconds(const fs::path& directory, const std::string& source) {
   const std::string from = directory / "program.cpp";
   const std::string to = directory / "program.o";

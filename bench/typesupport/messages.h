@@ -14,17 +14,17 @@
 
 namespace sft::bench {
 
-inline constexpr std::size_t large_bytes = 1'660'000;  ///< 103,750 points of 16 bytes
+inline constexpr std::size_t large_bytes = 1'660'000;  ///< bytes of 103,750 points of 16 bytes
 inline constexpr std::size_t small_bytes = 16;
 
 nav_msgs::msg::Odometry odometry();
 sensor_msgs::msg::LaserScan scan();
 sensor_msgs::msg::BatteryState battery();
 
-/// The memory of a sample: body, index, mask.
+/// The memory of a sample: its body, index and mask.
 class Sample {
  public:
-  /// Takes memory for `value` under `mask`, which is closed, and encodes `value`.
+  /// Allocates memory for `value` under `mask`, which is closed, and encodes `value`.
   template <class T>
   explicit Sample(const T& value, const FieldMask& mask = FieldMask(all<T>))
       : Sample(detail::TypeTable<T>::type, &value, mask) {}

@@ -7,13 +7,13 @@
 
 namespace sft::bench {
 
-/// Measures the way from owned structs to CDR, for all fields, two scalars and small messages, beside
-/// copying, Cyclone DDS and Fast CDR.
+/// Measures the way from owned structs to CDR, for all fields, two scalars and small messages, compared with
+/// copies, Cyclone DDS and Fast CDR.
 std::vector<Figure> encoding(int rounds);
 /// Measures the way from CDR to the fields of a reader, for two scalars and for all fields, and the check and
-/// index of a sample that arrives.
+/// index of an arriving sample.
 std::vector<Figure> decoding(int rounds);
-/// Measures the way from an encoded sample to the payload of a smaller mask.
+/// Measures the time to make the payload of a smaller mask from an encoded sample.
 std::vector<Figure> gathering(int rounds);
 /// Measures the size of generated headers, and the time to compile them.
 std::vector<Figure> generated_code();

@@ -1,6 +1,6 @@
-// Counts what a sample takes that is sent while everybody sleeps, and what idle nodes take. Counts do not
-// depend on the speed of the machine. Those that the program takes itself to sleep until its next sample are
-// among them: one system call and one wake-up of the sender.
+// Counts the work for a sample that is sent while all threads sleep, and the work of idle nodes. Counts do
+// not depend on the speed of the machine. They include the sleep of the program until its next sample: one
+// system call and one wake-up of the sender.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ struct Rate {
   const char* name;
   Paced paced;
 
-  /// The counts are of a sample or, without samples, of a second.
+  /// The counts are per sample or, without samples, per second.
   double divisor() const {
     return paced.messages > 0 ? static_cast<double>(paced.messages) : static_cast<double>(idle_us) / 1e6;
   }
@@ -85,10 +85,10 @@ void print(const char* contender, const Rate& rate, const PairCounts& counts) {
              "wake-ups", "preempted", "instructions", "misses", "CPU us", "system calls by name");
   print_side("publisher", counts.sender, rate.divisor());
   print_side("subscriber", counts.receiver, rate.divisor());
-  std::fflush(stdout);  // otherwise each of the next processes has these lines, too
+  std::fflush(stdout);  // otherwise each of the next processes would have these lines, too
 }
 
-/// A count of one side.
+/// One kind of count of one side.
 struct Column {
   std::string name;
   std::optional<std::int64_t> (*count)(const Counts&);
@@ -110,10 +110,10 @@ class Contest {
   void run(const TwoHosts& hosts) {
     add(count(sft_peer, rate_, hosts), "SFT", &Column::ours);
     add(count(cyclone_peer, rate_, hosts), "Cyclone DDS", &Column::cyclone);
-    if (rate_.paced.messages == 0) return;  // sockets do nothing
+    if (rate_.paced.messages == 0) return;  // sockets without samples do nothing
     if (const auto raw = count(raw_udp_peer, rate_, hosts)) print("raw UDP", rate_, *raw);
   }
-  /// A count that the machine does not have gets no figure.
+  /// Adds figures, except for counts that the machine does not have.
   void figures(std::vector<Figure>& to) const {
     const char* unit = rate_.paced.messages > 0 ? "" : "/s";
     for (const Column& column : columns_) {
@@ -139,7 +139,7 @@ class Contest {
 
 }  // namespace
 
-/// One round tells all, since counts hardly differ between rounds.
+/// One round is enough, since counts hardly differ between rounds.
 std::vector<Figure> cold_path(const Scale&) {
   const TwoHosts hosts(Trains::whole);
   const Topic small{.reliable = false};

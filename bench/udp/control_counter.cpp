@@ -17,7 +17,7 @@ namespace sft::bench {
 
 namespace {
 
-constexpr int buffer_bytes = 16 << 20;  // nothing is read before the end
+constexpr int buffer_bytes = 16 << 20;  // room for all datagrams, since none is read before the end
 
 using namespace hosts;  // offsets in a frame
 
@@ -34,7 +34,7 @@ constexpr std::uint32_t packed = first_byte(udp::DatagramKind::packed);
 constexpr std::uint32_t whole = first_byte(udp::DatagramKind::whole);
 constexpr std::uint32_t single = first_byte(udp::DatagramKind::single);
 
-/// Accepts datagrams of SFT that carry no part of a sample. The last two numbers of a jump tell how many
+/// Accepts datagrams of SFT that carry no part of a sample. The last two numbers of a jump are the numbers of
 /// lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
@@ -71,7 +71,7 @@ ControlCounter::ControlCounter() {
 ControlTraffic ControlCounter::read() const {
   ControlTraffic traffic;
   char unused = 0;
-  // MSG_TRUNC returns the length of the frame, of which one byte is read.
+  // MSG_TRUNC returns the length of the frame, of which only one byte is read.
   for (ssize_t bytes = 0; (bytes = recv(packets_.get(), &unused, 1, MSG_TRUNC)) > 0;) {
     traffic.bytes += bytes;
     ++traffic.datagrams;

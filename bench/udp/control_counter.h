@@ -1,4 +1,5 @@
-// Counts the datagrams of SFT without samples on this host's interface, in both directions.
+// Counts SFT's control datagrams, which have no part of a sample, on this host's interface in both
+// directions.
 #pragma once
 
 #include <cstdint>
@@ -8,16 +9,16 @@
 namespace sft::bench {
 
 struct ControlTraffic {
-  std::int64_t bytes = 0;  ///< with all headers
+  std::int64_t bytes = 0;  ///< bytes of frames, with all headers
   std::int64_t datagrams = 0;
 };
 
 class ControlCounter {
  public:
-  /// Ends the program with a message if it may not count.
+  /// Ends the program with a message if it cannot capture packets, for example without root's rights.
   ControlCounter();
 
-  /// The traffic since the counter was made, or since the last call.
+  /// Returns the traffic since the counter was made, or since the last call.
   ControlTraffic read() const;
 
  private:

@@ -1,5 +1,6 @@
-// Measures UDP between hosts: throughput, latency and bytes, beside Cyclone DDS, Fast DDS and raw sockets in
-// the same run. Each side is pinned to its own core. The hosts are network namespaces with an MTU of 1500.
+// Measures UDP between hosts: throughput, latency and bytes, compared with Cyclone DDS, Fast DDS and raw
+// sockets in the same run. Each side is pinned to its own core. The hosts are network namespaces with an MTU
+// of 1500.
 #include "bench/common/pair.h"
 #include "bench/common/program.h"
 #include "bench/udp/udp.h"

@@ -26,8 +26,8 @@ struct Board {
   Signal matched, warm, go, over_at_sender, over_at_receiver;
 };
 
-/// Takes one system call and one sleep for each sample but the first. Returns how many samples were a period
-/// late or more, so that nobody slept before them.
+/// Writes samples, with one system call and one sleep before each sample but the first. Returns how many
+/// samples were at least a period late, so that no thread slept before them.
 std::uint64_t write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::int64_t period_us) {
   std::uint64_t late = 0;
   timespec due{};

@@ -17,7 +17,7 @@ namespace sft::bench {
 namespace {
 
 constexpr double warm_up_s = 0.2;
-constexpr std::int64_t quiet_us = 300'000;  // no more samples come after a pause of this time
+constexpr std::int64_t quiet_us = 300'000;  // no more samples arrive after a pause of this time
 
 struct Moment {
   std::int64_t at_ns = 0;
@@ -29,7 +29,7 @@ struct Board {
   alignas(64) std::atomic<std::uint64_t> received{0};
   alignas(64) std::atomic<pid_t> receiver{0};
   std::atomic<bool> over{false};
-  // The measured time:
+  // The beginning and the end of the measured time:
   Moment begin, end;
   std::uint64_t lost = 0;
 
@@ -60,7 +60,7 @@ class Sender {
       sent_ += load_.together;
     }
   }
-  /// The number of samples that never arrived.
+  /// Returns the number of samples that never arrived.
   std::uint64_t count_lost() const {
     for (std::uint64_t before = ~0ull; before != board_.received && board_.received < sent_;) {
       before = board_.received;

@@ -1,4 +1,4 @@
-// Runs a program that writes for some time, as fast as its middleware lets it, and one that counts the
+// Runs a program that writes for some time, as fast as its middleware allows, and a program that counts the
 // samples.
 #pragma once
 
@@ -13,7 +13,7 @@ namespace sft::bench {
 struct Load {
   Topic topic;
   double seconds = 1;
-  std::uint64_t together = 1;  ///< samples that are handed over at a time
+  std::uint64_t together = 1;  ///< the number of samples that are passed to the writer at a time
 };
 
 /// The results of the runs of one contender.
@@ -21,10 +21,10 @@ class StreamRounds {
  public:
   void run(Contender contender, const Load& load, const TwoHosts& hosts);
 
-  // Medians; not a number if all runs failed.
+  // Medians; NaN if all runs failed.
   double samples_per_s() const;
   double cpu_s_per_sample() const;  ///< user and system time of both processes
-  /// The samples lost in all runs.
+  /// Returns the number of samples lost in all runs.
   double lost() const;
 
  private:

@@ -10,31 +10,32 @@
 namespace sft::bench {
 
 struct Scale {
-  int rounds = 3;                 ///< of each contender, in turns; the median counts
-  double seconds = 1;             ///< time for which a stream of samples is measured
-  std::uint64_t messages = 2000;  ///< of 64 bytes, per round and contender; a fiftieth of large ones
+  int rounds = 3;      ///< rounds of each contender, in turns; the median is used
+  double seconds = 1;  ///< the time for which a stream of samples is measured
+  /// Messages of 64 bytes per round and contender; a fiftieth of them if they are large.
+  std::uint64_t messages = 2000;
 };
 
 /// The highest rate of reliable samples of 4 MiB, and its processor time.
 std::vector<Figure> bulk(const Scale& scale);
-/// The round trip of samples of 64 bytes between hosts, for each way to wait for samples.
+/// The round trip of samples of 64 bytes between hosts, for each way of waiting for samples.
 std::vector<Figure> small(const Scale& scale);
-/// What each thread takes for samples of 64 bytes now and then: system calls, wake-ups and, where the machine
-/// counts them, instructions and cache misses.
+/// The work of each thread for samples of 64 bytes that are sent from time to time: system calls, wake-ups
+/// and, if the machine counts them, instructions and cache misses.
 std::vector<Figure> cold_path(const Scale& scale);
-/// The highest rate of reliable samples of 64 bytes, published one by one, and together.
+/// The highest rate of reliable samples of 64 bytes, published one by one and together.
 std::vector<Figure> rate(const Scale& scale);
-/// The time from publish to callback of large samples that are sent now and then.
+/// The time from publish to callback of large samples that are sent from time to time.
 std::vector<Figure> bulk_latency(const Scale& scale);
-/// The worst times from publish to callback of samples of 6.3 MB that are sent each 100 ms, the first one
-/// among them.
+/// The worst time from publish to callback of samples of 6.3 MB that are sent every 100 ms, the first one
+/// included.
 std::vector<Figure> worst(const Scale& scale);
-/// The bytes that leave the publisher's host for up to eight readers on as many hosts, which ask for one of
-/// two masks.
+/// The bytes that leave the publisher's host for up to eight readers on as many hosts, each of which asks for
+/// one of two masks.
 std::vector<Figure> fan_out(const Scale& scale);
-/// The bytes on the link beside those of the samples.
+/// The bytes on the link in addition to those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// The control traffic of reliable delivery beside the samples, with much and with little data.
+/// The control traffic of reliable delivery relative to the samples, with much and with little data.
 std::vector<Figure> ack_overhead(const Scale& scale);
 
 }  // namespace sft::bench

@@ -15,33 +15,32 @@ namespace sft::bench {
 
 namespace {
 
-/// Samples of SFT at a steady pace from one host to another.
+/// Samples of SFT at a constant rate from one host to another.
 struct Flow {
   Topic topic;
   std::uint64_t samples = 0;
   std::int64_t period_us = 0;
 };
 
-/// The traffic of samples. All figures are not a number if samples were missing.
+/// The traffic of samples. All numbers are NaN if samples were missing.
 struct Passage {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  double link_bytes = unknown;         ///< bytes sent, minus those in as much time without samples
+  double link_bytes = unknown;         ///< bytes sent, minus those sent in the same time without samples
   double control_bytes = unknown;      ///< bytes of SFT's datagrams without samples, in both directions
   double control_datagrams = unknown;  ///< number of these datagrams
   double seconds = unknown;
 };
 
 constexpr std::uint64_t samples_before = 10;
-constexpr std::int64_t settling_us = 500'000;  // the traffic of joining is over after this time
-constexpr std::int64_t quiet_us_max =
-    2'000'000;  // long enough, since idle traffic is small against the samples
+constexpr std::int64_t settling_us = 500'000;     // the traffic of joining is over after this time
+constexpr std::int64_t quiet_us_max = 2'000'000;  // long enough: samples are far more than idle traffic
 
 class Sender {
  public:
   Sender(Exchange& exchange, Writer& writer) : exchange_(exchange), writer_(writer) {}
 
-  /// Sends samples. True if all samples have arrived so far.
+  /// Sends samples. Returns true if all samples have arrived so far.
   bool send(std::uint64_t samples, std::int64_t period_us) {
     const std::int64_t begin = now_ns();
     for (std::uint64_t i = 0; i < samples; ++i) {
@@ -106,12 +105,12 @@ Passage pass(const Flow& flow, const TwoHosts& hosts) {
   return *passage;
 }
 
-// Of a bulk sample: its number, its stamp, and the length of its data.
+// The number, the stamp, and the length of the data of a bulk sample.
 constexpr std::uint32_t fixed_body_bytes = 20;
-constexpr double frame_headers = 14 + 20 + 8;  // of Ethernet, IPv4 and UDP
-constexpr double frame_payload_max = 1472;     // at an MTU of 1500
+constexpr double frame_headers = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
+constexpr double frame_payload_max = 1472;     // the payload at an MTU of 1500
 
-/// The bytes of frames without any header of SFT, all of them full except the last one.
+/// Returns the bytes of frames without headers of SFT, all of them full except the last one.
 double packed_perfectly(double body_bytes) {
   return body_bytes + std::ceil(body_bytes / frame_payload_max) * frame_headers;
 }
@@ -119,7 +118,7 @@ double packed_perfectly(double body_bytes) {
 struct Size {
   const char* name;
   std::uint32_t body_bytes;
-  std::uint64_t samples;  ///< per second
+  std::uint64_t samples;  ///< the number of samples per second
 };
 
 Figure overhead(const Size& size, bool reliable, const TwoHosts& hosts) {
@@ -138,7 +137,7 @@ double data_bytes(const Flow& flow) {
   return static_cast<double>(flow.samples) * (flow.topic.bulk_bytes + fixed_body_bytes);
 }
 
-/// The control traffic in percent of the samples.
+/// Returns the control traffic in percent of the samples.
 Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
   return {name, 100 * pass(flow, hosts).control_bytes / data_bytes(flow), "%", {}, "of the samples' bytes",
           1};

@@ -1,4 +1,4 @@
-// Writes a cloud of up to 6 MB where its readers on this host read it: in shared memory, without a copy.
+// Writes a cloud of up to 6 MB directly into the shared memory in which readers on this host read it.
 #include <sft/sft.h>
 
 #include <chrono>
@@ -22,10 +22,12 @@ int main() {
   auto clouds = node->publisher<PointCloud2>("cloud").value();
   auto reader = node->subscriber<PointCloud2, F::width | F::data>("cloud").value();
 
-  // The node may have to start the daemon of the shared memory. Clouds go by UDP until the daemon is ready.
+  // The node may have to start the daemon of the shared memory. Clouds are sent by UDP until the daemon is
+  // ready.
   int in_place = 0;
   for (std::uint32_t i = 0; i < 200 && in_place < 5; ++i) {
-    // The number of points is not known yet, so there is room for the largest cloud. The room is not zeroed.
+    // The number of points is not known yet, so the loan has room for the largest cloud. The room is not
+    // zeroed.
     auto loan = clouds.loan_for_overwrite({.height = 1, .point_step = sizeof(Point)},
                                           {.data = points_max * std::uint32_t{sizeof(Point)}});
     if (!loan) return std::fprintf(stderr, "%s\n", loan.error().message.c_str()), 1;
@@ -37,7 +39,7 @@ int main() {
       std::memcpy(&written[p * sizeof point], &point, sizeof point);
     }
     loan->set(F::width, points);
-    loan->shrink(F::data, points * std::uint32_t{sizeof(Point)});  // what was not needed is given back
+    loan->shrink(F::data, points * std::uint32_t{sizeof(Point)});  // returns the unused memory
     const std::uint8_t* const written_at = written.data();
     std::move(*loan).publish();
 

@@ -1,4 +1,5 @@
-// publisher [COUNT]: tells how a battery is, ten times in a second, and in the end who was sent what.
+// publisher [COUNT]: publishes the state of a battery ten times per second. At the end it prints which fields
+// each reader was sent.
 #include <sft/sft.h>
 
 #include <chrono>

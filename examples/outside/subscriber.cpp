@@ -1,4 +1,4 @@
-// subscriber: prints how full the battery is, until nothing comes any more. It declares two fields, and is
+// subscriber: prints the charge of the battery until no more samples arrive. It declares two fields, and is
 // sent only these.
 #include <sft/sft.h>
 
@@ -17,7 +17,7 @@ int main() {
   auto subscriber = node->subscriber<Battery, F::serial | F::charge>("battery");
   if (!subscriber) return std::fprintf(stderr, "%s\n", subscriber.error().message.c_str()), 1;
 
-  auto timeout = 30s;  // for somebody to start a publisher
+  auto timeout = 30s;  // leaves time to start a publisher
   while (subscriber->wait(timeout)) {
     while (const auto sample = subscriber->take()) {
       const std::string serial(sample->serial());

@@ -1,5 +1,5 @@
-// Publishes a message that the .msg files of this folder define, and asks for one member of each element in
-// it.
+// Publishes a message that the .msg files of this folder define. The subscriber asks for one member of each
+// element.
 #include <sft/sft.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ using F = Basket::Field;
 int main() {
   auto node = sft::Node::open({.name = "own_message"});
   if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
-  // Both sides ask for reliability, and the last basket is kept for those who subscribe later.
+  // Both sides ask for reliability, and the last basket is kept for later subscribers.
   auto baskets =
       node->publisher<Basket>("basket", {.reliability = sft::reliable, .durability = sft::transient_local});
   if (!baskets) return std::fprintf(stderr, "%s\n", baskets.error().message.c_str()), 1;
@@ -32,7 +32,7 @@ int main() {
   if (!reader) return std::fprintf(stderr, "%s\n", reader.error().message.c_str()), 1;
   if (!reader->wait(5s)) return std::puts("no basket came"), 1;
   const auto sample = reader->take();
-  const auto fruits = sample->fruits();  // a range that reads each element where it lies
+  const auto fruits = sample->fruits();  // a range that reads each element in place
   const auto ripe = std::ranges::count_if(fruits, [](const auto& f) { return f.ripeness() == Fruit::RIPE; });
   std::printf("basket %s: %td of %zu fruits are ripe\n", std::string(sample->name()).c_str(), ripe,
               fruits.size());

@@ -1,5 +1,4 @@
-// monitor [COUNT]: prints the size and the age of clouds, until COUNT of them have come or none comes any
-// more.
+// monitor [COUNT]: prints the size and the age of clouds, until COUNT clouds have arrived or no more arrive.
 #include <sft/sft.h>
 
 #include <chrono>
@@ -21,7 +20,7 @@ int main(int argc, char** argv) {
   if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
 
   while (wanted > 0 && points->wait(10s)) {
-    while (const auto cloud = points->take()) {  // a sample is read where it lies, and is not copied
+    while (const auto cloud = points->take()) {  // a sample is read in place, and is not copied
       const auto age = std::chrono::system_clock::now() - sft::to_time(cloud->header().stamp());
       std::printf("%u x %u points, %.2f ms old\n", cloud->height(), cloud->width(),
                   std::chrono::duration<double, std::milli>(age).count());

@@ -1,5 +1,5 @@
-// Nobody declares fields here: SFT notes which ones the callback reads, and soon sends nothing else. When the
-// callback begins to read one more field, that field is missing once and is sent from then on.
+// No fields are declared here: SFT notes which ones the callback reads, and soon sends only these. When the
+// callback begins to read one more field, this field is missing once and is sent from then on.
 #include <sft/sft.h>
 
 #include <atomic>

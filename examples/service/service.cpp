@@ -1,5 +1,5 @@
-// A server that computes the length of a path, and a client that asks for it: one program with both ends,
-// which could as well run on two hosts.
+// A server that computes the length of a path, and a client that asks for it. Both are in one program here,
+// but could as well run on two hosts.
 #include <sft/sft.h>
 
 #include <chrono>
@@ -10,7 +10,7 @@
 using namespace std::chrono_literals;
 using route_msgs::srv::Measure;
 
-/// A response, or an error, whose message the client gets.
+/// Returns a response, or an error, whose message the client gets.
 sft::Result<Measure::Response> measure(const Measure::Request& request) {
   if (request.points.size() < 2)
     return sft::fail(sft::Errc::invalid_argument, "a path has two points at least");
@@ -29,7 +29,7 @@ int main() {
   if (!client) return std::fprintf(stderr, "%s\n", client.error().message.c_str()), 1;
 
   Measure::Request path{.points = {{.x = 0, .y = 0}, {.x = 3, .y = 4}, {.x = 3, .y = 6}}};
-  const auto too_early = client->call(path, 100ms);  // nothing hangs: it ends with the reason
+  const auto too_early = client->call(path, 100ms);  // fails after 100 ms: there is no server yet
   std::printf("%s\n", too_early ? "there is a server" : too_early.error().message.c_str());
 
   auto server = sft::Service<Measure>::open(*node, "measure_path", &measure);

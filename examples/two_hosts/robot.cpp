@@ -1,4 +1,4 @@
-// robot [SECONDS]: publishes clouds of 6.3 MB, twenty in a second, and tells in the end what the network
+// robot [SECONDS]: publishes clouds of 6.3 MB, twenty per second. At the end it prints what the network
 // carried.
 #include <sft/sft.h>
 

@@ -1,4 +1,4 @@
-// An event loop of the program's own: one thread waits for samples and for a timer, without callbacks or
+// An event loop in the program itself: one thread waits for samples and for a timer, without callbacks or
 // locks.
 #include <sft/sft.h>
 
@@ -19,7 +19,7 @@ int main() {
   auto publisher = node->publisher<Twist>("cmd_vel").value();
   auto commands = node->subscriber<Twist, F::linear.x>("cmd_vel", {.pollable = true}).value();
 
-  // A command that is published before the two have found each other would not be received.
+  // A command that is published before both sides have found each other would not be received.
   if (!publisher.wait_for_subscribers(1, std::chrono::seconds(5)))
     return std::puts("no subscriber for 5 s"), 1;
 
@@ -27,14 +27,14 @@ int main() {
   const itimerspec every_50_ms{.it_interval = {0, 50'000'000}, .it_value = {0, 50'000'000}};
   timerfd_settime(timer, 0, &every_50_ms, nullptr);
 
-  // Any other descriptor of the program could be here as well: sockets, devices, the standard input.
+  // Any other descriptor of the program could be here, too: sockets, devices, the standard input.
   pollfd watched[] = {{.fd = commands.file_descriptor(), .events = POLLIN, .revents = 0},
                       {.fd = timer, .events = POLLIN, .revents = 0}};
   Twist command;
   for (int received = 0; received < 10;) {
     if (poll(watched, 2, 5000) <= 0) return std::puts("nothing happened for 5 s"), 1;
     if (watched[0].revents != 0) {
-      while (const auto sample = commands.take()) {  // until it is empty: then it is not readable any more
+      while (const auto sample = commands.take()) {  // until the descriptor is not readable any more
         std::printf("command %d: %.1f m/s\n", ++received, sample->linear().x());
       }
     }

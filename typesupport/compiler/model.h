@@ -1,9 +1,9 @@
 // The declarations of one .idl, .msg or .srv file, from which the emitters write C++. Names and typedefs are
 // resolved, and everything in the model has a counterpart in C++. The model is plain C, because the IDL
-// reader includes idlc's headers, which are no C++.
+// reader includes idlc's headers, which are not C++.
 //
-// The front end that fills the model owns what it points to. The IDL reader leaves texts in idlc's tree, and
-// frees its arrays with sft_file_free(). Scoped names begin with "::".
+// The front end that fills the model owns all objects to which the model points. The IDL reader leaves texts
+// in idlc's tree, and frees its arrays with sft_file_free(). Scoped names begin with "::".
 #pragma once
 
 #include <stdbool.h>
@@ -16,7 +16,7 @@ extern "C" {
 
 enum { SFT_DIMENSIONS_MAX = 8 };
 
-// The kinds of sft::detail::Kind; primitives come first.
+// The kinds of sft::detail::Kind, with the primitives first.
 enum sft_kind {
   SFT_BOOLEAN,
   SFT_OCTET,
@@ -37,55 +37,54 @@ enum sft_kind {
 
 // A single value, an array (dimension_count > 0) or a sequence of elements.
 struct sft_type {
-  enum sft_kind kind;     ///< of one element; for an enumeration or bitmask, its integer
+  enum sft_kind kind;     ///< the kind of one element; for an enumeration or bitmask, its integer
   const char* name;       ///< the scoped name
-  uint32_t string_bound;  ///< most characters of each string; 0: unbounded
+  uint32_t string_bound;  ///< the maximum length of each string in characters; 0: unbounded
   bool is_sequence;
-  uint32_t bound;  ///< most elements of the sequence; 0: unbounded
+  uint32_t bound;  ///< the maximum number of elements of the sequence; 0: unbounded
   size_t dimension_count;
-  uint32_t dimensions[SFT_DIMENSIONS_MAX];  ///< outermost first
+  uint32_t dimensions[SFT_DIMENSIONS_MAX];  ///< the outermost dimension first
 };
 
-// A value. Its type says which alternative holds it.
+// A value. Its type determines which member of the union is used.
 struct sft_value {
   bool is_set;
   union {
     bool boolean;
     char character;
-    int64_t integer;   ///< of int8 to int64
-    uint64_t natural;  ///< of octet, uint8 to uint64, a bitmask
+    int64_t integer;   ///< the value of int8 to int64
+    uint64_t natural;  ///< the value of octet, uint8 to uint64, or a bitmask
     double real;
-    const char* text;  ///< of a string; for an enumeration, the enumerator's identifier
+    const char* text;  ///< the value of a string; for an enumeration, the enumerator's identifier
   };
 };
 
 struct sft_member {
   const char* name;
   struct sft_type type;
-  struct sft_value initial;            ///< of a single value; unset: value-initialized
-  struct sft_value* initial_elements;  ///< of a sequence, or of an array in which the last index runs fastest
-  size_t initial_element_count;        ///< 0: value-initialized
+  struct sft_value initial;            ///< the default of a single value; unset: value-initialized
+  struct sft_value* initial_elements;  ///< the default of a sequence or an array; the last index runs fastest
+  size_t initial_element_count;        ///< 0: it is value-initialized
   bool is_key;
-  const char* unit;    ///< null: none given
-  const char* layout;  ///< a rule as layout/rule.h spells it; null: none given
+  const char* unit;    ///< null: no unit is given
+  const char* layout;  ///< a rule in the spelling of layout/rule.h; null: no rule is given
 };
 
-// An enumerator, or a flag of a bitmask, whose value is its bit.
+// An enumerator, or a flag of a bitmask. The value of a flag is its bit.
 struct sft_enumerator {
   const char* name;
   uint64_t value;
 };
 
-// A service X stands behind the structs X_Request, X_Response, X_Call and X_Reply, and has nothing but its
-// name.
+// A service X follows the structs X_Request, X_Response, X_Call and X_Reply, and has nothing but its name.
 enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT, SFT_SERVICE };
 
-// A declaration. Its kind says which members are set.
+// A declaration. Its kind determines which members are set.
 struct sft_declaration {
   enum sft_declaration_kind kind;
   const char* name;        ///< the scoped name
-  struct sft_type type;    ///< of a constant or an alias; for an enumeration or bitmask, its integer
-  struct sft_value value;  ///< of a constant
+  struct sft_type type;    ///< the type of a constant or an alias; for an enumeration or bitmask, its integer
+  struct sft_value value;  ///< the value of a constant
   struct sft_enumerator* enumerators;
   size_t enumerator_count;
   struct sft_member* members;
@@ -94,15 +93,15 @@ struct sft_declaration {
 
 // All paths are absolute. If files are copies, the paths are those of the originals.
 struct sft_file {
-  const char* copies;  ///< "", or a directory of copies that idlc reads: /a/b.idl is <copies>/a/b.idl
+  const char* copies;  ///< "", or the directory where idlc reads a copy of /a/b.idl as <copies>/a/b.idl
   const char* path;
   const char*
-      outer_namespace;    ///< "::my::robot", with which all scoped names begin; null: none (emit/enclosed.h)
+      outer_namespace;    ///< "::my::robot", the beginning of all scoped names; null: none (emit/enclosed.h)
   const char** includes;  ///< files that this file includes directly
   size_t include_count;
-  const char** sources;  ///< this file, and all that it includes directly or not
+  const char** sources;  ///< this file, and all files that it includes, directly or not
   size_t source_count;
-  struct sft_declaration* declarations;  ///< of this file, in their order
+  struct sft_declaration* declarations;  ///< the declarations of this file, in their order
   size_t declaration_count;
   char** texts;  ///< texts that the IDL reader allocated
   size_t text_count;

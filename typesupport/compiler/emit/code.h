@@ -1,4 +1,4 @@
-// The text of a header, to which the emitters append lines.
+// The text of a header. The emitters append lines to it.
 #pragma once
 
 #include <fmt/format.h>

@@ -46,7 +46,7 @@ void emit_preamble(Code& code, const sft_file& file, const Roots& roots, const s
   code.blank();
 }
 
-/// Everything between the includes and the end of the header.
+/// Returns the text between the includes and the end of the header.
 std::string definitions_text(const sft_file& file, const std::vector<Message>& messages) {
   Code code;
   emit_owned(code, file, messages);

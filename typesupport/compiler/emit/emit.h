@@ -10,15 +10,17 @@ extern "C" {
 struct sft_output {
   const char* header;        ///< path of the header to write; its directory exists
   const char* dependencies;  ///< path of the make rule to write; "": none
-  const char* roots;  ///< colon-separated directories: <root>/a/b/C.idl is included as <a/b/C.hpp>, and the
-                      ///< innermost root counts
-  const char* base_dir;         ///< another root; may be null
-  const char* outer_namespace;  ///< the namespace around all types, "my::robot", whose folder,
-                                ///< <my/robot/...>, all includes of generated headers begin with; "": none
+  /// Directories, separated by colons: <root>/a/b/C.idl is included as <a/b/C.hpp>. If several roots contain
+  /// a file, the innermost one is used.
+  const char* roots;
+  const char* base_dir;  ///< another root, or null
+  /// The namespace around all types, "my::robot". Includes of generated headers begin with its folder,
+  /// <my/robot/...>. "": there is none.
+  const char* outer_namespace;
 };
 
-/// Writes the files that `output` names, each of them complete or not at all. Reports errors on stderr and
-/// returns false after one.
+/// Writes the files that `output` names, each of them completely or not at all. Returns false after an error,
+/// which is reported on stderr.
 bool sft_emit(const struct sft_file* file, const struct sft_output* output);
 
 #ifdef __cplusplus

@@ -10,7 +10,7 @@
 namespace sft::idl {
 namespace {
 
-/// Each name of "my::robot", and an empty one for what is between or around too many colons.
+/// Returns each name of "my::robot", and an empty name where one is missing, so that it is refused.
 std::vector<std::string_view> names_in(std::string_view outer) {
   std::vector<std::string_view> names;
   for (std::size_t at = outer.find("::"); at != outer.npos; at = outer.find("::")) {

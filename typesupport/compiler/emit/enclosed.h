@@ -1,4 +1,4 @@
-// Puts the types of a file into a namespace around all of them. Their names on the wire stay as they are.
+// Puts the types of a file into a namespace around all of them. Their names in type tables stay as they are.
 #pragma once
 
 #include <deque>
@@ -11,11 +11,11 @@
 namespace sft::idl {
 
 /// A copy of the declarations of a file, with other scoped names. It refers to the rest of the file's model,
-/// and must not outlive that.
+/// and must not outlive the model.
 class Enclosed {
  public:
-  /// `outer` is as in C++, "my::robot"; empty: there is no such namespace, and the file is as it was. Throws
-  /// std::runtime_error if C++ or the generated code could not use it.
+  /// `outer` is as in C++, "my::robot". If it is empty, the file stays as it was. Throws std::runtime_error
+  /// if C++ or the generated code could not use the namespace.
   Enclosed(const sft_file& file, std::string_view outer);
   Enclosed(const Enclosed&) = delete;
   Enclosed& operator=(const Enclosed&) = delete;
@@ -25,18 +25,18 @@ class Enclosed {
  private:
   void enclose(const char*& scoped);
 
-  const std::string prefix_;  ///< "::my::robot"
+  const std::string prefix_;  ///< for example "::my::robot"
   std::deque<std::string> names_;
   std::deque<std::vector<sft_member>> members_;
   std::vector<sft_declaration> declarations_;
   sft_file file_;
 };
 
-/// The name on the wire of a declaration or type of the file: "sensor_msgs::msg::Imu" of
+/// Returns the name of a declaration or type of the file in type tables: "sensor_msgs::msg::Imu" for
 /// "::my::robot::sensor_msgs::msg::Imu".
 std::string_view idl_name(const sft_file& file, std::string_view scoped);
 
-/// The folder of the headers of types in that namespace, "my/robot/", with which their includes begin.
+/// Returns the folder with which the includes of types in that namespace begin: "my/robot/".
 std::string folder_of_namespace(std::string_view outer);
 
 }  // namespace sft::idl

@@ -5,7 +5,7 @@
 namespace sft::idl {
 namespace {
 
-/// The node type of field number `index`.
+/// Returns the node type of field number `index`.
 std::string node_type(const sft_type& type, std::size_t index) {
   if (!is_structure(type)) return fmt::format("typename Of_::template Leaf<{}>", index);
   const std::string element = element_type(type);

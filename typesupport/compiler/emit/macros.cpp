@@ -8,7 +8,7 @@ namespace sft::idl {
 namespace {
 
 // The macros that GCC 12 and Clang 16 with glibc 2.36 define when a generated header, <cfenv>, <cfloat>,
-// <cmath> and <csignal> are included. Each name stands between spaces.
+// <cmath> and <csignal> are included. Each name is between two spaces.
 constexpr std::string_view macros =
     " ADJ_ESTERROR ADJ_FREQUENCY ADJ_MAXERROR ADJ_MICRO ADJ_NANO ADJ_OFFSET ADJ_OFFSET_SINGLESHOT "
     "ADJ_OFFSET_SS_READ ADJ_SETOFFSET ADJ_STATUS ADJ_TAI ADJ_TICK ADJ_TIMECONST AIO_PRIO_DELTA_MAX "
@@ -95,7 +95,7 @@ constexpr std::string_view macros =
     "WORD_BIT WSTOPPED WUNTRACED W_OK XATTR_LIST_MAX XATTR_NAME_MAX XATTR_SIZE_MAX X_OK assert errno "
     "linux offsetof sched_priority stderr stdin stdout unix ";
 
-// Qt; X11/X.h, Xlib.h and Xutil.h; windows.h and what it includes; and what programs are often compiled with.
+// Macros of Qt; of X11/X.h, Xlib.h and Xutil.h; of windows.h and what it includes; of usual options -D.
 constexpr std::string_view foreign_macros[] = {
     "emit", "foreach", "forever", "signals", "slots",
     //

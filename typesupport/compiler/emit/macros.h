@@ -1,4 +1,4 @@
-// Names of macros that stand in the way of names in generated headers.
+// Names of macros that collide with names in generated headers.
 #pragma once
 
 #include <string_view>
@@ -6,12 +6,12 @@
 
 namespace sft::idl {
 
-/// True for EOF, EINVAL, INT8_MAX, ...: names that cannot be used in C++, because standard headers define
-/// them.
+/// Returns true for names that cannot be used in C++, because standard headers define them as macros: EOF,
+/// EINVAL, INT8_MAX and others.
 bool is_macro(std::string_view name);
 
-/// Returns the names in this text of C++ that Qt, X11, Windows, or programs by -D are known to define as
-/// macros. A header that uses them has to put such macros aside until its end.
+/// Returns the names in this C++ text that are known to be macros elsewhere: in Qt, X11 or Windows, or by a
+/// compiler's option -D. A header with these names has to disable the macros until its end.
 std::vector<std::string_view> foreign_macros_in(std::string_view text);
 
 }  // namespace sft::idl

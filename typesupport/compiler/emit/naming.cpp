@@ -25,11 +25,12 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
      "xor_eq"});
 
-/// Names that every generated struct, its View and its LoanView define besides the fields of the message.
+/// The names that every generated struct, its View and its LoanView define, besides the fields of the
+/// message.
 constexpr std::array class_names = std::to_array<std::string_view>(
     {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations", "to_owned"});
 
-/// Template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
+/// The template parameters and private members in generated classes (fields.cpp, views.cpp, owned.cpp).
 constexpr std::array private_names =
     std::to_array<std::string_view>({"Cell_", "First_", "Loaned_", "Of_", "Place_", "Root_", "at_"});
 
@@ -47,7 +48,8 @@ std::string marked(std::string_view name, bool needs_mark) {
   return std::string(name) + (needs_mark ? "_" : "");
 }
 
-/// Generated code names std:: and sft::, and an inner name must not hide them.
+/// Returns true for a name that would hide the std:: or sft:: of generated code if it were the name of an
+/// inner namespace.
 bool hides_a_namespace(std::string_view name) { return name == "std" || name == "sft"; }
 
 std::string module_name(std::string_view name, bool is_outermost) {
@@ -71,7 +73,7 @@ std::string type_name(std::string_view scoped) {
 std::string namespace_of(std::string_view scoped) {
   std::string result;
   for (std::string_view rest = scope_of(scoped); !rest.empty();) {
-    rest.remove_prefix(2);  // "::"
+    rest.remove_prefix(2);  // removes the "::"
     const std::string_view name = rest.substr(0, rest.find("::"));
     result += (result.empty() ? "" : "::") + module_name(name, result.empty());
     rest.remove_prefix(name.size());
@@ -96,7 +98,7 @@ std::vector<std::string> member_names(std::string_view type_name,
   const auto is_free = [&](std::string_view name) { return !is_taken_in_class(name) && name != type_name; };
   std::vector<std::string> result(names.begin(), names.end());
   for (std::string& name : result) {
-    // A name that is not free gets underscores until it differs from all other names, changed or not.
+    // A name that is not free gets underscores until it is free and differs from all other names.
     while (!is_free(name) || std::count(result.begin(), result.end(), name) > 1) name += '_';
   }
   return result;

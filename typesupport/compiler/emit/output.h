@@ -1,4 +1,4 @@
-// Writes files that are either complete or do not exist.
+// Writes files that are complete or do not exist.
 #pragma once
 
 #include <filesystem>
@@ -6,8 +6,8 @@
 
 namespace sft::idl {
 
-/// Replaces `path` in one step, so that readers and interrupted builds never see a part of it. Throws
-/// std::system_error.
+/// Replaces the file at `path` in one step, so that readers and interrupted builds never see an incomplete
+/// file. Throws std::system_error.
 void write_file(const std::filesystem::path& path, std::string_view text);
 
 }  // namespace sft::idl

@@ -28,7 +28,7 @@ void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("}};");
 }
 
-/// Writes the operators of the standard library's bitmask types. They work on the integers, because
+/// Writes the operators that the standard library's bitmask types have. They work on the integers, because
 /// enumerators name single bits only.
 void emit_flag_operators(Code& code, const sft_declaration& bitmask) {
   const std::string type = qualified_type(bitmask.name);
@@ -96,7 +96,7 @@ void emit_service(Code& code, const sft_declaration& service) {
   code.line("}};");
 }
 
-/// Opens and closes namespaces, and puts blank lines between declarations, except within runs of constants or
+/// Opens and closes namespaces. Puts blank lines between declarations, except within series of constants or
 /// aliases.
 class Layout {
  public:

@@ -1,5 +1,5 @@
-// Writes the first section of a header: constants, aliases, enumerations, and the structs that own a
-// message's values.
+// Writes the first section of a header: constants, aliases, enumerations, and the structs that own the values
+// of messages.
 #pragma once
 
 #include <vector>
@@ -10,7 +10,7 @@
 namespace sft::idl {
 
 /// Writes all declarations of `file` in their order, each in its namespace. `messages` are the structs of the
-/// file in the same order.
+/// file, in the same order.
 void emit_owned(Code& code, const sft_file& file, const std::vector<Message>& messages);
 
 }  // namespace sft::idl

@@ -39,7 +39,7 @@ constexpr std::array<Spelling, SFT_STRUCTURE + 1> spellings{{
 std::string escaped(char c, char quote) {
   if (c == quote || c == '\\') return {'\\', c};
   const auto code = static_cast<unsigned char>(c);
-  const bool is_foreign_to_char = quote == '\'' && code >= 0x80;  // in strings these bytes are UTF-8
+  const bool is_foreign_to_char = quote == '\'' && code >= 0x80;  // bytes of UTF-8 are allowed in strings
   return code < 0x20 || code == 0x7F || is_foreign_to_char ? fmt::format("\\{:03o}", code)
                                                            : std::string(1, c);
 }
@@ -51,12 +51,12 @@ std::string quoted(std::string_view text, char quote) {
 }
 
 std::string integer_text(std::int64_t value) {
-  // The least integer has no literal, since -9223372036854775808 negates a number that is too large.
+  // The lowest integer has no literal: in -9223372036854775808, a number that is too large is negated.
   if (value == std::numeric_limits<std::int64_t>::min()) return fmt::format("({} - 1)", value + 1);
   return fmt::to_string(value);
 }
 
-/// A literal of floating-point type that has exactly this value.
+/// Returns a literal of floating-point type that has exactly this value.
 template <class Real>
 std::string real_text(Real value) {
   const std::string digits = fmt::to_string(value);
@@ -136,7 +136,7 @@ std::string initializer(const sft_member& member) {
   for (const sft_value& value : std::span(member.initial_elements, member.initial_element_count)) {
     elements += (elements.empty() ? "" : ", ") + value_text(member.type, value);
   }
-  return elements.empty() ? "{}" : " = {" + elements + "}";  // the braces of inner dimensions may be left out
+  return elements.empty() ? "{}" : " = {" + elements + "}";  // inner dimensions need no braces of their own
 }
 
 std::string string_literal(std::string_view text) { return quoted(text, '"'); }

@@ -14,27 +14,29 @@ bool is_structure(const sft_type& type);
 bool is_enumeration(const sft_type& type);
 bool is_bitmask(const sft_type& type);
 
-/// "sft::detail::Kind::int32".
+/// Returns the name of a kind in generated code: "sft::detail::Kind::int32".
 std::string kind_name(sft_kind kind);
 
-/// The C++ type of one element in the owned struct. A boolean in an array or a sequence is a byte, as in
-/// views.
+/// Returns the C++ type of one element in the owned struct. A boolean in an array or a sequence is a byte, as
+/// in views.
 std::string element_type(const sft_type& type);
 
-/// The C++ type of a member of the owned struct: an element, or a std::array or std::vector of elements.
+/// Returns the C++ type of a member of the owned struct: an element, or a std::array or std::vector of
+/// elements.
 std::string owned_type(const sft_type& type);
 
-/// The C++ type of a constant: the owned type, but std::string_view for strings.
+/// Returns the C++ type of a constant: the owned type, except std::string_view for strings.
 std::string constant_type(const sft_type& type);
 
-/// A literal, the qualified name of an enumerator, or a bitmask made of its integer.
+/// Returns a value in C++: a literal, the qualified name of an enumerator, or a bitmask made from its
+/// integer.
 std::string value_text(const sft_type& type, const sft_value& value);
 std::string natural_text(std::uint64_t value);
 
-/// The initializer of a member of the owned struct, with its '=' or '{'.
+/// Returns the initializer of a member of the owned struct, with its '=' or '{'.
 std::string initializer(const sft_member& member);
 
-/// The text as a C++ string literal.
+/// Returns the text as a C++ string literal.
 std::string string_literal(std::string_view text);
 
 }  // namespace sft::idl

@@ -9,7 +9,7 @@
 namespace sft::idl {
 namespace {
 
-/// The sft::detail::MemberOptions of a field, with a comma before, or nothing.
+/// Returns the sft::detail::MemberOptions of a field after a comma, or nothing.
 std::string options(const sft_member& member) {
   std::string given;
   const auto add = [&](std::string_view option, const std::string& value) {

@@ -1,4 +1,4 @@
-// Writes the second section of a header: the type tables, on which all code at run time is based.
+// Writes the second section of a header: the type tables, which all code at run time uses.
 #pragma once
 
 #include "code.h"

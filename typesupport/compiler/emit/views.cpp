@@ -8,7 +8,8 @@
 namespace sft::idl {
 namespace {
 
-/// The getter of a field that was not declared: the compiler refuses it by its name and its type.
+/// Writes the getter of a field that was not declared. The compiler refuses a call, and shows its name and
+/// type.
 void emit_absent(Code& code, const Field& field, std::size_t index) {
   code.line("  sft::detail::this_field_is_not_declared::name_it_where_the_subscriber_is_opened {}() const",
             field.name);
@@ -26,7 +27,7 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
   emit_absent(code, field, index);
 }
 
-/// The getter of a sequence of numbers that takes the type of a cell.
+/// Writes the getter of a sequence of numbers that takes the type of a cell.
 void emit_cells(Code& code, const Field& field, std::size_t index) {
   code.line("  template <class Cell_>");
   code.line(
@@ -38,7 +39,7 @@ void emit_cells(Code& code, const Field& field, std::size_t index) {
   emit_absent(code, field, index);
 }
 
-/// The points of a cloud, as typed columns.
+/// Writes points() of a cloud, which returns its points as typed columns.
 void emit_points(Code& code) {
   code.line("  template <class... Ts_, class... Names_>");
   code.line("  SFT_OUTLIVES_VIEW auto points(const Names_&... names) const {{");
@@ -46,7 +47,7 @@ void emit_points(Code& code) {
   code.line("  }}");
 }
 
-/// A copy of the struct, and the conversion to it where it cannot lack anything.
+/// Writes to_owned(), and a conversion to the struct for views that cannot lack a field.
 void emit_copies(Code& code, const Message& message) {
   code.line("  auto to_owned() const requires sft::detail::has_whole_struct<Place_> {{");
   code.line("    return sft::detail::owned_at<{}>(at_);", message.qualified);

@@ -1,4 +1,4 @@
-// Memory of the reader. Without memory, the process ends, since a compiler can do nothing better.
+// Memory of the reader. The process ends if there is none, since a compiler can do nothing better.
 #pragma once
 
 #include <stddef.h>
@@ -8,8 +8,8 @@
 /// Resizes `memory`, which may be null, to `bytes`.
 void* sft_resized(void* memory, size_t bytes);
 
-/// Makes room for one more item, filled with zeros, behind `count` items.
+/// Returns `items` with room for one more item, filled with zeros, behind `count` items.
 void* sft_grown(void* items, size_t count, size_t item_bytes);
 
-/// Copies the text. The copy lives as long as the file.
+/// Copies the text. The copy exists as long as the file.
 const char* sft_keep_text(struct sft_file* file, const char* text);

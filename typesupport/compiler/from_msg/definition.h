@@ -15,7 +15,7 @@ namespace sft::msg {
 struct TypeName {
   std::string package;
   std::string name;
-  std::string folder = "msg";  ///< "srv": a part of a service
+  std::string folder = "msg";  ///< "srv" for a part of a service
 
   std::string text() const { return package + "/" + folder + "/" + name; }
   auto operator<=>(const TypeName&) const = default;
@@ -23,18 +23,18 @@ struct TypeName {
 
 /// The type of a field or a constant: a single value, an array of one dimension, or a sequence.
 struct Type {
-  sft_kind kind = SFT_BOOLEAN;     ///< of one element
-  TypeName nested;                 ///< if kind is SFT_STRUCTURE
-  std::uint32_t string_bound = 0;  ///< most bytes of each string; 0: unbounded
-  std::uint32_t array_size = 0;    ///< 0: no array
+  sft_kind kind = SFT_BOOLEAN;     ///< the kind of one element
+  TypeName nested;                 ///< the element's type if kind is SFT_STRUCTURE
+  std::uint32_t string_bound = 0;  ///< the maximum length of each string in bytes; 0: unbounded
+  std::uint32_t array_size = 0;    ///< 0: the type is no array
   bool is_sequence = false;
-  std::uint32_t bound = 0;  ///< most elements of the sequence; 0: unbounded
+  std::uint32_t bound = 0;  ///< the maximum number of elements of a sequence; 0: unbounded
 
   bool is_single() const { return array_size == 0 && !is_sequence; }
   bool operator==(const Type&) const = default;
 };
 
-/// Holds std::int64_t for int8 to int64, std::uint64_t for byte, char and uint8 to uint64, and double for
+/// A value: std::int64_t for int8 to int64, std::uint64_t for byte, char and uint8 to uint64, and double for
 /// both floats.
 using Value = std::variant<bool, std::int64_t, std::uint64_t, double, std::string>;
 
@@ -47,11 +47,11 @@ struct Constant {
   bool operator==(const Constant&) const = default;
 };
 
-/// A layout rule, as it is written.
+/// A layout rule as it is written in the file.
 struct Layout {
-  std::string text;          ///< empty: none given
-  std::uint32_t line = 0;    ///< where the text begins
-  std::uint32_t column = 0;  ///< from 1
+  std::string text;          ///< empty: no rule is given
+  std::uint32_t line = 0;    ///< the line in which the text begins
+  std::uint32_t column = 0;  ///< the column in which it begins, from 1
 
   bool operator==(const Layout&) const = default;
 };
@@ -59,8 +59,8 @@ struct Layout {
 struct Field {
   Type type;
   std::string name;
-  std::vector<Value> initial;  ///< the default: one value, or one per element; empty: none given
-  std::string unit;            ///< "m/s"; empty: none given
+  std::vector<Value> initial;  ///< the default: one value, or one per element; empty: no default is given
+  std::string unit;            ///< "m/s"; empty: no unit is given
   std::uint32_t line;
   Layout layout{};
 
@@ -78,9 +78,10 @@ struct Definition {
 /// An error in a definition.
 struct Problem {
   std::uint32_t line;
-  std::string member;        ///< field or constant; empty: the line or the whole message
+  /// The field or constant. Empty: the error concerns the line or the whole message.
+  std::string member;
   std::string text;          ///< what is wrong, and what to do
-  std::uint32_t column = 0;  ///< from 1; 0: the whole line
+  std::uint32_t column = 0;  ///< the column, from 1; 0: the error concerns the whole line
 };
 
 }  // namespace sft::msg

@@ -10,7 +10,7 @@
 namespace sft::msg {
 namespace {
 
-// A leading underscore escapes a name in IDL: the name may then be a keyword, and IDL drops the underscore.
+// A leading underscore escapes a name in IDL: the name may then be a keyword, and IDL removes the underscore.
 std::string idl_name(const TypeName& type) { return fmt::format("_{}::_msg::_{}", type.package, type.name); }
 
 std::string_view primitive(sft_kind kind) {
@@ -54,7 +54,7 @@ std::string member(const Field& field) {
   const Type& type = field.type;
   if (type.array_size != 0) return fmt::format("{} _{}[{}];", element(type), field.name, type.array_size);
   if (!type.is_sequence) return fmt::format("{} _{};", element(type), field.name);
-  // The space separates two closing brackets, which IDL would read as a shift.
+  // The space separates two closing brackets, which IDL would read as the operator >>.
   const std::string bound = type.bound == 0 ? "" : fmt::format(", {}", type.bound);
   return fmt::format("sequence<{}{} > _{};", element(type), bound, field.name);
 }
@@ -75,7 +75,7 @@ std::string string_literal(std::string_view text) {
 struct ValueText {
   std::string operator()(bool value) const { return value ? "TRUE" : "FALSE"; }
   std::string operator()(std::int64_t value) const {
-    const bool is_least = value == std::numeric_limits<std::int64_t>::min();  // has no literal
+    const bool is_least = value == std::numeric_limits<std::int64_t>::min();  // it has no literal
     return is_least ? fmt::format("{} - 1", value + 1) : fmt::to_string(value);
   }
   std::string operator()(std::uint64_t value) const { return fmt::to_string(value); }

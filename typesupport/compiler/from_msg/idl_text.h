@@ -1,4 +1,4 @@
-// Writes a definition as IDL.
+// Writes the definition of a message as IDL.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace sft::msg {
 
-/// The text that IDL files include to nest the message: its constants and its struct. Defaults and units are
-/// left out, since the message's own header has them.
+/// Returns the text that IDL files include to nest the message: its constants and its struct. Defaults and
+/// units are left out, since the message's own header has them.
 std::string idl_text(const Definition& definition);
 
 }  // namespace sft::msg

@@ -8,13 +8,13 @@
 
 namespace sft::msg {
 
-/// The definition of a nested type; null if it is not known.
+/// Returns the definition of a nested type; null if it is not known.
 using FindDefinition = std::function<const Definition*(const TypeName&)>;
 
 /// Returns the mistakes in the rules of the definition.
 std::vector<Problem> check_layouts(const Definition& definition, const FindDefinition& find);
 
-/// The one spelling of the rule of a field, which parse() has accepted; empty: it has none.
+/// Returns the canonical spelling of a field's rule, which parse() has accepted; empty if it has none.
 std::string layout_text(const Field& field);
 
 }  // namespace sft::msg

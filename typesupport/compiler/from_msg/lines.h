@@ -8,23 +8,24 @@
 
 namespace sft::msg {
 
-/// One line; its parts refer to the text.
+/// One line. Its members refer to the text.
 struct Line {
-  std::uint32_t number;      ///< from 1
-  std::string_view code;     ///< before the comment, without spaces around it; may be empty
-  std::string_view comment;  ///< without the '#' in front
+  std::uint32_t number;      ///< the number of the line, from 1
+  std::string_view code;     ///< the text before the comment, without spaces around it; may be empty
+  std::string_view comment;  ///< the text of the comment without the '#' in front
   bool has_comment;
   bool is_indented;
-  std::uint32_t comment_column;  ///< where the comment begins, from 1
+  std::uint32_t comment_column;  ///< the column in which the comment begins, from 1
 };
 
-/// Normalizes `text`: lines end with '\n', other white space is spaces, and there is no byte order mark.
+/// Normalizes `text`: all lines end with '\n', all other white space is spaces, and a byte order mark is
+/// removed.
 std::string with_plain_spaces(std::string_view text);
 
 /// Iterates over the lines of a text with plain spaces, which must outlive the iterator.
 class Lines {
  public:
-  /// `before` lines stand before the text, in the same file.
+  /// `before` lines precede the text in the same file.
   explicit Lines(std::string_view text, std::uint32_t before = 0) : rest_(text), number_(before) {}
   std::optional<Line> next();
 

@@ -29,7 +29,7 @@ Result parse_boolean(std::string_view text) {
   return Error(fmt::format("{} is not a bool: expected true or false", shown(text)));
 }
 
-/// Removes the single underscores that may separate digits.
+/// Removes the single underscores that may separate digits. Returns nothing if underscores are misplaced.
 std::optional<std::string> without_separators(std::string_view digits) {
   if (digits.starts_with('_') || digits.ends_with('_') || digits.find("__") != digits.npos) return {};
   std::string result(digits);
@@ -47,7 +47,7 @@ Sign split_sign(std::string_view text) {
   return {text.starts_with('-'), text.substr(has_sign ? 1 : 0)};
 }
 
-/// The base that the prefix of `digits` says. Removes the prefix.
+/// Returns the base that the prefix of `digits` gives, and removes the prefix.
 int base_of(std::string_view& digits) {
   if (digits.size() < 2 || digits[0] != '0') return 10;
   const char letter = static_cast<char>(digits[1] | 0x20);
@@ -95,7 +95,7 @@ Result parse_integer(sft_kind kind, std::string_view text) {
     return Error(
         fmt::format("{} is not an integer: expected one such as -42, 0xFF, 0o17 or 0b101", shown(text)));
   }
-  // For negative numbers, the limit is the magnitude of the least value.
+  // For negative numbers, the limit is the magnitude of the lowest value.
   const std::uint64_t most =
       is_negative ? std::uint64_t{0} - static_cast<std::uint64_t>(range.least) : range.most;
   if (error != std::errc() || magnitude > most) {
@@ -105,7 +105,7 @@ Result parse_integer(sft_kind kind, std::string_view text) {
   return static_cast<std::int64_t>(is_negative ? std::uint64_t{0} - magnitude : magnitude);
 }
 
-/// True for digits, point and exponent. from_chars accepts more, such as "inf".
+/// Returns true for digits, point and exponent. from_chars accepts more, such as "inf".
 bool is_decimal(std::string_view digits) {
   return digits.find_first_not_of("0123456789.eE+-") == digits.npos &&
          digits.find_first_of("0123456789") != digits.npos && !digits.starts_with('-');
@@ -125,7 +125,7 @@ Result parse_real(sft_kind kind, std::string_view text) {
                     shown(text)));
   }
   if (error == std::errc::result_out_of_range) {
-    std::istringstream again(*plain);  // tells 0 from infinity
+    std::istringstream again(*plain);  // distinguishes 0 from infinity
     again.imbue(std::locale::classic());
     if (!(again >> value)) value = std::numeric_limits<double>::infinity();
   }
@@ -164,8 +164,8 @@ Result parse_element(const Type& type, std::string_view text) {
   }
 }
 
-/// The length of the first element of `text`. A comma in quotes does not end it. npos: the closing quote is
-/// missing.
+/// Returns the length of the first element of `text`. A comma in quotes does not end it. npos: the closing
+/// quote is missing.
 std::size_t element_length(std::string_view text) {
   std::size_t from = 0;
   if (text.starts_with('"') || text.starts_with('\'')) from = quoted_end(text);

@@ -71,12 +71,12 @@ int fail(const Arguments& arguments, const TypeName& type, const std::vector<Pro
   return 1;
 }
 
-/// The absolute path of a directory, without a trailing slash.
+/// Returns the absolute path of a directory, without a trailing slash.
 fs::path directory(const fs::path& path) {
   return (fs::absolute(path) / "").lexically_normal().parent_path();
 }
 
-/// The name of the message or service in a file, whose path is relative to its root.
+/// Returns the name of the message or service in a file, whose path is relative to its root.
 std::optional<TypeName> name_of(const fs::path& file) {
   if (std::distance(file.begin(), file.end()) != 3 || *file.begin() == "..") return {};
   TypeName type{file.begin()->string(), file.stem().string(), file.parent_path().filename().string()};
@@ -84,19 +84,19 @@ std::optional<TypeName> name_of(const fs::path& file) {
   return is_known && file.extension() == "." + type.folder ? std::optional(std::move(type)) : std::nullopt;
 }
 
-/// The definitions in a file: one, or those of a service.
+/// Returns the definitions in a file: that of a message, or those of a service.
 tl::expected<std::vector<Definition>, std::vector<Problem>> parse_file(const std::string& file,
                                                                        const TypeName& type) {
   if (type.folder == "srv") return parse_service(read_file(file), type);
   return parse(read_file(file), type).map([](Definition&& only) { return std::vector{std::move(only)}; });
 }
 
-/// The definitions of nested messages, each read once.
+/// The definitions of nested messages. Each is read once.
 class NestedDefinitions {
  public:
   explicit NestedDefinitions(const SearchPath& search_path) : search_path_(search_path) {}
 
-  /// Null for types in IDL, and for messages with errors.
+  /// Returns null for types in IDL, and for messages with errors.
   const Definition* find(const TypeName& type) {
     const auto [known, is_new] = definitions_.try_emplace(type);
     const auto file = is_new ? search_path_.find(type) : std::nullopt;
@@ -111,7 +111,7 @@ class NestedDefinitions {
   std::map<TypeName, std::optional<Definition>> definitions_;
 };
 
-/// The files that the definitions nest, each once; prints what is wrong with them.
+/// Returns the files that the definitions nest, each once; nothing after errors, which are printed.
 std::optional<std::vector<fs::path>> check(const Arguments& arguments, const TypeName& type,
                                            const std::vector<Definition>& definitions,
                                            const SearchPath& search_path) {
@@ -138,7 +138,7 @@ int generate(const Arguments& arguments, const fs::path& root, const TypeName& t
   std::vector<fs::path> roots{root};
   roots.insert(roots.end(), arguments.roots.begin(), arguments.roots.end());
   const bool is_service = type.folder == "srv";
-  // The last two of a service only carry the first two.
+  // The last two definitions of a service only carry the first two.
   const auto nested =
       check(arguments, type, {definitions->begin(), is_service ? definitions->end() - 2 : definitions->end()},
             SearchPath(roots));

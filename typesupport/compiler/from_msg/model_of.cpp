@@ -14,7 +14,7 @@ std::string cpp_name(const TypeName& type) {
   return fmt::format("::{}::{}::{}", type.package, type.folder, type.name);
 }
 
-/// The file of a message or of a service.
+/// Returns the path of the file of a message or of a service.
 std::string path_of(const TypeName& type, const Files& files) {
   return (files.root / (type.text() + "." + type.folder)).string();
 }
@@ -41,8 +41,8 @@ ModelOf::ModelOf(const TypeName& service, const std::vector<Definition>& definit
 }
 
 void ModelOf::add(const Definition& definition, const Files& files) {
-  // Nested files may be below several roots, but all headers are below one. Parts of a service are in one
-  // file.
+  // Nested files may be below several roots, but all headers are below one root. All parts of a service are
+  // in one file.
   for (const TypeName& nested : nested_types(definition)) {
     const std::string path = path_of(nested, files);
     const bool is_here = nested.folder == "srv";

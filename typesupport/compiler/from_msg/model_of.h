@@ -11,23 +11,23 @@
 
 namespace sft::msg {
 
-/// The place of a file, and the files that it depends on.
+/// The place of a file, and the files on which it depends.
 struct Files {
   std::filesystem::path root;  ///< the file is <root>/<package>/msg/<Name>.msg, or .../srv/<Name>.srv
   std::vector<std::filesystem::path> nested;
 };
 
-/// A file of the model, with everything that it points to.
+/// A file of the model, with everything to which it points.
 class ModelOf {
  public:
   /// The model of a message.
   ModelOf(const Definition& definition, const Files& files);
-  /// The model of a service, which has the definitions that parse_service() returns.
+  /// The model of a service from the definitions that parse_service() returns.
   ModelOf(const TypeName& service, const std::vector<Definition>& definitions, const Files& files);
   ModelOf(const ModelOf&) = delete;
   ModelOf& operator=(const ModelOf&) = delete;
 
-  /// Lives as long as this object. The caller must not pass it to sft_file_free().
+  /// Valid as long as this object. The caller must not pass it to sft_file_free().
   const sft_file& file() const { return file_; }
 
  private:
@@ -44,7 +44,7 @@ class ModelOf {
   std::deque<std::vector<sft_value>> initials_;
   std::vector<const char*> includes_;
   std::vector<const char*> sources_;
-  std::deque<std::vector<sft_member>> members_;  // of each struct
+  std::deque<std::vector<sft_member>> members_;  // the members of each struct
   std::vector<sft_declaration> declarations_;
   sft_file file_{};
 };

@@ -115,7 +115,7 @@ tl::expected<std::vector<fs::path>, std::vector<Problem>> nested_files(const Def
 std::string read_file(const fs::path& path) {
   std::ifstream in(path, std::ios::binary);
   std::string text;
-  // Reads one byte more than the limit, so that the parser notices a text that is too long.
+  // One byte more than the limit is read, so that the parser notices a text that is too long.
   text.resize(Limits::bytes + 1);
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   if (in.bad() || !in.is_open()) {

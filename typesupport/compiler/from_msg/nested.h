@@ -11,31 +11,31 @@
 
 namespace sft::msg {
 
-/// Directories of packages. The first one that has <package>/msg/<Name>.msg or .idl defines a type.
+/// Directories of packages. The first directory that has <package>/msg/<Name>.msg or .idl defines the type.
 class SearchPath {
  public:
   explicit SearchPath(std::vector<std::filesystem::path> roots) : roots_(std::move(roots)) {}
 
-  /// The file that defines the type; empty if there is none.
+  /// Returns the file that defines the type; empty if there is none.
   std::optional<std::filesystem::path> find(const TypeName& type) const;
 
-  /// The directories, for error messages.
+  /// Returns the directories as text for error messages.
   std::string text() const;
 
  private:
   std::vector<std::filesystem::path> roots_;
 };
 
-/// The types of the fields of `definition`, each once.
+/// Returns the types of the fields of `definition`, each once.
 std::vector<TypeName> nested_types(const Definition& definition);
 
-/// The files of all types that `definition` nests, directly or not, each once. The search does not go on
-/// inside .idl files and inside .msg files with errors. Reports types that do not exist, and types that
-/// contain themselves.
+/// Returns the files of all types that `definition` nests, directly or not, each once. The search does not
+/// continue inside .idl files and inside .msg files with errors. Types that do not exist, and types that
+/// contain themselves, are errors.
 tl::expected<std::vector<std::filesystem::path>, std::vector<Problem>> nested_files(
     const Definition& definition, const SearchPath& search_path);
 
-/// The text of a file. Throws std::system_error.
+/// Returns the text of a file. Throws std::system_error.
 std::string read_file(const std::filesystem::path& path);
 
 }  // namespace sft::msg

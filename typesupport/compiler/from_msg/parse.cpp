@@ -19,7 +19,7 @@
 namespace sft::msg {
 namespace {
 
-/// The parts of "int32 x 5" or "int32 X=5", not parsed yet.
+/// The parts of "int32 x 5" or "int32 X=5", which are not parsed yet.
 struct Statement {
   std::string_view type;
   std::string_view name;
@@ -70,7 +70,8 @@ class Parser {
   }
 
  private:
-  /// Adds the member that a message without fields has in ROS 2, so that both have the same byte on the wire.
+  /// Adds the member that ROS 2 adds to a message without fields, so that both have the same byte on the
+  /// wire.
   void add_member_of_empty_message() {
     Type type;
     type.kind = SFT_UINT8;
@@ -93,7 +94,7 @@ class Parser {
     }
   }
 
-  /// False if the text cannot be read at all.
+  /// Returns false if the text cannot be read at all.
   bool check_text(std::string_view text) {
     if (text.size() > Limits::bytes) {
       refuse("", "{} bytes: expected at most {}: put parts into messages of their own", text.size(),
@@ -128,8 +129,8 @@ class Parser {
     }
   }
 
-  /// A comment belongs to the definition that follows it or stands in its line. An indented comment in a line
-  /// of its own belongs to the definition before it.
+  /// A comment belongs to the definition in its line, or otherwise to the next definition. An indented
+  /// comment in a line of its own belongs to the definition in front of it.
   void read_line(const Line& line) {
     auto layout = layout_in(line);
     if (line.has_comment && line.code.empty() && line.is_indented) {
@@ -213,7 +214,7 @@ class Parser {
     return inserted;
   }
 
-  /// The layout in the comment of a line, up to its end.
+  /// Returns the layout in the comment of a line. It extends to the end of the line.
   static std::optional<Layout> layout_in(const Line& line) {
     const std::size_t at = line.comment.find(layout::annotation);
     if (at == line.comment.npos) return {};
@@ -250,9 +251,9 @@ class Parser {
   Definition definition_;
   std::vector<Problem> problems_;
   std::uint32_t line_;
-  std::string comment_;                        // of the next definition
-  std::optional<Layout> layout_;               // of the next field
-  std::vector<std::string> field_comments_;    // one per field
+  std::string comment_;                        // the comment of the next definition
+  std::optional<Layout> layout_;               // the layout of the next field
+  std::vector<std::string> field_comments_;    // one comment per field
   std::optional<std::size_t> previous_field_;  // empty if the previous definition is a constant
   std::unordered_map<std::string, std::uint32_t> lines_of_names_;
 };

@@ -18,7 +18,7 @@ namespace {
 
 std::vector<Problem> problem(std::uint32_t line, std::string text) { return {{line, "", std::move(text)}}; }
 
-/// The error in the name; empty if it is good.
+/// Returns the error in the name; empty if there is none.
 std::string fault_of(const TypeName& name) {
   if (!is_package_name(name.package)) {
     return fmt::format(
@@ -40,7 +40,7 @@ struct Part {
   std::uint32_t lines_before;
 };
 
-/// Cuts at the only line that is "---", as ROS 2 does.
+/// Cuts a text at the line "---", as ROS 2 does. There must be exactly one such line.
 tl::expected<std::pair<Part, Part>, std::vector<Problem>> cut(std::string_view text) {
   std::optional<std::pair<Part, Part>> parts;
   std::uint32_t number = 1;
@@ -70,7 +70,7 @@ Field field(sft_kind kind, const TypeName& nested, std::string_view name, std::u
   return {type, std::string(name), {}, {}, line};
 }
 
-/// The message that carries `part` between client and server. The fields before it are those of
+/// Returns the message that carries `part` between client and server. The fields in front are those of
 /// sft/service.h.
 Definition envelope(const Definition& part, std::string_view service, std::string_view suffix,
                     std::string_view member) {

@@ -1,4 +1,4 @@
-// Parses the text of a .srv file: two messages, and a line "---" between them (msg.md).
+// Parses the text of a .srv file: two messages with a line "---" between them (msg.md).
 #pragma once
 
 #include <string_view>
@@ -10,7 +10,8 @@
 namespace sft::msg {
 
 /// Returns the definitions of the request, the response, and the two messages that carry them: NAME_Request,
-/// NAME_Response, NAME_Call and NAME_Reply, in this order. Otherwise the errors in the order of lines.
+/// NAME_Response, NAME_Call and NAME_Reply, in this order. Returns errors in the order of lines if the text
+/// has any.
 tl::expected<std::vector<Definition>, std::vector<Problem>> parse_service(std::string_view text,
                                                                           const TypeName& name);
 

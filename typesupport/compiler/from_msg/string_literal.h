@@ -1,4 +1,4 @@
-// Parses the strings of .msg files: in quotes of either kind, or without quotes.
+// Parses the strings of .msg files, which are in quotes of either kind, or without quotes.
 #pragma once
 
 #include <cstddef>
@@ -8,12 +8,12 @@
 
 namespace sft::msg {
 
-/// The position behind the closing quote of the string at the beginning of `text`; npos: there is no closing
-/// quote. REQUIRES: `text` begins with a quote.
+/// Returns the position behind the closing quote of the string at the beginning of `text`; npos if there is
+/// no closing quote. REQUIRES: `text` begins with a quote.
 std::size_t quoted_end(std::string_view text);
 
-/// The string that `text` stands for, with escapes resolved; UTF-8 without NUL. The error says what is wrong
-/// and what was expected.
+/// Returns the string that `text` represents, with escapes resolved, as UTF-8 without NUL. The error says
+/// what is wrong and what was expected.
 tl::expected<std::string, std::string> parse_string(std::string_view text);
 
 }  // namespace sft::msg

@@ -99,7 +99,7 @@ tl::expected<void, std::string> check_support(std::string_view name) {
   return {};
 }
 
-/// "Point", "geometry_msgs/Point" or "geometry_msgs/msg/Point".
+/// Parses a name like "Point", "geometry_msgs/Point" or "geometry_msgs/msg/Point".
 tl::expected<TypeName, std::string> parse_nested(std::string_view text, std::string_view package) {
   const std::size_t first = text.find('/');
   const std::size_t last = text.rfind('/');

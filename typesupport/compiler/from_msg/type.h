@@ -10,10 +10,11 @@
 
 namespace sft::msg {
 
-/// A name without a package means a type of `package`. The error says what is wrong and what was expected.
+/// Parses a type. A name without a package is a type of `package`. The error says what is wrong and what was
+/// expected.
 tl::expected<Type, std::string> parse_type(std::string_view text, std::string_view package);
 
-/// The name of a kind, "bool" to "string". The name of SFT_UINT8 is "uint8", not "char".
+/// Returns the name of a kind, "bool" to "string". The name of SFT_UINT8 is "uint8", not "char".
 std::string_view spelling_of(sft_kind kind);
 
 }  // namespace sft::msg

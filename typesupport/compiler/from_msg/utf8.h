@@ -7,13 +7,13 @@
 
 namespace sft::msg {
 
-/// The position of the first byte that is no UTF-8; npos: all of `text` is UTF-8.
+/// Returns the position of the first byte that is not UTF-8; npos if all of `text` is UTF-8.
 std::size_t find_invalid_utf8(std::string_view text);
 
-/// Appends a character. False if Unicode has no such character.
+/// Appends a character. Returns false if Unicode has no such character.
 bool append_utf8(char32_t character, std::string& text);
 
-/// `text` in quotes, for error messages, and shortened if it is long.
+/// Returns `text` in quotes for error messages, shortened if it is long.
 std::string shown(std::string_view text);
 
 }  // namespace sft::msg

@@ -1,6 +1,6 @@
-// Layout rules as text, the content of @sft_layout: how a field is made of rows and columns, and which other
-// members depend on it (runtime/selection.md, "Layout rules"). The compilers, the runtime and the reader of
-// type descriptions share this file, so that all of them accept the same rules.
+// Layout rules as text, which is the content of @sft_layout: how a field is made of rows and columns, and
+// which other members depend on it (runtime/selection.md, "Layout rules"). The compilers, the runtime and the
+// reader of type descriptions share this file, so that all of them accept the same rules.
 #pragma once
 
 #include <array>
@@ -19,17 +19,17 @@ namespace sft::layout {
 using Form = detail::Layout::Form;
 using Role = detail::LayoutRole;
 
-/// The word that begins a rule in comments of .msg files, and with which IDL annotates a member.
+/// The word with which a rule begins in comments of .msg files, and with which IDL annotates a member.
 inline constexpr std::string_view annotation = "@sft_layout";
 inline constexpr std::size_t rule_bytes_max = 255;
-inline constexpr std::size_t also_max = 16;   ///< fields that share one rule, beside the annotated one
-inline constexpr std::size_t rules_max = 64;  ///< of one struct
+inline constexpr std::size_t also_max = 16;   ///< the maximum number of other fields that share a rule
+inline constexpr std::size_t rules_max = 64;  ///< the maximum number of rules in one struct
 
 /// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.
 struct Rule {
   struct Path {
-    std::string text;    ///< "info.width"
-    std::size_t at = 0;  ///< where it stands in the rule, in bytes from 0
+    std::string text;    ///< for example "info.width"
+    std::size_t at = 0;  ///< the position in the rule, in bytes from 0
   };
 
   Form form = Form::list;
@@ -37,37 +37,37 @@ struct Rule {
   std::vector<Path> also{};  ///< other fields, of which the same part is taken
 
   const std::optional<Path>& operator[](Role role) const { return roles[static_cast<std::size_t>(role)]; }
-  /// The one spelling of the rule: roles in the order of LayoutRole, one blank between them.
+  /// Returns the canonical spelling of the rule: roles in the order of LayoutRole, separated by one blank.
   std::string text() const;
 };
 
 /// A mistake in a rule, with a text that says what to do.
 struct Fault {
-  std::size_t member = 0;  ///< the annotated one, in its struct
-  std::size_t at = 0;      ///< where in the text of the rule, in bytes from 0
+  std::size_t member = 0;  ///< the number of the annotated member in its struct
+  std::size_t at = 0;      ///< the position in the text of the rule, in bytes from 0
   std::string text;
 };
 
-/// Reads a rule. What can be known without its type is checked: that the roles suit each other.
+/// Reads a rule. Checks what can be checked without the type: whether the roles suit each other.
 tl::expected<Rule, Fault> read_rule(std::string_view text);
 
-/// A member of a struct, as far as rules look at it.
+/// A member of a struct, as far as rules use it.
 struct SeenMember {
   std::string_view name;
   detail::Kind kind{};
   detail::Shape shape{};
-  const void* type = nullptr;  ///< of a structure: for SeenTypes::member(); null: not known here
+  const void* type = nullptr;  ///< SeenTypes::member() takes it; null: no structure, or not known here
 };
 
 /// The structs among which a rule looks for members.
 class SeenTypes {
  public:
   virtual ~SeenTypes() = default;
-  /// Nothing behind the last member.
+  /// Returns a member of a struct; nothing behind the last member.
   virtual std::optional<SeenMember> member(const void* type, std::size_t i) const = 0;
 };
 
-/// The members of the types that were compiled, or were made of a description.
+/// The members of types that are compiled in or were made from a description.
 class SeenStructTypes : public SeenTypes {
  public:
   std::optional<SeenMember> member(const void* type, std::size_t i) const override {
@@ -82,8 +82,8 @@ struct RuleOfMember {
   const Rule* rule;
 };
 
-/// The first fault of the rules of one struct: a member that it lacks or that is of another kind, and members
-/// that two rules want to rewrite.
+/// Returns the first fault in the rules of one struct: a member that the struct lacks or that has another
+/// kind, or a member that two rules would rewrite.
 std::optional<Fault> check_rules(const SeenTypes& types, const void* type,
                                  std::span<const RuleOfMember> rules);
 

@@ -56,7 +56,7 @@ std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   return bytes;
 }
 
-/// The JSON value in a few words, for error messages.
+/// Returns the JSON value in a few words, for error messages.
 std::string shown(const Json& json) {
   constexpr std::size_t most = 40;
   if (json.is_object()) return "an object";
@@ -80,7 +80,8 @@ class CdrWriter {
   }
 
  private:
-  /// Appends a member's name or an element's index to the path for error messages, and removes it in the end.
+  /// Appends a member's name or an element's index to the path for error messages, and removes it when
+  /// destroyed.
   class Step {
    public:
     Step(std::string& path, std::string_view name) : path_(path), before_(path.size()) {
@@ -96,7 +97,7 @@ class CdrWriter {
     const std::size_t before_;
   };
 
-  /// Writes a struct. `json` is null if the struct is left out: then all members are zero or empty.
+  /// Writes a struct. `json` is null if the struct is left out: all members are then zero or empty.
   void structure(const StructType& type, const Json* json) {
     if (json != nullptr && !json->is_object()) {
       if (const auto meant = meant_by_a_word(type, *json)) return structure(type, &*meant);
@@ -121,7 +122,7 @@ class CdrWriter {
   static constexpr std::string_view stamp_name = "builtin_interfaces::msg::Time";
   static constexpr std::string_view header_name = "std_msgs::msg::Header";
 
-  /// The value that the word "now" or "auto" stands for, if the options allow these words.
+  /// Returns the value for which the word "now" or "auto" stands, if the options allow these words.
   std::optional<Json> meant_by_a_word(const StructType& type, const Json& json) const {
     if (!options_.now) return {};
     if (type.name == header_name && json == "auto") return Json{{"stamp", "now"}};
@@ -131,7 +132,7 @@ class CdrWriter {
     return Json{{"sec", seconds.count()}, {"nanosec", (since_epoch - seconds).count()}};
   }
 
-  /// The part of an error message that names these words.
+  /// Returns the words that are allowed for the type, for an error message.
   const char* word_for(const StructType& type) const {
     if (!options_.now) return "";
     return type.name == stamp_name ? R"(, or "now",)" : type.name == header_name ? R"(, or "auto",)" : "";
@@ -254,7 +255,7 @@ class CdrWriter {
     expected(*json, m.enumeration == nullptr ? range : names_of(*m.enumeration) + " or " + range);
   }
 
-  /// The value of "GREEN", or of "READ | WRITE" for a bitmask.
+  /// Returns the value of "GREEN", or of "READ | WRITE" for a bitmask; nothing if a name is unknown.
   static std::optional<std::uint64_t> value_of(const EnumType& type, std::string_view text) {
     std::uint64_t value = 0;
     for (;;) {

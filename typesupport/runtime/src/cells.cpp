@@ -20,7 +20,8 @@ CellGrid CellGrid::of(const SampleState& source, const Cut& cut) {
                 .column_step = static_cast<std::uint32_t>(cut.column_stride()),
                 .rows = cut.rows(),
                 .columns = cut.columns()};
-  // A step from the only one leads nowhere, and may be too long for its number.
+  // If there is only one column or row, the step to the next is not needed, and might not fit into its
+  // member.
   if (grid.columns == 1) grid.column_step = cut.cell_bytes();
   if (grid.rows == 1) grid.row_step = grid.row_bytes();
   return grid;
@@ -35,7 +36,7 @@ tl::unexpected<Error> malformed_cells(const CellsPlace& place) {
   return fail(Errc::malformed, quoted(*place.member) + " is not within the bytes of the sample");
 }
 
-/// Notes that a member is read. An error if the sample was sent without it.
+/// Notes that a member is read. Returns an error if the sample was sent without it.
 Result<void> note_member(const CellsPlace& place, std::size_t leaf, const Member& member) {
   const std::size_t leaves = leaf_count(member);
   const bool was_sent = note_leaves(*place.sample, leaf, leaves);
@@ -43,12 +44,13 @@ Result<void> note_member(const CellsPlace& place, std::size_t leaf, const Member
   return fail(Errc::unavailable, quoted(member) + " was not sent in this sample");
 }
 
-/// The layout if the field has rows: the cells of others are elements, whatever the values beside them are.
+/// Returns the layout if the field has rows. Otherwise the cells are the elements, whatever the layout says.
 const Layout* rows_of(const CellsPlace& place) {
   return place.layout != nullptr && place.layout->has_rows() ? place.layout : nullptr;
 }
 
-// Everything is noted before the first is found missing, so that all is asked for at once.
+// All members are noted before an error for a missing one is returned, so that the subscriber asks for all at
+// once.
 Result<void> note_cells(const CellsPlace& place) {
   Result<void> sent = note_member(place, place.leaf, *place.member);
   const Layout* const layout = rows_of(place);
@@ -63,7 +65,7 @@ Result<void> note_cells(const CellsPlace& place) {
   return sent;
 }
 
-/// Nothing if the sample has no such value.
+/// Returns whether the byte order is the other one; nothing if that field is not within the sample's bytes.
 std::optional<bool> is_swapped(const SampleState& s, const Layout& layout) {
   const Layout::Field& order = layout[LayoutRole::byte_order];
   if (!order) return false;
@@ -79,7 +81,7 @@ tl::unexpected<Error> other_size(const Member& member, std::size_t bytes, std::s
                                        " bytes, not " + std::to_string(cell_bytes));
 }
 
-/// The cells of a part, or of a field with rows. `source` is the sample in which they lie.
+/// Returns the cells of a part, or of a field with rows. `source` is the sample that has them.
 Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source, const Cut& cut,
                               std::size_t cell_bytes) {
   if (cut.is_whole())
@@ -88,7 +90,7 @@ Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source
   if (cut.cell_bytes() != cell_bytes) return other_size(*place.member, cut.cell_bytes(), cell_bytes);
   CellGrid grid = CellGrid::of(source, cut);
   const Layout* const layout = rows_of(place);
-  const bool is_of_bytes = size_of(place.member->kind) == 1;  // the byte order is not that of other elements
+  const bool is_of_bytes = size_of(place.member->kind) == 1;  // the byte order is that of bytes only
   const std::optional<bool> swapped =
       layout == nullptr || !is_of_bytes ? false : is_swapped(*place.sample, *layout);
   if (!swapped) return malformed_cells(place);
@@ -96,7 +98,7 @@ Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source
   return grid;
 }
 
-/// All cells of a field, whose elements are those.
+/// Returns all cells of a field with these elements.
 Result<CellGrid> cells_of_all(const CellsPlace& place, const SampleState& source,
                               std::span<const std::byte> elements, std::size_t cell_bytes) {
   if (elements.empty()) return CellGrid();
@@ -115,7 +117,7 @@ Result<CellGrid> cells_of_all(const CellsPlace& place, const SampleState& source
                   .columns = static_cast<std::uint32_t>(elements.size() / element_bytes)};
 }
 
-/// The bytes of all elements, which lie in the body.
+/// Returns the bytes of all elements in the body.
 std::optional<std::span<const std::byte>> elements_of(const CellsPlace& place) {
   const std::size_t element_bytes = size_of(place.member->kind);
   if (place.offset == no_offset) return {};
@@ -141,8 +143,8 @@ Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes) {
 
 namespace {
 
-/// The layout of the field with this leaf in a struct whose first leaf and slot are those. With the leaves
-/// and slots of the sample.
+/// Returns the layout of the field with this leaf in a struct with the first leaf and slot that are passed.
+/// Leaves and slots in the layout are those of the sample.
 std::optional<Layout> layout_in(const StructType& type, std::size_t first_leaf, std::size_t first_slot,
                                 std::size_t leaf) {
   const auto move = [&](Layout::Field& field) {

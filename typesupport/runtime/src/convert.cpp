@@ -77,7 +77,7 @@ class Converter {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type)) return false;
-      if (at_ == before) break;  // elements without bytes, however many there are
+      if (at_ == before) break;  // elements without bytes, whose number may be huge
     }
     return true;
   }
@@ -123,7 +123,7 @@ class Converter {
 };
 
 struct Encoding {
-  std::uint16_t code;  ///< of the big-endian encoding; the little-endian one has the next code
+  std::uint16_t code;  ///< the code of big-endian bytes; the next one is that of little-endian bytes
   const char* name;
   bool is_plain;
   bool is_xcdr2;

@@ -37,13 +37,13 @@ class Decoder {
     return elements(m, first, length.count, element_leaf);
   }
 
-  /// The most elements that the remaining bytes can hold.
+  /// Returns the maximum number of elements that the remaining bytes can hold.
   std::uint64_t most_elements(const Member& m, std::size_t leaf) const {
     const std::uint64_t each = m.kind == Kind::structure ? least_bytes(*m.type, leaf) : size_of(m.kind);
     return each == 0 ? max_empty_elements : (s_.body_bytes - at_) / each;
   }
 
-  /// The least number of bytes of a struct's selected members: without padding, with empty sequences and
+  /// Returns the minimum size of a struct's selected members: without padding, with empty sequences and
   /// strings.
   std::uint64_t least_bytes(const StructType& type, std::size_t leaf) const {
     std::uint64_t bytes = 0;
@@ -68,7 +68,7 @@ class Decoder {
     return status;
   }
 
-  /// True if the encoding of the struct equals its bytes in memory.
+  /// Returns true if the encoding of the struct equals its bytes in memory.
   bool is_verbatim(const StructType& type, std::size_t leaf) const {
     return type.is_packed_in_memory && s_.mask->all_of(leaf, leaf_count(type));
   }
@@ -92,7 +92,8 @@ class Decoder {
     return WalkStatus::ok;
   }
 
-  /// Checks the copy, since the original in shared memory may change. Replaces bytes that are no booleans.
+  /// Returns true if all bytes are booleans, and replaces the others. Checks the copy, since the original in
+  /// shared memory may change.
   static bool all_booleans(std::byte* first, std::size_t n) {
     bool all = true;
     for (std::byte* b = first; b != first + n; ++b) {

@@ -1,5 +1,5 @@
-// The bits of a member's form and attributes in a type description (type_description.md), for its writer and
-// its reader.
+// The bits of a member's form and attributes in a type description (type_description.md). Its writer and its
+// reader share them.
 #pragma once
 
 namespace sft::description {

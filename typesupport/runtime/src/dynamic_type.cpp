@@ -20,7 +20,7 @@ using namespace detail;
 
 namespace {
 
-/// The largest value of an integer kind; 0 for all other kinds.
+/// Returns the largest value of an integer kind; 0 for all other kinds.
 std::uint64_t largest_value(Kind kind) {
   if (kind < Kind::int8 || kind > Kind::uint64) return 0;
   const bool is_signed =
@@ -35,7 +35,7 @@ bool is_identifier(std::string_view text) {
          std::all_of(text.begin(), text.end(), [&](char c) { return is_letter(c) || is_digit(c); });
 }
 
-/// True for identifiers joined by "::".
+/// Returns true for identifiers joined by "::".
 bool is_type_name(std::string_view text) {
   for (;;) {
     const std::size_t end = text.find("::");
@@ -47,7 +47,7 @@ bool is_type_name(std::string_view text) {
 
 }  // namespace
 
-/// Owns a type. Names are views of `bytes`. Types and enumerations do not move, since others point to them.
+/// Owns a type. Names are views of `bytes`. Types and enumerations do not move, since pointers refer to them.
 class DynamicType::Storage {
  public:
   explicit Storage(std::span<const std::byte> description) : bytes(description.begin(), description.end()) {}
@@ -84,10 +84,10 @@ class DynamicType::Parser {
   }
 
  private:
-  /// The size of a struct together with the structs in it.
+  /// The size of a struct with all structs in it.
   struct Expanded {
     std::size_t leaves = 0;
-    std::size_t members = 0;  ///< members and enumerators
+    std::size_t members = 0;  ///< the number of members and enumerators
     std::size_t path_bytes = 0;
     std::size_t depth = 1;
   };
@@ -236,7 +236,7 @@ class DynamicType::Parser {
     return largest->value <= largest_value(m.kind) || fail(of(m) + " is too small for its enumerators");
   }
 
-  /// Adds the size of a member. Every step is checked against the limits, so that sums cannot overflow.
+  /// Adds the size of a member. Every sum is checked against the limits, so that sums cannot overflow.
   bool add(const Member& m, Expanded& sum) {
     Expanded inner{.leaves = 1, .members = 0, .path_bytes = 0, .depth = 0};
     if (m.type != nullptr) inner = expanded_[static_cast<std::size_t>(m.type - out_.structs.data())];
@@ -251,7 +251,7 @@ class DynamicType::Parser {
     return sum.depth <= limits_.depth || beyond(m, limits_.depth, "structs in one another");
   }
 
-  // ---- pieces ----
+  // ---- parts of a description ----
 
   bool byte(std::uint8_t& value) {
     if (at_ == out_.bytes.size()) return fail("it ends too early");
@@ -328,14 +328,14 @@ class DynamicType::Parser {
   std::size_t at_ = 0;
   std::vector<Expanded> expanded_;  // sizes of the structs read so far
   Names type_names_;
-  std::string_view struct_;  // the one that is being read
+  std::string_view struct_;  // the struct that is being read
   std::string wrong_;
-  bool is_beyond_ = false;  // the type is sound, but beyond a limit
+  bool is_beyond_ = false;  // the type is valid, but exceeds a limit
 };
 
 Result<DynamicType> DynamicType::parse(std::span<const std::byte> description,
                                        const DynamicType::Limits& limits) {
-  if (description.size() > limits.bytes) {  // before it is copied
+  if (description.size() > limits.bytes) {  // checked before the copy is made
     return fail(Errc::limit_exceeded,
                 "the type has a description of " + std::to_string(description.size()) + " bytes, and " +
                     std::to_string(limits.bytes) +

@@ -15,7 +15,7 @@ namespace {
 
 using Scalar = DynamicView::Scalar;
 
-/// The offset behind a string, where the next string of a collection begins.
+/// Returns the offset behind a string, where the next string of a collection begins.
 std::uint64_t behind_string(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
@@ -134,7 +134,7 @@ DynamicView DynamicView::find(std::string_view path) const {
   return at;
 }
 
-/// The place of member number `member`: its slot, or the offset behind the member before it.
+/// Returns the place of member number `member`: its slot, or the offset behind the member in front.
 DynamicView::Place DynamicView::place_of(std::size_t member) const {
   Place place = place_;
   place.leaf += leaf_offset(*type_, member);
@@ -168,14 +168,14 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   if (place.slot != no_slot && !is_single_struct) {
     view.is_in_place_ = state_->parts != nullptr && state_->parts->find(place.leaf).has_value();
     if (view.is_in_place_)
-      return view;  // at its slot, by which it is found in the sample that is put together
+      return view;  // keeps the slot, by which it is found in the sample that is put together
     view.place_.slot = no_slot;
     view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
   }
   return view.place_.slot == no_slot && view.place_.offset == no_offset ? view.malformed() : view;
 }
 
-/// The same part in a copy of the sample, of which the elements are read one by one.
+/// Returns this view on the sample with all parts put together, where elements can be read one by one.
 DynamicView DynamicView::put_together() const {
   const SampleState& whole = state_->parts->put_together();
   if (whole.body == nullptr) return malformed();
@@ -202,7 +202,7 @@ DynamicView DynamicView::element(std::size_t i) const {
   std::uint64_t at = all.first;
   for (std::size_t before = 0; before < i && at != no_offset; ++before) {
     const std::uint64_t next = behind_element(at);
-    if (next == at) break;  // elements without bytes are all in one place
+    if (next == at) break;  // elements without bytes all have the same offset
     at = next;
   }
   return at == no_offset ? malformed() : element_at(at);
@@ -224,7 +224,7 @@ std::uint64_t DynamicView::behind_element(std::uint64_t offset) const {
   return skip(*state_, *type_, element_leaf(), offset);
 }
 
-/// The first leaf of the elements. A sequence of structs has a leaf for its length in front of them.
+/// Returns the first leaf of the elements. A sequence of structs has a leaf for its length in front of them.
 std::size_t DynamicView::element_leaf() const {
   return place_.leaf + (kind() == Kind::structure && shape() == Shape::sequence ? 1 : 0);
 }
@@ -237,7 +237,7 @@ bool DynamicView::has_only_size() const {
 DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
   if (of_.is_in_place_) {
     of_ = of_.put_together();
-    if (of_.error_ != nullptr) left_ = 1;  // which reports the error
+    if (of_.error_ != nullptr) left_ = 1;  // this one element reports the error
   }
   if (!of_ || !of_.is_collection()) return;
   const bool empty_ones = of_.has_only_size();
@@ -250,7 +250,7 @@ DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
 
 // ---- values ----
 
-/// The bytes of a part in place, in one piece.
+/// Returns the bytes of a part in place, contiguous.
 Result<std::span<const std::byte>> DynamicView::part() const {
   note();
   const auto bytes = bytes_in_place(*state_, place_.leaf);
@@ -258,7 +258,8 @@ Result<std::span<const std::byte>> DynamicView::part() const {
   return *bytes;
 }
 
-/// The first element of a collection, and the number of elements, checked against the bytes of the sample.
+/// Returns the offset of the first element of a collection, and the number of elements, checked against the
+/// bytes of the sample.
 Extent DynamicView::extent() const {
   note();
   const Member& m = *member_;
@@ -306,7 +307,7 @@ Result<std::span<const std::byte>> DynamicView::primitives(std::size_t element_b
   return std::span(state_->body + all.first, all.count * element_bytes);
 }
 
-// ---- what goes wrong ----
+// ---- errors ----
 
 std::string DynamicView::label() const {
   return member_ == nullptr ? "the sample" : "'" + std::string(member_->name) + "'";

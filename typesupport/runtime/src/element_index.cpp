@@ -9,10 +9,11 @@ namespace sft::detail {
 
 namespace {
 
-/// A position that is at most so many elements ahead is found by walking, not by a table.
+/// A position that is at most this number of elements ahead is found by walking, not by a table.
 constexpr std::uint32_t near_elements = 8;
 
-/// The least number of bytes of an element without a constant stride: the length of a string or a sequence.
+/// The minimum size of an element without a constant stride: the bytes of the length of a string or a
+/// sequence.
 constexpr std::uint32_t variable_bytes_min = 4;
 
 constexpr std::uint64_t not_fixed = ~std::uint64_t{0};
@@ -20,8 +21,8 @@ constexpr std::uint64_t not_fixed = ~std::uint64_t{0};
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept;
 
-/// The end of the selected members of a struct that begins at `offset`; not_fixed if strings or sequences are
-/// among them.
+/// Returns where the selected members of a struct that begins at `offset` end; not_fixed if strings or
+/// sequences are among them.
 std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size_t leaf,
                         std::uint64_t offset) noexcept {
   for (const Member& m : type.members) {
@@ -38,9 +39,9 @@ std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size
   return offset;
 }
 
-/// The offset of the element at `position`. Behind a member with the largest alignment, all offsets are
-/// relative to that member, so that the end of an element modulo that alignment does not depend on its
-/// beginning. Hence all elements from the second on have the same size.
+/// Returns the offset of the element at `position`. Behind a member with the largest alignment, all offsets
+/// are relative to that member. So the end of an element modulo that alignment does not depend on its
+/// beginning, and all elements from the second on have the same size.
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept {
   if (position == 0) return first;
@@ -75,7 +76,7 @@ class ElementIndex::Table {
     return position < offsets_.size() ? offsets_[position] : no_offset;
   }
 
-  /// Takes the memory that fill() needs.
+  /// Reserves the memory that fill() needs.
   void reset(const Elements& elements) {
     elements_ = elements;
     offsets_.clear();
@@ -95,7 +96,7 @@ class ElementIndex::Table {
   friend struct ElementIndex::Tables;
   Elements elements_;
   std::vector<std::uint32_t> offsets_;
-  Table* next_ = nullptr;  ///< the next table of the chain, or of the free ones
+  Table* next_ = nullptr;  ///< the next table of the chain or of the free tables
 };
 
 /// A hash table of chains. Readers take no mutex, since chains only grow while there are readers.
@@ -103,7 +104,7 @@ struct ElementIndex::Tables {
   std::array<std::atomic<Table*>, 64> chains{};
   Table* free = nullptr;
   std::size_t used = 0;
-  std::uint64_t offsets = 0;  ///< in all used tables
+  std::uint64_t offsets = 0;  ///< the number of offsets in all used tables
 
   ~Tables() {
     for (std::atomic<Table*>& chain : chains) destroy(chain.load(std::memory_order_relaxed));
@@ -184,7 +185,7 @@ const ElementIndex::Table* ElementIndex::table(const SampleState& s, const Eleme
   return publish(blank);
 }
 
-/// An empty table; null if the sample has used up its share of tables or memory.
+/// Returns an empty table; null if the sample has used up its share of tables or memory.
 ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Elements& elements) {
   Table* blank = nullptr;
   {
@@ -207,7 +208,7 @@ ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Eleme
   return blank;
 }
 
-/// Publishes the table, or returns the same table of another thread that was faster.
+/// Publishes the table, or returns the equal table that another thread has published first.
 const ElementIndex::Table* ElementIndex::publish(Table* table) noexcept {
   const std::scoped_lock lock(mutex_);
   Tables* tables = tables_.load(std::memory_order_relaxed);

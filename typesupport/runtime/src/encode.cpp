@@ -17,8 +17,8 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "primitives are copied as they are");
 
-/// Puts the selected members of an owned struct into Out, in CDR order. With a BodyCounter, it checks values
-/// as well. With a BodyWriter, it writes the index, and relies on values that were counted before. Functions
+/// Puts the selected members of an owned struct into Out, in CDR order. With a BodyCounter, it also checks
+/// values. With a BodyWriter, it writes the index, and relies on the check by an earlier count. Functions
 /// take the offset where they begin and return the one where they end.
 template <class Out>
 class Encoder {
@@ -62,7 +62,7 @@ class Encoder {
     if constexpr (is_counting) status_ = why;
   }
 
-  /// True if the encoding of the struct equals its bytes in memory.
+  /// Returns true if the encoding of the struct equals its bytes in memory.
   bool is_verbatim(const StructType& type, std::size_t leaf) const {
     return type.is_packed_in_memory && mask_.all_of(leaf, leaf_count(type));
   }
@@ -145,8 +145,7 @@ class Encoder {
     }
   }
 
-  /// Checks a collection of booleans, which is an array of bytes, since receivers refuse values other than 0
-  /// and 1.
+  /// Checks a collection of booleans, which are bytes in memory: receivers refuse values other than 0 and 1.
   void check_booleans(const std::byte* first, std::size_t n) {
     const auto is_none = [](std::byte b) { return b > std::byte{1}; };
     if (std::any_of(first, first + n, is_none)) fail(EncodeStatus::bad_boolean);

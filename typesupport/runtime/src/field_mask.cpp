@@ -12,7 +12,7 @@ using namespace detail;
 
 namespace {
 
-/// The bits of word `i` that are within [first, first + count).
+/// Returns the bits of word `i` that are within [first, first + count).
 std::uint64_t bits_within(std::size_t i, std::size_t first, std::size_t count) {
   const std::size_t begin = std::max(first, i * 64);
   const std::size_t end = std::min(first + count, (i + 1) * 64);

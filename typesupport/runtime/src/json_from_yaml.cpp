@@ -49,8 +49,8 @@ class Nothing final : public YAML::EventHandler {
   void OnMapEnd() override {}
 };
 
-/// True if the text has a second document. Load() ignores further documents, and LoadAll() of yaml-cpp 0.7
-/// takes all memory for a text that begins with a comma.
+/// Returns true if the text has a second document. Load() ignores further documents. LoadAll() of yaml-cpp
+/// 0.7 uses up all memory for a text that begins with a comma.
 bool has_more_than_one(const std::string& text) {
   std::istringstream in(text);
   YAML::Parser parser(in);
@@ -59,8 +59,9 @@ bool has_more_than_one(const std::string& text) {
   return static_cast<bool>(parser);
 }
 
-/// Reads a number as yaml-cpp does, but for the global locale of the program, which that obeys: where it has
-/// a decimal comma, 1.5 would be 15. Nothing if that is not the whole text, or if the type cannot hold it.
+/// Reads a number like yaml-cpp, but independently of the program's global locale, which yaml-cpp obeys: with
+/// a decimal comma, 1.5 would be 15. Returns nothing if the number is not the whole text, or if the type
+/// cannot hold it.
 template <class Number>
 std::optional<Number> number_of(const std::string& text) {
   std::istringstream in(text);
@@ -82,7 +83,7 @@ std::optional<double> real_of(const std::string& text) {
 }
 
 /// Translates YAML to JSON, as deep as the type and no deeper. A value that does not fit the type becomes one
-/// that cdr_from_json() refuses with its path.
+/// that cdr_from_json() refuses, with its path in the error.
 class JsonMaker {
  public:
   /// Limits the number of values, which aliases may multiply. A text without aliases has fewer values than
@@ -115,7 +116,7 @@ class JsonMaker {
 
   Json value_of(const Member& m, const YAML::Node& node) {
     if (m.shape == Shape::single) return element(m, node);
-    if (!node.IsSequence()) return node.IsScalar() ? Json(node.Scalar()) : other(node);  // base64
+    if (!node.IsSequence()) return node.IsScalar() ? Json(node.Scalar()) : other(node);  // may be base64
     Json array = Json::array();
     for (const YAML::Node& each : node) {
       if (!count()) break;

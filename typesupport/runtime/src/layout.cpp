@@ -14,7 +14,7 @@ namespace sft::detail {
 
 namespace {
 
-/// The rule of a type that is not annotated. These are types of ROS 2, of which the files are not ours.
+/// The rule of a type that is not annotated. These are types of ROS 2, whose files we cannot change.
 struct KnownRule {
   std::string_view type;
   std::string_view field;
@@ -31,7 +31,7 @@ constexpr KnownRule known_rules[] = {
     {"sensor_msgs::msg::LaserScan", "ranges",
      "first=angle_min last=angle_max step=angle_increment interval=time_increment also=intensities"}};
 
-/// A struct, with the numbers of its first leaf and slot.
+/// A struct, with its first leaf and slot.
 struct Place {
   const StructType* type;
   std::uint32_t leaf;
@@ -64,7 +64,7 @@ bool is_single(const Member& member, Kind kind) {
   return member.kind == kind && member.shape == Shape::single;
 }
 
-/// Readers with another rule must not be served by this one (Selection::Part::rule).
+/// The rule as a number for Selection::Part::rule: readers with another rule must not be served by this one.
 std::uint32_t hash_of(std::string_view rule) {
   Fnv1a hash;
   hash.add(rule);
@@ -81,7 +81,7 @@ Layout layout_of(const Place& place, std::string_view field, const layout::Rule&
   return layout;
 }
 
-/// Collects the layouts of a type. The leaves of the fields of one belong to no other one.
+/// Collects the layouts of a type. A leaf belongs to the fields of one layout at most.
 class Collector {
  public:
   explicit Collector(const StructType& type) : is_taken_(type.leaves) {}
@@ -107,7 +107,8 @@ class Collector {
   std::vector<Layout> take() { return std::move(layouts_); }
 
  private:
-  /// A type of the name of a known one may have other members. It has no layout then.
+  /// Adds the layout of a member if the rule suits the type. A type with a known name may have other members,
+  /// and then has no layout.
   void add(const Place& place, std::size_t member, std::string_view text, std::uint32_t hash) {
     const auto rule = layout::read_rule(text);
     if (!rule) return;

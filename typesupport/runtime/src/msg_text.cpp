@@ -28,14 +28,14 @@ using msg::Definition;
 using msg::TypeName;
 
 constexpr std::string_view placeholder =
-    "structure_needs_at_least_one_member";  // of a message without fields
+    "structure_needs_at_least_one_member";  // the member of a message without fields
 constexpr std::string_view head_of_part = "MSG: ";
 constexpr std::size_t separator_width = 80;
 constexpr std::size_t unit_bytes_max = 255;
 
 static_assert(static_cast<int>(SFT_STRUCTURE) == static_cast<int>(Kind::structure));
 
-/// Parses "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
+/// Parses a name like "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
 std::optional<TypeName> type_name(std::string_view text) {
   std::string path(text);
   for (std::size_t at = path.find("::"); at != path.npos; at = path.find("::")) path.replace(at, 2, "/");
@@ -96,7 +96,7 @@ class MsgWriter {
     if (m.kind == Kind::structure) {
       if (std::find(queue_.begin(), queue_.end(), m.type) == queue_.end()) queue_.push_back(m.type);
       const auto name = message_name(*m.type);
-      return name ? spelled(*name) : "?";  // refused when the nested message is written
+      return name ? spelled(*name) : "?";  // an error is reported when the nested message is written
     }
     const std::string bound = m.string_bound == 0 ? "" : "<=" + std::to_string(m.string_bound);
     return std::string(msg::spelling_of(static_cast<sft_kind>(m.kind))) + bound;
@@ -108,7 +108,7 @@ class MsgWriter {
     return m.bound == 0 ? "[]" : "[<=" + std::to_string(m.bound) + "]";
   }
 
-  /// The comment with the unit, if a comment can hold it, and the layout.
+  /// Returns the comment with the unit, if a comment can hold it, and the layout.
   static std::string comment(const Member& m) {
     const bool has_unit = !m.unit.empty() && m.unit.find_first_of("[],") == m.unit.npos &&
                           m.unit.find(layout::annotation) == m.unit.npos;
@@ -128,14 +128,14 @@ class MsgWriter {
 
 // ---- from text ----
 
-/// Reads the definitions of one text or of files, and makes types of them.
+/// Reads the definitions of one text or of files, and makes types from them.
 class MsgReader {
  public:
   MsgReader() = default;
-  /// Looks in the search path for types that no text defines.
+  /// A reader with a search path looks there for types that no text defines.
   explicit MsgReader(msg::SearchPath search_path) : search_path_(std::move(search_path)) {}
 
-  /// Reads a text with the definition of `root`, and of others behind it. Returns the first error, or
+  /// Reads a text that begins with the definition of `root`, followed by others. Returns the first error, or
   /// nothing.
   std::optional<Error> read(const TypeName& root, std::string_view text) {
     TypeName name = root;
@@ -202,15 +202,15 @@ class MsgReader {
   }
 
  private:
-  struct Made {  ///< does not move, since `type` refers to the other members
+  struct Made {  ///< never moved, since `type` refers to the other members
     std::string name;
     std::vector<Member> members;
-    std::deque<std::string> layouts;  ///< texts of the members
+    std::deque<std::string> layouts;  ///< the layout texts of the members
     StructType type;
   };
   struct Known {
     Definition definition;
-    std::string source;  ///< which errors name
+    std::string source;  ///< the source that errors name
   };
 
   static std::string_view line_at(std::string_view text, std::size_t at) {
@@ -252,7 +252,7 @@ class MsgReader {
     return add(name, text, name.text());
   }
 
-  /// Parses a definition. Errors name `source`.
+  /// Parses a definition from `source`, which errors name.
   std::optional<Error> add(const TypeName& name, std::string_view text, const std::string& source) {
     auto parsed = msg::parse(text, name);
     if (!parsed) return error_of(parsed.error().front(), source);
@@ -267,7 +267,8 @@ class MsgReader {
                                  (first.member.empty() ? "" : first.member + ": ") + first.text};
   }
 
-  /// The definitions of all that it nests are known.
+  /// Returns the first mistake in the layout rules of `known`. REQUIRES: the definitions of all messages that
+  /// it nests are known.
   std::optional<Error> check_layouts_of(const Known& known) const {
     const auto wrong = msg::check_layouts(known.definition, [this](const TypeName& nested) {
       const auto found = definitions_.find(nested);
@@ -276,7 +277,7 @@ class MsgReader {
     return wrong.empty() ? std::nullopt : std::optional(error_of(wrong.front(), known.source));
   }
 
-  /// The result refers to the field.
+  /// Makes a member that refers to the field.
   static Member member_of(const msg::Field& field) {
     Member m{.name = field.name, .kind = static_cast<Kind>(field.type.kind)};
     if (field.type.is_sequence) m.shape = Shape::sequence;

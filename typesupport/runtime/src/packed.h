@@ -1,4 +1,4 @@
-// Offsets in a packed struct (StructType::packed_bytes), which do not depend on its bytes.
+// Offsets in a packed struct (StructType::packed_bytes), which do not depend on the bytes of the struct.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace sft::detail {
 
-/// Writes the offset of every slot of a packed struct that begins at `at` to `index`, which is advanced.
+/// Writes the offset of every slot of a packed struct that begins at `at` to `index`, and advances `index`.
 inline void write_packed_slots(const StructType& type, std::uint32_t at, std::uint32_t*& index) {
   for (const Member& m : type.members) {
     if (m.kind == Kind::structure && m.shape == Shape::single) {

@@ -9,10 +9,10 @@ namespace sft::detail {
 
 namespace {
 
-/// By the parity of the row and that of the column.
+/// Indexed by twice the parity of the row plus the parity of the column.
 constexpr std::array<const char*, 4> bayer_patterns{"rggb", "grbg", "gbrg", "bggr"};
 constexpr std::string_view bayer = "bayer_";
-constexpr std::uint32_t samples_max = 512;  // of a pixel, in OpenCV
+constexpr std::uint32_t samples_max = 512;  // the maximum number of values in a pixel, in OpenCV
 
 struct KnownPixels {
   std::string_view encoding;
@@ -27,7 +27,7 @@ bool is_one_of(std::string_view name, std::span<const std::string_view> names) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Bytes of a pixel of OpenCV: "8UC3", "32FC1"; 0: it is none.
+/// Returns the bytes of a pixel with an encoding of OpenCV, "8UC3" or "32FC1"; 0 if it is none.
 std::uint32_t opencv_bytes(std::string_view encoding) {
   std::uint32_t bits = 0;
   const char* const end = encoding.data() + encoding.size();

@@ -12,7 +12,7 @@ namespace sft::detail {
 
 namespace {
 
-/// The types that sensor_msgs/PointField numbers from 1.
+/// A type of sensor_msgs/PointField, where the types are numbered from 1.
 struct PointType {
   std::uint8_t bytes;
   std::string_view name;
@@ -43,16 +43,16 @@ struct Channel {
   std::uint8_t type;
   std::uint32_t count;
 
-  /// True if the channel has one of the eight types, has elements, and lies within the point.
+  /// Returns true if the channel has one of the eight types, has elements, and lies within the point.
   bool is_there(std::uint32_t point_step) const { return end() > offset && end() <= point_step; }
-  /// Behind its last byte in the point; the offset if the channel has no bytes.
+  /// Returns the offset behind the last byte of the channel; `offset` if the channel has no bytes.
   std::uint64_t end() const {
     const std::uint64_t bytes = type < point_types.size() ? point_types[type].bytes : 0;
     return offset + bytes * count;
   }
 };
 
-/// Reads a number whose place is aligned to its size, once: a compiler may not read it again.
+/// Reads a number, aligned to its size, exactly once: a compiler must not read it again.
 template <class T>
 bool read_once(const SampleState& s, std::uint64_t offset, T& value) {
   const std::uint32_t at = offset == no_offset ? no_offset : checked_block(s, offset, 1, sizeof(T));
@@ -61,7 +61,7 @@ bool read_once(const SampleState& s, std::uint64_t offset, T& value) {
   return true;
 }
 
-/// Reads one channel, and moves the offset behind it.
+/// Reads one channel, and advances the offset to the next one.
 std::optional<Channel> next_channel(const SampleState& s, std::uint64_t& offset) {
   const Extent name = checked_length(s, offset);
   if (!name || checked_block(s, name.first, name.count, 1) == no_offset) return {};
@@ -80,8 +80,8 @@ tl::unexpected<Error> malformed(const SampleState& s) {
   return fail(Errc::malformed, "the cloud is not within the bytes of the sample");
 }
 
-/// The names of the channels, for people: not those that a terminal should not be sent, and not endlessly
-/// many.
+/// Returns the names of the channels for error messages, without names that must not be sent to a terminal,
+/// and with a limited length.
 std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step) {
   constexpr std::size_t longest_name = 64;
   std::string names;
@@ -114,10 +114,10 @@ std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::ui
     return "channel '" + name + "' ends " + std::to_string(channel->end() - point_step) +
            " bytes behind the end of its point";
   }
-  return "channel '" + name + "' has changed";  // another program writes to the sample
+  return "channel '" + name + "' has changed";  // another program has written to the sample meanwhile
 }
 
-/// False if the bytes of the sample are not what they claim to be.
+/// Returns false if the bytes of the sample are malformed.
 bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                    std::span<WantedChannel> wanted) {
   const Extent all = checked_length(s, fields);
@@ -139,9 +139,9 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
   return true;
 }
 
-/// The points. An error if they are not all within the data. Drivers that organise a cloud often leave
-/// row_step as it was; if the data has just the bytes of all points, rows follow each other, whatever
-/// row_step says.
+/// Returns the points, or an error if not all of them are within the data. Drivers that organise a cloud
+/// often leave row_step unchanged. So row_step is ignored if the data has just the bytes of all points: rows
+/// then follow each other.
 Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) {
   CellGrid grid{.first = data.data(),
                 .row_step = header.row_step,
@@ -164,7 +164,7 @@ Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) 
                                    text(data.size()) + " bytes of data");
 }
 
-/// False if the bytes of the sample are not what they claim to be.
+/// Returns false if the bytes of the sample are malformed.
 bool read_header(const CloudPlace& cloud, Header& header) {
   const auto& [height, width, fields, is_big_endian, point_step, row_step, data] = cloud.offsets;
   std::uint8_t byte_order = 0;
@@ -177,8 +177,8 @@ bool read_header(const CloudPlace& cloud, Header& header) {
   return true;
 }
 
-/// Moves a channel from where it is in a packed point to where it is in the larger cloud. False if it is not
-/// within the cells of the part: its data was not cut as the points of this cloud.
+/// Changes the offset of a channel from that in a packed point to that in the larger cloud. Returns false if
+/// the channel is not within the cells of the part: its data was not cut as points of this cloud.
 bool place_channel(const Cut& cut, WantedChannel& one) {
   const std::uint32_t bytes = point_types[one.type].bytes;
   // Points are whole if no channels were asked for.
@@ -194,8 +194,8 @@ bool place_channel(const Cut& cut, WantedChannel& one) {
   return false;
 }
 
-/// True if two channels of the cloud have bytes in common, or if there are more of them than a selection
-/// names: a part with some of them could be larger than the points.
+/// Returns true if two channels of the cloud have bytes in common, or if it has more channels than a
+/// selection can name. A part with some of these channels could be larger than the points.
 bool channels_overlap(const SampleState& s, std::uint64_t fields, std::uint32_t point_step) {
   std::array<Channel, Selection::channels_max> seen;
   std::size_t count = 0;
@@ -214,7 +214,7 @@ bool channels_overlap(const SampleState& s, std::uint64_t fields, std::uint32_t 
   return false;
 }
 
-/// The points of a part that stays in a larger cloud, and where the channels are there.
+/// Returns the points of a part that stays in a larger cloud, and sets the offsets of the channels there.
 CellGrid grid_in_place(const Header& header, const PartInPlace& place, std::span<WantedChannel> wanted) {
   const Cut& cut = *place.cut;
   for (WantedChannel& one : wanted) {
@@ -234,7 +234,7 @@ Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> w
   Header header;
   if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
     return malformed(s);
-  // Parts of such clouds could be empty, so that whole points are recorded.
+  // Parts of such clouds might be empty. So whole points are recorded.
   if (s.log != nullptr && s.log->is_as_published(cloud.data_leaf, 1) &&
       channels_overlap(s, fields, header.point_step))
     s.log->touch(cloud.data_leaf, true);
@@ -271,8 +271,8 @@ tl::unexpected<Error> field_not_sent(std::size_t field) {
 
 /// The result of noting which channels are read.
 struct NotedChannels {
-  bool one_by_one = false;                 ///< false: they are not noted one by one
-  const WantedChannel* missing = nullptr;  ///< the first one that was not sent
+  bool one_by_one = false;                 ///< false: channels are not noted one by one
+  const WantedChannel* missing = nullptr;  ///< the first channel that was not sent
 };
 
 NotedChannels note_channels(const SampleState& s, const LeafRange& data,
@@ -290,7 +290,8 @@ NotedChannels note_channels(const SampleState& s, const LeafRange& data,
 
 }  // namespace
 
-// Everything is noted before the first is found missing, so that all is asked for at once.
+// All channels are noted before an error for a missing one is returned, so that the subscriber asks for all
+// at once.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted) {
   const NotedChannels noted = note_channels(s, leaves[data_field], wanted);

@@ -29,7 +29,7 @@ const std::byte* PostponedCopies::locate(const std::byte* data, std::size_t byte
 
 void PostponedCopies::locate(std::span<const Segment> segments, std::vector<Segment>& located) const {
   const std::span<const Copy> copies = std::span(copies_).subspan(first_, count_ - first_);
-  const auto is_before = std::less<const std::byte*>();  // orders pointers into different memory, too
+  const auto is_before = std::less<const std::byte*>();  // also orders pointers into different memory
   for (Segment segment : segments) {
     const auto take = [&](const std::byte* data, std::size_t bytes) {
       if (bytes > 0) located.push_back({data, bytes});

@@ -11,7 +11,8 @@ namespace sft::detail {
 
 namespace {
 
-/// The names of channels change only if some were asked for.
+/// Returns true if a part changes the field with this role. The list of channels changes only if channels
+/// were asked for.
 bool is_rewritten(LayoutRole role, const Selection::Part& part) {
   return role == LayoutRole::channels ? !part.channels.empty() : role != LayoutRole::byte_order;
 }
@@ -107,14 +108,14 @@ void ProjectionPlan::measure(Run& run) const {
   }
 }
 
-/// Copies selected members from a source position to the end of the projected body, keeping both alignments.
-/// Masks alone, which are most plans, pay for nothing that parts need.
+/// Copies selected members from a source position to the end of the projected body, with the alignment of
+/// each. Without parts, as in most plans, the code for parts is not compiled in.
 template <bool with_parts>
 class Projection::Writer {
  public:
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan)
       : out_(out), s_(source), plan_(plan), mask_(plan.mask_) {}
-  /// Writes all to `memory`, and nothing to the staging buffer.
+  /// Writes everything to `memory`, and nothing to the staging buffer.
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
          const PostponedCopies* postponed)
       : Writer(out, source, plan) {
@@ -122,7 +123,7 @@ class Projection::Writer {
     postponed_ = postponed;
   }
 
-  /// Leaves the parts empty.
+  /// Makes this writer leave the parts empty.
   Writer& without_parts() {
     without_parts_ = true;
     return *this;
@@ -138,7 +139,7 @@ class Projection::Writer {
     return !with_parts || !failed_;
   }
 
-  /// Sets the pointers of the staged segments, now that the staging buffer moves no more.
+  /// Sets the pointers of the staged segments after the last growth of the staging buffer, which may move it.
   void finish() {
     close_staged();
     out_.bytes_ = to_;
@@ -256,7 +257,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// Null if there is too little memory.
+  /// Returns null if there is too little memory.
   std::byte* take_staging(std::size_t bytes) {
     if (!make_room(bytes)) return nullptr;
     std::byte* const to = memory().data() + staged_;
@@ -268,7 +269,7 @@ class Projection::Writer {
   bool has_memory() const { return with_parts && memory_.data() != nullptr; }
   std::span<std::byte> memory() { return has_memory() ? memory_ : std::span(out_.staging_); }
 
-  /// Where these bytes of the body are. Null if they are in several places.
+  /// Returns where these bytes of the body are. Null if they are in several places.
   const std::byte* source(std::uint64_t first, std::size_t bytes) const {
     const std::byte* const data = s_.body + first;
     return !with_parts || postponed_ == nullptr ? data : postponed_->locate(data, bytes);
@@ -305,7 +306,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// `has_slot` is true if the index finds the next member, so that the end of this one is not needed.
+  /// `has_slot` is true if the next member is found by the index, so that the end of this one is not needed.
   bool member(const Member& m, std::size_t leaf, bool has_slot) {
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
     std::uint32_t n = m.count;
@@ -359,13 +360,13 @@ class Projection::Writer {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = from_;
       if (!structure(type, leaf)) return false;
-      if (from_ == before) break;  // elements without bytes
+      if (from_ == before) break;  // elements without bytes, whose number may be huge
     }
     return true;
   }
 
   bool same_selection(std::size_t leaf, std::size_t leaves) const {
-    if (mask_.all_of(leaf, leaves)) return true;  // the source has them all, too
+    if (mask_.all_of(leaf, leaves)) return true;  // the source has all leaves, too
     for (std::size_t i = leaf; i < leaf + leaves; ++i) {
       if (mask_.contains(i) != s_.mask->contains(i)) return false;
     }
@@ -405,7 +406,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// Makes a segment of the bytes that were staged since the last one.
+  /// Makes a segment of the bytes that were staged since the last call.
   void close_staged() {
     if (staged_ == closed_) return;
     out_.segments_.push_back({nullptr, staged_ - closed_});
@@ -419,11 +420,11 @@ class Projection::Writer {
   std::uint64_t from_ = 0;  ///< position in the source
   std::uint64_t to_ = 0;    ///< position in the projected body
   std::size_t staged_ = 0;  ///< bytes in the staging buffer
-  std::size_t closed_ = 0;  ///< bytes in the staging buffer that segments contain
+  std::size_t closed_ = 0;  ///< bytes in the staging buffer that already belong to segments
   std::span<std::byte> memory_{};
   const PostponedCopies* postponed_ = nullptr;
   bool without_parts_ = false;
-  bool failed_ = false;  ///< there was too little memory
+  bool failed_ = false;  ///< true: there was too little memory
 };
 
 void Projection::reserve(const Memory& memory) {
@@ -474,7 +475,7 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan, 
 
 std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
-  constexpr std::size_t padding = 7;  // in front of each member, and of each length
+  constexpr std::size_t padding = 7;  // bytes in front of each member and of each length
   std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
   for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
   return bytes;

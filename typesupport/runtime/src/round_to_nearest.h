@@ -5,8 +5,8 @@
 
 namespace sft {
 
-/// While this object lives, its thread rounds to the nearest number, whatever the program has chosen
-/// (fesetround). Otherwise a number would be read back as another one than was written.
+/// While this object exists, its thread rounds to the nearest number, whatever the program has chosen
+/// (fesetround). In another mode, a number would be read back as a different one.
 class RoundToNearest {
  public:
   RoundToNearest() noexcept {

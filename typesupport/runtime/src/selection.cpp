@@ -23,7 +23,7 @@ using Range = Selection::Range;
 const Selection::Gate open_gate;
 const Selection::Number no_number = std::uint64_t{0};
 
-/// A condition with those in it.
+/// A condition with its children.
 struct Tree {
   Condition node;
   std::vector<Tree> children{};
@@ -45,7 +45,8 @@ void append(const Tree& tree, std::vector<Condition>& to) {
   for (const Tree& child : tree.children) append(child, to);
 }
 
-/// Begins with the kind, so that conditions of one kind stand together.
+/// Returns bytes by which conditions are sorted. They begin with the kind, so that conditions of one kind
+/// come together.
 std::vector<std::byte> order_of(const Tree& tree) {
   std::vector<Condition> conditions;
   append(tree, conditions);
@@ -54,7 +55,7 @@ std::vector<std::byte> order_of(const Tree& tree) {
   return bytes;
 }
 
-/// Takes the tree that begins there.
+/// Removes the tree at the front of the conditions, and returns it.
 Result<Tree> take_tree(std::span<const Condition>& conditions, std::size_t depth) {
   if (conditions.empty()) return fail(Errc::invalid_argument, "'and' or 'or' lacks a condition");
   if (depth > Selection::depth_max)
@@ -70,8 +71,8 @@ Result<Tree> take_tree(std::span<const Condition>& conditions, std::size_t depth
   return tree;
 }
 
-/// The same condition always has the same tree: no `and` directly in an `and`, children in one order and
-/// each once, and none with a single child.
+/// Returns the one tree that equal conditions have: no `and` directly in an `and`, children in one order and
+/// each once, and no node with a single child.
 Tree canonical(Tree tree) {
   Condition& node = tree.node;
   if (node.kind != Condition::Kind::compare) node.comparison = {};
@@ -112,7 +113,7 @@ bool is_negative(const Selection::Number& number) {
   return std::visit([](auto value) { return value < 0; }, number);
 }
 
-/// The same number as an integer, if one can hold it; a negative one only is signed.
+/// Returns the number as an integer if one can hold it. Only a negative integer is signed.
 Selection::Number canonical(const Selection::Number& number) {
   if (const auto* whole = std::get_if<std::int64_t>(&number); whole != nullptr && *whole >= 0)
     return static_cast<std::uint64_t>(*whole);
@@ -124,7 +125,7 @@ Selection::Number canonical(const Selection::Number& number) {
   return number;
 }
 
-/// What is wrong with the condition; empty: nothing is.
+/// Returns what is wrong with the condition; empty if nothing is.
 std::string fault_of(const Condition& condition, std::size_t leaves) {
   const auto exists = [leaves](std::uint32_t leaf) { return leaf < leaves; };
   if (!std::ranges::all_of(condition.leaves, exists)) return "a condition is on a field that the type lacks";
@@ -175,13 +176,13 @@ Result<std::vector<Condition>> canonical(std::vector<Condition> conditions, std:
   return result;
 }
 
-/// True if the text of a selection can have the name.
+/// Returns true if the text of a selection can contain the name.
 bool is_readable_channel(std::string_view name) {
   return name.find_first_of(",}") == std::string_view::npos && name.front() != ' ' && name.back() != ' ' &&
          detail::is_printable(name);
 }
 
-/// What is wrong with the part, which is canonical; empty: nothing is.
+/// Returns what is wrong with the canonical part; empty if nothing is.
 std::string fault_of(const Part& part, std::size_t leaves) {
   if (part.leaf >= leaves) return "a part is of a field that the type lacks";
   if (part.channels.size() > Selection::channels_max)
@@ -212,7 +213,7 @@ std::uint64_t hash_of(std::span<const std::byte> bytes) {
 
 bool has_same_cells(const Part& a, const Part& b) { return a.rows == b.rows && a.columns == b.columns; }
 
-/// The part that whoever wants either of both needs of a leaf.
+/// Returns the part of a leaf that contains both parts.
 Part joined(const Part& a, const Part& b) {
   Part both{.leaf = a.leaf, .rule = a.rule};
   if (a.rule != b.rule) return both;
@@ -248,7 +249,7 @@ Range Range::then(const Range& inner) const {
   if (inner.end != no_end) last = std::min(last, begin + (std::uint64_t{inner.end} - 1) * step + 1);
   const std::uint64_t both = std::uint64_t{step} * inner.step;
   Range result{.begin = static_cast<std::uint32_t>(first), .end = static_cast<std::uint32_t>(last)};
-  if (both >= no_end) {  // no second index of 32 bits follows
+  if (both >= no_end) {  // the second index would exceed 32 bits
     result.end = result.begin + 1;
   } else {
     result.step = static_cast<std::uint32_t>(both);
@@ -321,7 +322,7 @@ Selection Selection::without_gate() const {
 
 Selection Selection::without_rate() const {
   if (gate().least_period.count() == 0) return *this;
-  return with_gate({gate().conditions, {}}).value();  // exceeds no limit: it is shorter
+  return with_gate({gate().conditions, {}}).value();  // cannot exceed a limit, since it is shorter
 }
 
 Selection Selection::joined(const Selection& other) const {

@@ -15,11 +15,11 @@ using Condition = Selection::Condition;
 using Part = Selection::Part;
 using Range = Selection::Range;
 
-// The first byte of a selection says what follows the mask.
+// The flags in the first byte of a selection: what follows the mask.
 constexpr std::uint8_t has_parts = 1, has_conditions = 2, has_period = 4;
-// The first byte of a part.
+// The flags in the first byte of a part.
 constexpr std::uint8_t has_rows = 1, has_columns = 2, has_channels = 4, has_rule = 8;
-// The first byte of a condition: its kind, its comparison from bit 3 on, and these.
+// The first byte of a condition: its kind, its comparison from bit 3 on, and this flag.
 constexpr std::uint8_t is_percent = 0x40;
 constexpr unsigned comparison_shift = 3;
 // The first byte of a number.
@@ -37,8 +37,8 @@ void put(Bytes& out, std::string_view text) {
   for (const char c : text) out.push_back(static_cast<std::byte>(c));
 }
 
-/// An open end is 0. Another range that is not all has an end behind 0, unless it is empty: then its step is
-/// 0.
+/// Writes a range. An open end is written as 0. An empty range, whose end is 0, too, is written with a step
+/// of 0.
 void put(Bytes& out, const Range& range) {
   put(out, range.begin);
   put(out, range.end == Range::no_end ? 0 : range.end);
@@ -59,7 +59,7 @@ void put(Bytes& out, const Selection::Number& number) {
   }
 }
 
-/// Takes from the front. What is wrong once is wrong for good: numbers are 0 from then on.
+/// Takes values from the front. After the first error all numbers are 0.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -86,7 +86,7 @@ class Reader {
     is_well_ = is_well_ && value <= UINT32_MAX;
     return is_well_ ? static_cast<std::uint32_t>(value) : 0;
   }
-  /// A number of things that each take a byte at least.
+  /// Takes the number of items that follow, each of at least a byte.
   std::size_t count() {
     const std::uint64_t value = number();
     is_well_ = is_well_ && value <= rest_.size();

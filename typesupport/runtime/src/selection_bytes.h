@@ -1,4 +1,5 @@
-// The bytes of a selection (selection.md, "Bytes"): numbers are in LEB128, the rest is as listed there.
+// The bytes of a selection (selection.md, "Bytes"). Numbers are in LEB128; everything else is as specified
+// there.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +10,7 @@
 
 namespace sft::detail {
 
-/// Appends one condition, without those in it.
+/// Appends one condition without its children.
 void put(std::vector<std::byte>& out, const Selection::Condition& condition);
 
 std::vector<std::byte> bytes_of(std::span<const Selection::Part> parts);

@@ -23,7 +23,7 @@ bool is_word_character(char c) {
 
 bool is_blank(char c) { return blanks.find(c) != std::string_view::npos; }
 
-/// The beginning of the text in quotes, for an error of one line.
+/// Returns the beginning of the text in quotes, for an error of one line.
 std::string in_quotes(std::string_view text) {
   std::string shown(text.substr(0, 255));
   std::ranges::replace_if(
@@ -31,7 +31,7 @@ std::string in_quotes(std::string_view text) {
   return "'" + shown + "'";
 }
 
-/// Appends the scalars of the mask that the struct has, of which the leaves begin with that one.
+/// Appends those scalars of the struct that are in the mask. The first leaf of the struct is `leaf`.
 void add_scalars(const StructType& type, std::size_t leaf, const FieldMask& mask,
                  std::vector<std::uint32_t>& to) {
   for (const StructType::Member& member : type.members) {
@@ -100,7 +100,7 @@ Result<Selection> SelectionParser::parse() {
   return gated ? std::move(gated) : wrong(begin, gated.error().message, gated.error().code);
 }
 
-/// All that was read before the gate.
+/// Returns the selection of everything in front of the gate.
 Result<Selection> SelectionParser::fields() {
   std::vector<Selection::Part> parts;
   for (auto& [leaf, wish] : wishes_) {
@@ -113,7 +113,7 @@ Result<Selection> SelectionParser::fields() {
   return all ? std::move(all) : wrong(0, all.error().message, all.error().code);
 }
 
-/// Adds the part to what else is wanted of the leaf, which begins at that place of the text.
+/// Adds a part of a leaf to the other parts of that leaf. It begins at position `at` of the text.
 void SelectionParser::add(Selection::Part part, std::size_t at) {
   const auto [found, is_new] = wishes_.try_emplace(part.leaf, Wish{at, part});
   if (is_new) return;
@@ -124,7 +124,8 @@ void SelectionParser::add(Selection::Part part, std::size_t at) {
   if (!has_channels) both.channels.clear();
 }
 
-/// A path up to what cannot be in one. `[]` is part of it, and another `[` is not.
+/// Takes a path up to the first character that cannot be in one. `[]` is part of a path, and any other `[` is
+/// not.
 std::string_view SelectionParser::take_path() {
   const std::size_t begin = at_;
   while (at_ < text_.size() &&
@@ -283,7 +284,7 @@ Result<Selection::Gate> SelectionParser::gate() {
   return gate;
 }
 
-/// Behind "at".
+/// Parses what follows "at".
 Result<std::chrono::microseconds> SelectionParser::least_period() {
   skip_blanks();
   if (!take_word("most")) return wrong("'most' stands behind 'at'");
@@ -342,7 +343,7 @@ Result<SelectionParser::Conditions> SelectionParser::term(std::size_t depth) {
   return as_list(comparison());
 }
 
-/// Behind "changed".
+/// Parses what follows "changed".
 Result<Condition> SelectionParser::changed() {
   Condition condition{.kind = Condition::Kind::changed};
   const std::size_t begin = at_;
@@ -378,7 +379,7 @@ Result<Condition> SelectionParser::changed() {
   return condition;
 }
 
-/// Behind "every".
+/// Parses what follows "every".
 Result<Condition> SelectionParser::every() {
   const std::size_t begin = at_;
   std::uint64_t count = 0;
@@ -454,7 +455,7 @@ Result<Selection::Number> SelectionParser::constant(std::uint32_t leaf) {
   return number("a number");
 }
 
-/// As an integer, if the text is one that 64 bits can hold.
+/// Parses a number, as an integer if the text is one that 64 bits can hold.
 Result<Selection::Number> SelectionParser::number(std::string_view what) {
   const char* const text = text_.data() + at_;
   const char* const end = text_.data() + text_.size();

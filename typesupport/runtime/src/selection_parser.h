@@ -14,17 +14,18 @@
 
 namespace sft::detail {
 
-/// The member that a leaf is, and where. Null for the length of a sequence of structs.
+/// The member of a leaf, and whether it is in a collection. The length of a sequence of structs has no
+/// member: null.
 struct LeafPlace {
   const StructType::Member* member = nullptr;
-  bool is_in_collection = false;  ///< an element of an array or a sequence of structs
+  bool is_in_collection = false;  ///< true for an element of an array or a sequence of structs
 };
 LeafPlace place_of(const StructType& type, std::size_t leaf);
 
-/// True for a number, a boolean, an enumeration or a string that is in no array and no sequence.
+/// Returns true for a number, a boolean, an enumeration or a string that is in no array and no sequence.
 bool is_scalar(const LeafPlace& place);
 
-/// The scalars that `changed` means if it names no field.
+/// Returns the scalars to which `changed` without names refers.
 std::vector<std::uint32_t> scalars_of(const TypeSupport& type, const FieldMask& mask);
 
 class SelectionParser {
@@ -39,7 +40,7 @@ class SelectionParser {
   using Condition = Selection::Condition;
   using Conditions = std::vector<Condition>;
 
-  /// What is wanted of a leaf, and where that begins in the text.
+  /// The part of a leaf that is wanted, and its position in the text.
   struct Wish {
     std::size_t at = 0;
     Selection::Part part;
@@ -69,7 +70,8 @@ class SelectionParser {
   char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   bool take(std::string_view sign);
   bool take_word(std::string_view word);
-  /// Takes the word with the blanks behind it, unless it is a field: an operator, or more of a path, follows.
+  /// Takes the word with the blanks behind it, unless it is a field, which an operator or more of a path
+  /// follows.
   bool take_keyword(std::string_view word);
   std::string_view word() const;
   std::string_view take_path();
@@ -80,8 +82,8 @@ class SelectionParser {
   const std::string_view text_;
   std::size_t at_ = 0;
   FieldMask whole_;                         ///< fields that were named without parts
-  std::map<std::uint32_t, Wish> wishes_{};  ///< by leaf
-  std::vector<std::uint32_t> scalars_{};    ///< of all fields that were selected
+  std::map<std::uint32_t, Wish> wishes_{};  ///< the parts, by leaf
+  std::vector<std::uint32_t> scalars_{};    ///< the scalars of all selected fields
 };
 
 }  // namespace sft::detail

@@ -40,7 +40,7 @@ std::string text_of(const Range& range) {
   return text;
 }
 
-/// In the largest unit that it is a whole number of.
+/// Prints a duration in the largest unit of which it is a whole number.
 std::string duration_text(std::uint64_t us) {
   constexpr std::pair<std::uint64_t, std::string_view> units[] = {
       {60'000'000, " min"}, {1'000'000, " s"}, {1'000, " ms"}, {1, " us"}};
@@ -63,7 +63,7 @@ std::string ordinal_text(std::uint64_t n) {
   return shortest(n) + ending;
 }
 
-/// Prints conditions, which stand one behind the other as nodes of a tree.
+/// Prints conditions, which are stored one behind the other as nodes of a tree.
 class ConditionPrinter {
  public:
   ConditionPrinter(const TypeSupport& type, const Selection& selection)
@@ -71,7 +71,7 @@ class ConditionPrinter {
         scalars_(detail::scalars_of(type, selection.mask())),
         rest_(selection.gate().conditions) {}
 
-  /// Those within `outer`, which binds as strongly as its word says.
+  /// Prints the next condition, which is a child of a condition of the kind `outer`.
   std::string print(Condition::Kind outer = Condition::Kind::any_of) {
     const Condition& condition = rest_.front();
     rest_ = rest_.subspan(1);
@@ -134,7 +134,7 @@ class ConditionPrinter {
   }
 
   const TypeSupport& type_;
-  const std::vector<std::uint32_t> scalars_;  ///< those that `changed` means without names
+  const std::vector<std::uint32_t> scalars_;  ///< the fields to which `changed` without names refers
   std::span<const Condition> rest_;
 };
 
@@ -164,7 +164,7 @@ std::string TypeSupport::format_selection(const Selection& selection) const {
   } else {
     FieldMask whole = selection.mask();
     for (const Selection::Part& part : parts) whole.erase(part.leaf);
-    std::size_t covered = 0;  // leaves below this number are named already
+    std::size_t covered = 0;  // leaves below this number are already named
     for (const Node& node : nodes_) {
       if (node.first < covered) continue;
       const Selection::Part* part = node.is_leaf ? selection.part(node.first) : nullptr;

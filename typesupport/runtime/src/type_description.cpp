@@ -23,7 +23,8 @@ void put(Bytes& out, std::string_view text) {
   out += text;
 }
 
-/// The descriptions of all structs, or of all enumerations, each once and in the order of their arrival.
+/// The descriptions of all structs, or of all enumerations, each once and in the order in which they were
+/// added.
 class Table {
  public:
   std::size_t number_of(const Bytes& entry) {
@@ -43,7 +44,7 @@ class Table {
 
 class Describer {
  public:
-  /// The number of the struct. The structs that it contains have lower numbers.
+  /// Adds the struct and returns its number. The structs that it contains have lower numbers.
   std::size_t add(const StructType& type) {
     if (const auto known = numbers_.find(&type); known != numbers_.end()) return known->second;
     Bytes out;

@@ -30,7 +30,7 @@ std::string in_collection(const Member& m, const std::string& element) {
   return "sequence<" + element + (m.bound == 0 ? "" : ", " + std::to_string(m.bound)) + ">";
 }
 
-/// The text in double quotes.
+/// Returns the text in double quotes.
 std::string quoted(std::string_view text) {
   std::string out = "\"";
   for (const char c : text) {
@@ -138,8 +138,8 @@ std::string difference(const EnumType& here, const EnumType& there) {
   return {};
 }
 
-/// Like format_type(), but without the names of structs and enumerations, which are compared by their
-/// members.
+/// Returns the text of format_type() without the names of structs and enumerations, which are compared by
+/// their members.
 std::string outline(const Member& m) {
   const bool has_structure = m.kind == Kind::structure || m.enumeration != nullptr;
   return in_collection(m, has_structure ? "" : element_type(m));
@@ -148,7 +148,7 @@ std::string outline(const Member& m) {
 class Comparison {
  public:
   std::string structs(const StructType& here, const StructType& there, const std::string& prefix) const {
-    // Differences inside members come first, up to the first member whose name differs.
+    // A difference inside members is reported first, up to the first member whose name differs.
     for (std::size_t i = 0; i < std::min(here.members.size(), there.members.size()); ++i) {
       if (here.members[i].name != there.members[i].name) break;
       std::string found = members(here.members[i], there.members[i], prefix);
@@ -175,7 +175,7 @@ class Comparison {
     return structs(*here.type, *there.type, path + (is_collection(here) ? "[]." : "."));
   }
 
-  /// The type of a member. For an enumeration, it includes the integer, which may be the difference.
+  /// Returns the type of a member. For an enumeration it includes the integer, which may be the difference.
   static std::string full(const Member& m) {
     return format_type(m) + (m.enumeration == nullptr ? "" : " (" + name_of(m.kind) + ")");
   }

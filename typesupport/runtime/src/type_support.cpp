@@ -69,7 +69,7 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
-    const std::string_view meant = path.substr(0, 255);  // a longer path is near to no field, and costs time
+    const std::string_view meant = path.substr(0, 255);  // a longer path resembles no field
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
       return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });
@@ -98,7 +98,7 @@ Result<FieldMask> TypeSupport::parse_mask(std::string_view text) const {
 
 std::vector<std::string> TypeSupport::field_names(const FieldMask& mask) const {
   std::vector<std::string> names;
-  std::size_t covered = 0;  // leaves below this number are named already
+  std::size_t covered = 0;  // leaves below this number are already named
   for (const Node& node : nodes_) {
     if (node.first < covered || !mask.all_of(node.first, node.count)) continue;
     names.push_back(node.path);
@@ -123,8 +123,8 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
 Selection TypeSupport::closed(const Selection& selection) const {
   std::vector<Selection::Part> parts(selection.parts().begin(), selection.parts().end());
   FieldMask fields = closed(selection.mask());
-  // A field that is added can make the parts of fields that belong to it whole. Parts only become fewer, and
-  // fields only more, so this ends.
+  // A field that is added can make the parts of related fields whole. Each round has fewer parts or more
+  // fields than the one before, so the loop ends.
   for (bool is_changed = !parts.empty(); is_changed;) {
     std::vector<Selection::Part> suited = suited_parts(parts, fields);
     FieldMask with_layouts = closed(with_fields_of_layouts(suited, fields));
@@ -132,13 +132,14 @@ Selection TypeSupport::closed(const Selection& selection) const {
     parts = std::move(suited);
     fields = std::move(with_layouts);
   }
-  // A longer mask may leave too little room for the rest.
+  // With a longer mask the limits may leave too little room for parts and gate.
   return Selection::make(fields, std::move(parts), selection.gate())
       .or_else([&](const Error&) { return Selection::make(fields, {}, selection.gate()); })
       .value_or(fields);
 }
 
-/// The parts without what the fields do not have. An array has a fixed length, and is always whole.
+/// Returns the parts without rows and channels that their fields do not have. An array has a fixed length,
+/// and is always whole.
 std::vector<Selection::Part> TypeSupport::suited_parts(const std::vector<Selection::Part>& parts,
                                                        const FieldMask& fields) const {
   std::vector<Selection::Part> suited;
@@ -160,7 +161,7 @@ std::vector<Selection::Part> TypeSupport::suited_parts(const std::vector<Selecti
   return suited;
 }
 
-/// The fields that a part changes, or that it cannot be understood without, beside `fields`.
+/// Returns `fields` and the fields that a part changes or that are needed to understand it.
 FieldMask TypeSupport::with_fields_of_layouts(const std::vector<Selection::Part>& parts,
                                               FieldMask fields) const {
   for (const Selection::Part& part : parts) {
@@ -181,8 +182,8 @@ const Layout* TypeSupport::layout_of(std::size_t leaf) const {
   return found == layouts_.end() ? nullptr : &*found;
 }
 
-/// Adds the key fields, as DDS defines them: a key member that is a struct adds its own key members, or all
-/// members if it has no key. Keys inside other members do not count.
+/// Adds the key fields as DDS defines them: a key member that is a struct adds its own key members, or all
+/// members if it has no key. Keys inside other members are ignored.
 void TypeSupport::add_keys(const StructType& type, std::size_t leaf, FieldMask& mask) const {
   const auto is_key = [](const Member& m) { return m.key; };
   for (const Member& m : type.members) {

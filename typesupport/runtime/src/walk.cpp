@@ -57,11 +57,11 @@ class Walker {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     if (is_packed(type, leaf)) return packed(type, n);
-    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // they take no bytes, however many there are
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // the elements take no bytes
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type, leaf)) return false;
-      if (at_ == before) break;  // only empty collections of empty structs: the rest takes no bytes either
+      if (at_ == before) break;  // these elements take no bytes, and the rest takes none either
     }
     return true;
   }

@@ -22,7 +22,8 @@ bool is_word(std::string_view text) {  // true if YAML takes the text for someth
   return std::any_of(words.begin(), words.end(), same);
 }
 
-/// True for text that needs no quotes: it begins like a name, and no character in it is special to YAML.
+/// Returns true for text that needs no quotes: it begins like a name, and no character in it is special to
+/// YAML.
 bool is_plain(std::string_view text) {
   const auto is_letter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_'; };
   const auto is_allowed = [&](char c) {
@@ -89,7 +90,7 @@ void append_float(std::string& out, F value) {
   }
 }
 
-/// Cuts the text to at most `most` bytes, between characters.
+/// Cuts the text between characters, to at most `most` bytes.
 std::string_view cut(std::string_view text, std::size_t most) {
   if (text.size() <= most) return text;
   while (most > 0 && (static_cast<std::uint8_t>(text[most]) & 0xc0U) == 0x80) --most;
@@ -143,8 +144,8 @@ class YamlWriter {
     out_ += '\n';
   }
 
-  /// Writes a member's name. Single letters, such as coordinates, get no quotes, since today's readers do not
-  /// take them for booleans.
+  /// Writes a member's name. Single letters, such as coordinates, get no quotes, since present-day readers do
+  /// not take them for booleans.
   void name(const DynamicView& m) {
     if (m.name().size() > 1 && is_word(m.name()) && !m.has_only_size()) {
       append_quoted(out_, m.name());
@@ -177,7 +178,7 @@ class YamlWriter {
       check_length();
     }
     out_ += ']';
-    comment(m, size - std::min(size, printed));  // a length in shared memory may change
+    comment(m, size - std::min(size, printed));  // the size in shared memory may have changed meanwhile
     out_ += '\n';
   }
 
@@ -234,7 +235,7 @@ class YamlWriter {
     if (more != 0) out_ += "... " + std::to_string(more) + " more";
   }
 
-  /// Returns how many bytes of a text were left out.
+  /// Writes a scalar. Returns how many bytes of a text were left out.
   std::size_t scalar(const DynamicView& view) {
     const Result<DynamicView::Scalar> value = view.scalar();
     if (!value) {

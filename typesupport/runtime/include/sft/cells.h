@@ -1,4 +1,4 @@
-// The cells of a field in rows and columns, read where they lie: pixels, cells of a map, beams, and the
+// The cells of a field in rows and columns, read in place: pixels, cells of a map, beams, and the
 // elements of any sequence of numbers. The getter of such a field takes the type of a cell:
 //
 //   using Rgb = std::array<std::uint8_t, 3>;
@@ -8,23 +8,23 @@
 //
 //   sft::cells_of<Rgb>(sample.view(), "image.data")  // without the compiled type
 //
-// Nothing is copied, and a cell is read when it is asked for: where the subscriber asked for a part, these
-// are the cells of the part, whether they lie in a whole image in shared memory or in the smaller one that
-// another host sent. (The getter without a type returns a span, for which it copies the bytes of a part
-// together if they do not lie so.)
+// Nothing is copied, and a cell is read when it is asked for. If the subscriber asked for a part, these are
+// the cells of the part: in place in a whole image in shared memory, or in the smaller image that another
+// host sent. (The getter without a type returns a span. For that it copies the bytes of a part together if
+// they are not contiguous.)
 //
-// A loop that has to be fast goes row by row: `pixels->row(i)` is a span wherever the cells lie
-// together. A loop over all cells looks at each of them whether its row ends.
+// A loop that has to be fast goes row by row: `pixels->row(i)` is a span if the cells of the row are
+// contiguous. A loop over all cells tests for each of them whether its row ends.
 //
-// How a field is made of rows and columns says its layout (typesupport/runtime/selection.md, "Parts"). A
-// field without rows is one row. A cell is an element of the field, or as many bytes as the encoding of the
-// image or the field for the size of a cell says. Its type is an arithmetic one or a std::array of these; of
-// fields of numbers of several bytes it is the type of the number. The result is an error if
+// The layout of a field defines its rows and columns (typesupport/runtime/selection.md, "Parts"). A field
+// without rows is one row. A cell is an element of the field, or has as many bytes as the encoding of the
+// image or the member for the size of a cell says. The type of a cell is an arithmetic type or a std::array
+// of one. In a field of numbers of several bytes it is the type of the number. The result is an error if
 //   - a cell has another size, or the encoding has no such cells: type_mismatch
-//   - the sample was sent without a field that says how many rows and columns there are, or how large a cell
-//     is: unavailable. If fields are recorded, the subscriber asks for it from then on. Whoever declares a
-//     mask declares these fields, too. Whoever declares a part need not.
-//   - the bytes are not what they claim to be: malformed
+//   - the sample was sent without a field that gives the number of rows or columns or the size of a cell:
+//     unavailable. If fields are recorded, the subscriber asks for that field from then on. A program that
+//     declares a mask has to declare these fields, too. A program that declares a part need not.
+//   - the bytes of the sample are inconsistent or end early: malformed
 // Values in big-endian fields of bytes are swapped. A field that claims more cells than it holds is empty.
 //
 // The points of clouds are read with points() (points.h). In templates, as in a
@@ -56,7 +56,7 @@ namespace sft {
 
 namespace detail {
 
-/// An integer of so many bytes.
+/// The unsigned integer of this number of bytes.
 template <std::size_t Bytes>
 using Bits = std::tuple_element_t<std::bit_width(Bytes) - 1,
                                   std::tuple<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>>;
@@ -65,7 +65,8 @@ inline std::uint16_t swapped_bits(std::uint16_t bits) { return __builtin_bswap16
 inline std::uint32_t swapped_bits(std::uint32_t bits) { return __builtin_bswap32(bits); }
 inline std::uint64_t swapped_bits(std::uint64_t bits) { return __builtin_bswap64(bits); }
 
-/// Reads a value, or each of several by itself: compilers keep those in registers then.
+/// Reads one value, or several values one by one. Compilers keep values that are read one by one in
+/// registers.
 template <class T>
 void read_value(const std::byte* at, T& value) {
   std::memcpy(&value, at, sizeof value);
@@ -84,7 +85,7 @@ void swap_bytes(std::array<E, N>& values) {
   for (E& value : values) swap_bytes(value);
 }
 
-/// One value of a cell: an integer of 1 to 8 bytes, float or double.
+/// True for a value of a cell: an integer of 1 to 8 bytes, float or double, or a std::array of these.
 template <class T>
 inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::is_const_v<T> && !std::is_volatile_v<T> &&
                                 !std::same_as<T, bool> && sizeof(T) <= 8;
@@ -107,38 +108,39 @@ struct CellReader {
 
 }  // namespace detail
 
-/// The cells of a field. It is a range with random access, row by row, that works with std::ranges, and a
-/// small value, which is valid as long as the sample. So are its iterators, which do not need the range. Any
-/// number of threads may read it. Functions do not throw.
+/// The cells of a field: a range with random access, row by row, that works with std::ranges. It is a small
+/// value, and valid as long as the sample. The same holds for its iterators, which do not need the range.
+/// Any number of threads may read it. Its functions do not throw.
 template <class Cell>
 class Cells : public std::ranges::view_base {
  public:
   class iterator;
-  /// A cell.
+  /// The type of a cell.
   using value_type = Cell;
 
-  /// Without cells.
+  /// Has no cells.
   Cells() = default;
-  /// For SFT's own code. All that the reader reads of a cell lies in the cell.
+  /// For SFT's own code. `reader` must not read beyond the bytes of a cell.
   Cells(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader)
       : grid_(grid), reader_(reader) {}
 
-  /// The number of rows: 1 if the field has none, and 0 if it contradicts itself.
+  /// The number of rows: 1 if the field has no rows, and 0 if the field contradicts itself.
   std::size_t rows() const { return grid_.rows; }
-  /// The cells of a row.
+  /// The number of cells in a row.
   std::size_t columns() const { return grid_.columns; }
-  /// All cells.
+  /// The number of cells in all rows.
   std::size_t size() const { return grid_.size(); }
-  /// True without cells.
+  /// Returns true if there are no cells.
   bool empty() const { return size() == 0; }
 
-  /// The cell in a row and a column, from 0. REQUIRES: row < rows() and column < columns().
+  /// Returns the cell in a row and a column, both counted from 0. REQUIRES: row < rows() and column <
+  /// columns().
   Cell at(std::size_t row, std::size_t column) const {
     assert(row < rows() && column < columns());
     return reader_(grid_.at(row, column));
   }
-  /// A row as a span, if its cells lie like those of an array of Cell. Nothing if they do not, as those of a
-  /// part with a step, of another byte order, or at addresses that are not aligned. Points have no such rows.
+  /// Returns a row as a span if its cells lie in memory like an array of Cell. Returns nothing otherwise: in
+  /// a part with a step, in another byte order, and at unaligned addresses. Points have no such rows.
   /// REQUIRES: row < rows().
   std::optional<std::span<const Cell>> row(std::size_t row) const requires detail::is_cell<Cell> {
     assert(row < rows());
@@ -159,7 +161,7 @@ class Cells : public std::ranges::view_base {
   /// The last cell. REQUIRES: !empty().
   Cell back() const { return at(rows() - 1, columns() - 1); }
 
-  /// Iterates over the cells, row by row.
+  /// The first cell. Iterators go over the cells row by row.
   iterator begin() const { return {grid_.joined(), reader_, 0}; }
   /// The end, behind the last cell.
   iterator end() const { return {grid_.joined(), reader_, size()}; }
@@ -174,7 +176,7 @@ template <class Cell>
 class Cells<Cell>::iterator {
  public:
   using iterator_concept = std::random_access_iterator_tag;
-  using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+  using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
   using value_type = Cell;
   using reference = value_type;
   using difference_type = std::ptrdiff_t;
@@ -243,11 +245,11 @@ class Cells<Cell>::iterator {
                                         (offset_ - row) / grid_.column_step);
   }
 
-  // Going on changes one number only, so that it stays in a register.
+  // operator++ usually changes one number only, so that this number stays in a register.
   detail::CellGrid grid_ = detail::CellGrid{}.joined();
   detail::CellReader<Cell> reader_{};
-  std::uint64_t offset_ = 0;                   ///< the bytes from the first cell to this one
-  std::uint64_t row_end_ = grid_.row_bytes();  ///< and to the end of its row
+  std::uint64_t offset_ = 0;                   ///< the bytes from the first cell to the present one
+  std::uint64_t row_end_ = grid_.row_bytes();  ///< the bytes from the first cell to the end of its row
 };
 
 namespace detail {
@@ -260,13 +262,14 @@ Result<Cells<Cell>> cells_on(const Result<CellGrid>& grid) {
   return Cells<Cell>(*grid, {.is_swapped = grid->is_swapped});
 }
 
-/// True if a field of elements of that kind may have cells of this type. Bytes may be anything.
+/// Returns true if a field whose elements have this kind may have cells of type Cell. A field of bytes may
+/// have cells of any type.
 template <class Cell>
 constexpr bool fits_elements(Kind kind) {
   return size_of(kind) == 1 || holds<Cell>(kind);
 }
 
-/// Returns the cells of member number M for its getter in a generated view. The place is that of the view
+/// Returns the cells of member number M. The getters of generated views call it with the place of the view
 /// (view.h).
 template <class Cell, std::size_t M, class Place>
 Result<Cells<Cell>> cells_at(const Place& place) {
@@ -288,9 +291,9 @@ Result<Cells<Cell>> cells_at(const Place& place) {
 
 }  // namespace detail
 
-/// The cells of the field with that path in a message that is read by the names of its fields
-/// (dynamic_view.h). Valid as long as the sample. Also an error if there is no such field: unknown_field, or
-/// if it is no sequence of numbers: type_mismatch.
+/// Returns the cells of the field with this path in a message that is read by the names of its fields
+/// (dynamic_view.h). They are valid as long as the sample. Further errors: unknown_field if there is no such
+/// field, and type_mismatch if it is not a sequence of numbers.
 template <class Cell>
 Result<Cells<Cell>> cells_of(const DynamicView& message, std::string_view path) {
   return detail::cells_on<Cell>(detail::find_cells(message, path, sizeof(Cell), detail::fits_elements<Cell>));
@@ -298,7 +301,7 @@ Result<Cells<Cell>> cells_of(const DynamicView& message, std::string_view path) 
 
 }  // namespace sft
 
-/// @cond not in the reference: Doxygen takes no specialization of what it does not know
+/// @cond not in the reference: Doxygen does not accept specializations of unknown templates
 template <class Cell>
 inline constexpr bool std::ranges::enable_borrowed_range<sft::Cells<Cell>> = true;
 /// @endcond

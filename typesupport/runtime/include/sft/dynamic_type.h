@@ -14,40 +14,41 @@
 
 namespace sft {
 
-/// A handle: copies share the type, which lives, at the same address, as long as any copy. It is immutable;
-/// any thread may use it. Its members have no offset, stride and access (type.h).
+/// A handle of a type. Copies of the handle share the type, which keeps its address and lives as long as any
+/// copy. The type is immutable, and any thread may use it. Its members have no offset, stride and access
+/// (type.h).
 class DynamicType {
  public:
-  /// Limits of what is accepted from a description or a text. `leaves` and the limits after it count every
-  /// struct as often as it is used.
+  /// Limits for a description or a text. The limits from `leaves` on count a struct as often as it is used.
   struct Limits {
-    std::size_t bytes = 65'536;               ///< of the description
-    std::size_t name_bytes = 255;             ///< of each name and unit
-    std::uint32_t array_elements = 1U << 28;  ///< of each array, over all its dimensions
-    std::size_t depth = 32;                   ///< of structs in structs; real types have up to some 25
-    std::size_t leaves = 4096;                ///< as many as a request can name
-    std::size_t members = 32'768;             ///< members and enumerators together
-    std::size_t path_bytes = 1 << 20;         ///< approximately, of the paths of all leaves
+    std::size_t bytes = 65'536;               ///< the maximum length of the description
+    std::size_t name_bytes = 255;             ///< the maximum length of each name and unit
+    std::uint32_t array_elements = 1U << 28;  ///< the maximum length of each array, over all its dimensions
+    std::size_t depth = 32;                   ///< the maximum nesting of structs; real types: up to 25
+    std::size_t leaves = 4096;                ///< the maximum number that a request can name
+    std::size_t members = 32'768;             ///< the maximum number of members and enumerators together
+    std::size_t path_bytes = 1 << 20;         ///< the approximate maximum for the paths of all leaves
   };
 
-  /// Reads a description (type_description.md). The bytes may be hostile; time and memory are in proportion
+  /// Reads a description (type_description.md). The bytes may be hostile: time and memory are proportional
   /// to their number. The error names what is refused.
   static Result<DynamicType> parse(std::span<const std::byte> description, const Limits& limits);
-  // A default argument could not use the default values of Limits: they are known only behind DynamicType.
+  // A default argument cannot use the default member values of Limits: they are known only after
+  // DynamicType.
   /// Parses within the usual limits.
   static Result<DynamicType> parse(std::span<const std::byte> description) {
     return parse(description, Limits());
   }
 
-  /// The name as in the IDL: "sensor_msgs::msg::Imu".
+  /// The name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }
-  /// The tables of the type. Valid as long as any handle of it.
+  /// The tables of the type, valid as long as any handle of it.
   const StructType& type() const;
   /// Equal to TypeSupport::hash() of the compiled type.
   std::uint64_t hash() const;
-  /// Reads and prints masks of the type. The first call makes it, for all copies.
+  /// Reads and prints masks of the type. The first call makes the object, which all copies share.
   const TypeSupport& support() const;
-  /// The bytes from which it was read, valid as long as the type.
+  /// The bytes from which the type was read, valid as long as the type.
   std::span<const std::byte> description() const;
 
  private:

@@ -8,14 +8,13 @@
 //
 // Navigation always returns a view, which is in one of three states:
 //   - it can be read: the view is true
-//   - absent: the sample was sent without the field; to read its value is an error, never zero
-//   - error(): there is no such field or element, or the bytes are not what they claim to be (then the sample
-//     is flagged malformed, too)
+//   - absent: the sample was sent without the field; reading its value is an error, never zero
+//   - error(): there is no such field or element, or the bytes are malformed (and the sample is flagged)
 //
-// If the subscriber records, a test whether a view is true counts as an access, as a read of its value does;
-// for a struct it is an access to its first leaf. is_absent() is no access.
+// If the subscriber records, testing whether a view is true counts as an access, and so does reading its
+// value. For a struct that is an access to its first leaf. is_absent() is no access.
 //
-// A view owns nothing. It must not outlive the sample and the type that it came from. Several threads may
+// A view owns nothing. It must not outlive the sample and the type to which it refers. Several threads may
 // read one sample. Errors of a read are values (result.h); no function throws.
 #pragma once
 
@@ -62,52 +61,52 @@ class DynamicView {
 
   /// For SFT's own code: a whole sample of `type`. `s.index` may be null: then members are found by walking.
   DynamicView(const detail::SampleState& s, const StructType& type);
-  /// The same for a reader that declared fewer fields than the sample may have: all other fields are absent.
+  /// The same for a reader that declared fewer fields than the sample may have. All other fields are absent.
   /// `declared` is closed (TypeSupport::closed) and outlives the view.
   DynamicView(const detail::SampleState& s, const StructType& type, const FieldMask& declared);
 
   // ---- navigation ----
 
-  /// A member of a struct.
+  /// Returns a member of a struct.
   DynamicView operator[](std::string_view member) const;
-  /// An element of an array or a sequence, from 0. To find a string or a struct it walks over the elements
-  /// before it: use elements() to read all of them.
+  /// An element of an array or a sequence, counted from 0. For elements that are strings or structs it walks
+  /// over all elements in front. Use elements() to read all of them.
   template <std::integral I>
   DynamicView operator[](I i) const {
     return element(std::in_range<std::size_t>(i) ? static_cast<std::size_t>(i) : SIZE_MAX);
   }
-  /// A part by its path: "header.stamp.sec", "fields[1].name".
+  /// Returns the value at a path: "header.stamp.sec", "fields[1].name".
   DynamicView find(std::string_view path) const;
   /// All members of a struct in order, also absent ones; none if it is not a struct.
   Members members() const;
-  /// All elements of an array or a sequence; none if it is neither. If only the length of a sequence was
-  /// sent, it has no elements; if the subscriber records, it has absent ones, so that their fields can be
-  /// found missing. If the bytes end early, the last element is an error.
+  /// All elements of an array or a sequence; none if the view is neither. If only the length of a sequence
+  /// was sent, it has no elements. If the subscriber records, it then has absent elements, so that the
+  /// missing fields can be noted. If the bytes end early, the last element is an error.
   Elements elements() const;
 
   // ---- what it is ----
 
-  /// True if it is there: it was sent, and its bytes are what they claim to be.
+  /// Returns true if the value can be read: it was sent, and its bytes are valid.
   explicit operator bool() const {
     note();
     return error_ == nullptr && present_;
   }
-  /// True if the sample was sent without it.
+  /// Returns true if the sample was sent without this field.
   bool is_absent() const { return error_ == nullptr && !present_; }
   /// The error, valid as long as the view; null if there is none.
   const Error* error() const { return error_.get(); }
 
-  /// True of a struct, also if that is an element.
+  /// Returns true for a struct, also for one that is an element.
   bool is_struct() const { return node_ == Node::structure; }
-  /// True of an array or a sequence as a whole.
+  /// Returns true for a whole array or sequence.
   bool is_collection() const { return node_ == Node::collection; }
   /// The kind of a value, or of the elements of an array or a sequence.
   StructType::Member::Kind kind() const {
     return member_ == nullptr ? detail::Kind::structure : member_->kind;
   }
-  /// Array or sequence if this is a collection, else single.
+  /// Returns array or sequence if the view is a collection, otherwise single.
   StructType::Member::Shape shape() const { return is_collection() ? member_->shape : detail::Shape::single; }
-  /// The member that this is, or of which it is an element; null for the whole sample.
+  /// The member that the view shows, or of which it shows an element; null for the whole sample.
   const StructType::Member* member() const { return member_; }
   /// The name of member(); empty for the whole sample.
   SFT_OUTLIVES_VIEW std::string_view name() const {
@@ -115,7 +114,8 @@ class DynamicView {
   }
   /// The type of a struct or of the elements of a collection of structs, otherwise null.
   const StructType* type() const { return type_; }
-  /// True if a sequence of structs was sent without any field of its elements: only size() is known.
+  /// Returns true for a sequence of structs that was sent without any field of its elements: only size() is
+  /// known.
   bool has_only_size() const;
 
   // ---- values ----
@@ -123,18 +123,18 @@ class DynamicView {
   /// The number of elements of an array or a sequence.
   Result<std::size_t> size() const;
 
-  /// The value of a number, a text or an enumeration; texts are valid as long as the sample.
+  /// The value of a number, a text or an enumeration. Texts are valid as long as the sample.
   Result<Scalar> scalar() const;
 
-  /// The value as a T, which is: bool or char; an integer type into which the integer fits; float or double,
-  /// also for an integer that it holds exactly; std::string_view or std::string; std::span<const E> for a
-  /// collection of the primitive E (std::uint8_t for booleans; also std::byte for octets). Texts and spans
-  /// refer to the sample.
+  /// Returns the value as a T. T is one of: bool or char; an integer type that can hold the integer; float or
+  /// double, also for an integer that it holds exactly; std::string_view or std::string; std::span<const E>
+  /// for a collection of the primitive E (std::uint8_t for booleans, and also std::byte for octets). Texts
+  /// and spans refer to the sample.
   template <class T>
   Result<T> as() const;
 
   /// The name of the value of an enumeration ("GREEN"), or the flags of a bitmask ("READ | WRITE"). Empty if
-  /// a part of the value has no name, or if it is neither.
+  /// a part of the value has no name, or if the view is of another kind.
   std::optional<std::string> enumerator() const;
 
  private:
@@ -143,10 +143,10 @@ class DynamicView {
   friend Result<detail::CellGrid> detail::find_cells(const DynamicView& message, std::string_view path,
                                                      std::size_t cell_bytes, bool (*holds)(detail::Kind));
   enum class Node : std::uint8_t { structure, collection, value };
-  /// The place of a struct's members: at slots of the index from `slot` on, or one after the other from
-  /// `offset`.
+  /// Where the members of a struct are: at slots of the index from `slot` on, or one behind the other from
+  /// `offset` on.
   struct Place {
-    std::size_t leaf = 0;  ///< first of the struct, or of the member that is next
+    std::size_t leaf = 0;  ///< the first leaf of the struct, or of the next member
     std::size_t slot = no_slot;
     std::uint64_t offset = 0;
   };
@@ -154,20 +154,22 @@ class DynamicView {
 
   DynamicView(const detail::SampleState* s, const FieldMask* declared, const StructType::Member& member)
       : state_(s), declared_(declared), member_(&member) {}
-  /// True if the reader declared any of these leaves, and the sample has it.
+  /// Returns true if the reader declared any of these leaves and the sample has that leaf.
   bool has_any_of(std::size_t leaf, std::size_t count) const {
     return state_->mask->any_of(leaf, count) && (declared_ == nullptr || declared_->any_of(leaf, count));
   }
-  /// True if the reader declared all of these leaves, and the sample has them.
+  /// Returns true if the reader declared all of these leaves and the sample has them.
   bool has_all_of(std::size_t leaf, std::size_t count) const {
     return present_ && state_->mask->all_of(leaf, count) &&
            (declared_ == nullptr || declared_->all_of(leaf, count));
   }
-  /// False if a sample with some channels only has another value there than was published.
+  /// Returns false if the sample has only some channels of a cloud and therefore another value here than was
+  /// published.
   bool is_as_published(std::size_t leaf, std::size_t count) const {
     return state_->log == nullptr || state_->log->is_as_published(leaf, count);
   }
-  /// The number of a member of a struct. Nothing if there is none of that name, or if this is no struct.
+  /// Returns the number of the member with this name; nothing if the struct has none, or if the view is no
+  /// struct.
   std::optional<std::size_t> number_of(std::string_view member) const;
   DynamicView element(std::size_t i) const;
   DynamicView member_at(const StructType::Member& m, const Place& place) const;
@@ -191,13 +193,13 @@ class DynamicView {
                                                 bool (*matches)(detail::Kind)) const;
 
   const detail::SampleState* state_;
-  const FieldMask* declared_ = nullptr;  ///< null: all that the sample has
+  const FieldMask* declared_ = nullptr;  ///< the mask that the reader declared; null: all that the sample has
   const StructType::Member* member_ = nullptr;
   const StructType* type_ = nullptr;
-  Place place_{};  ///< of a struct or a part in place; else only leaf and offset mean something
+  Place place_{};  ///< otherwise than of a struct or a part in place, only leaf and offset are used
   Node node_ = Node::value;
   bool present_ = true;
-  bool is_in_place_ = false;  ///< a part of a field, which is not in the body of the sample
+  bool is_in_place_ = false;  ///< true for a part of a field that is not in the body of the sample
   std::shared_ptr<const Error> error_;
 };
 
@@ -226,11 +228,11 @@ class DynamicView::Members {
     Place place_;
   };
 
-  /// DynamicView::members() makes these.
+  /// For DynamicView::members().
   explicit Members(DynamicView of) : of_(std::move(of)) {}
-  /// Iterates over the range.
+  /// The first member.
   iterator begin() const { return {&of_, 0}; }
-  /// Iterates over the range.
+  /// The end, behind the last member.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -269,11 +271,11 @@ class DynamicView::Elements {
     std::size_t left_ = 0;
   };
 
-  /// DynamicView::elements() makes these.
+  /// For DynamicView::elements().
   explicit Elements(DynamicView of);
-  /// Iterates over the range.
+  /// The first element.
   iterator begin() const { return {&of_, first_, left_}; }
-  /// Iterates over the range.
+  /// The end, behind the last element.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:
@@ -296,7 +298,7 @@ template <class T>
 inline constexpr bool is_number =
     std::is_arithmetic_v<T> && !std::is_same_v<T, bool> && !std::is_same_v<T, char>;
 
-/// The value as a T, if a T can hold it.
+/// Returns the value as a T, or nothing if a T cannot hold it.
 template <class T, class V>
 std::optional<T> converted(V v) {
   if constexpr (std::is_same_v<V, T> || (std::is_same_v<V, float> && std::is_same_v<T, double>)) {

@@ -1,6 +1,6 @@
 // Sets of fields. A field set is a set of leaves (type.h) of one message type. There are two forms of it:
 //
-//   Mask<T>      known when the program is compiled, from the generated names of the fields of message type T
+//   Mask<T>      known at compile time, from the generated names of the fields of message type T
 //   FieldMask    known at run time, as wide as the type needs; holds no heap memory up to 64 leaves
 //
 //   using F = PointCloud2::Field;
@@ -33,21 +33,21 @@
 
 namespace sft {
 
-/// A set of leaves of message type T that is known when the program is compiled; a template argument.
+/// A set of leaves of message type T that is known at compile time; for template arguments.
 template <class T>
 struct Mask {
-  /// The message type.
+  /// The message type of the mask.
   using Type = T;
   /// The number of a leaf.
   using value_type = std::size_t;
-  /// Over the numbers of the leaves, ascending.
+  /// Iterates over the numbers of the leaves in ascending order.
   using const_iterator = detail::LeafIterator<Mask>;
-  /// The same: sets are not changed through iterators.
+  /// The same type, since iterators do not change sets.
   using iterator = const_iterator;
-  /// Leaves of the type, in the set or not.
+  /// The number of leaves of the type, in the set or not.
   static constexpr std::size_t leaves = detail::leaf_count_of<T>;
 
-  /// Bit i of word w is leaf 64 w + i.
+  /// Bit b of word i stands for leaf 64 * i + b.
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
   /// True if the leaf is in the mask.
@@ -77,18 +77,18 @@ struct Mask {
 
   /// True if no leaf is in the set.
   constexpr bool empty() const { return size() == 0; }
-  /// Leaves in the set.
+  /// The number of leaves in the set.
   constexpr std::size_t size() const {
     std::size_t n = 0;
     for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
     return n;
   }
 
-  /// Iterate over the numbers of the leaves, ascending.
+  /// The first leaf of the set; leaves come in ascending order.
   constexpr iterator begin() const { return iterator::first(*this); }
-  /// The end, behind the last one.
+  /// The end, behind the last leaf.
   constexpr iterator end() const { return iterator::end(*this); }
-  /// One of the words, from 0.
+  /// Word i, counted from 0.
   constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
   /// The number of words.
   static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
@@ -110,8 +110,8 @@ inline constexpr Mask<T> all = Mask<T>::range(0, detail::leaf_count_of<T>);
 
 namespace detail {
 
-/// All leaves below one node of T's tree. The struct has no members of its own but a conversion, so that the
-/// names of a message's fields, which are members of classes derived from it, never collide with it.
+/// All leaves below one node of T's tree. The struct has no member function but a conversion. So the names of
+/// a message's fields, which are members of derived classes, never collide with one.
 template <class T, std::size_t First, std::size_t Count>
 struct FieldNode {
   using Type = T;
@@ -125,7 +125,7 @@ T type_of_fields(const FieldNode<T, First, Count>&);
 template <class T>
 T type_of_fields(const Mask<T>&);
 
-/// A mask or the name of a field.
+/// A type that is a mask or the name of a field.
 template <class F>
 concept FieldSet = requires(const F& fields) {
   detail::type_of_fields(fields);
@@ -165,7 +165,7 @@ template <FieldSet A, FieldSet B>
 constexpr auto operator-(const A& a, const B& b) {
   return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
 }
-/// The leaves in exactly one of them.
+/// The leaves in exactly one of the two sets.
 template <FieldSet A, FieldSet B>
 constexpr auto operator^(const A& a, const B& b) {
   return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x ^ y; });
@@ -181,7 +181,7 @@ constexpr bool operator==(const A& a, const B& b) {
 
 }  // namespace detail
 
-// Argument-dependent lookup finds these for masks here and for names of fields in sft::detail.
+// Argument-dependent lookup finds these operators for masks here, and for names of fields in sft::detail.
 using detail::operator|;
 using detail::operator&;
 using detail::operator-;
@@ -191,11 +191,11 @@ using detail::operator==;
 
 namespace detail {
 
-/// Whole fields of message type T, and fields of which only a part is declared.
+/// Whole fields of message type T, and fields of which a part is declared.
 template <class T>
 struct Declared {
-  Mask<T> whole{};        ///< without those of the parts
-  DeclaredParts parts{};  ///< those that are none follow the others
+  Mask<T> whole{};        ///< the fields of which no part is declared
+  DeclaredParts parts{};  ///< the parts, followed by the unused places
 
   constexpr Mask<T> mask() const {
     Mask<T> all = whole;
@@ -218,31 +218,33 @@ struct Declared {
   }
 };
 
-/// A part of a field of message type T. The field is a sequence of values; the functions say which of them.
+/// A part of a field of message type T. The field is a sequence of values. The functions restrict the part.
 template <class T>
 struct FieldPart {
-  Mask<T> beside{};  ///< fields without which nobody could read the part
+  Mask<T> beside{};  ///< fields that are needed to understand the part
   DeclaredPart part{};
 
-  /// Each n-th element, or point or pixel of a row, of a range that was given before. n >= 1.
+  /// Keeps each n-th element, or each n-th point or pixel of a row, within the range that was given before.
+  /// n >= 1.
   constexpr FieldPart every(std::uint32_t n) const {
     FieldPart other = *this;
     if (other.part.columns.step != 0) a_range_is_given_twice();
     other.part.columns.step = declared_range(0, 0, n).step;
     return other;
   }
-  /// The elements [begin, end), or these points or pixels of each row; end 0: up to the last one.
+  /// Keeps the elements [begin, end), or these points or pixels of each row. An `end` of 0 means up to the
+  /// last one.
   constexpr FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
   }
-  /// The rows [begin, end).
+  /// Keeps the rows [begin, end).
   constexpr FieldPart rows(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.rows != DeclaredRange{}) a_range_is_given_twice();
     other.part.rows = declared_range(begin, end, step);
     return other;
   }
-  /// The columns [begin, end).
+  /// Keeps the columns [begin, end).
   constexpr FieldPart columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     FieldPart other = *this;
     if (other.part.columns != DeclaredRange{}) a_range_is_given_twice();
@@ -271,7 +273,7 @@ template <class T>
 T type_of_parts(const Declared<T>&);
 template <class T>
 T type_of_parts(const FieldPart<T>&);
-/// Something that has a part of a field.
+/// A type that declares a part of a field.
 template <class P>
 concept PartSet = requires(const P& parts) {
   detail::type_of_parts(parts);
@@ -281,7 +283,7 @@ template <class A, class B>
 requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) constexpr auto operator|(
     const A& a, const B& b) {
   auto joined = to_declared(a);
-  const decltype(joined) other = to_declared(b);  // fields of one message type
+  const decltype(joined) other = to_declared(b);  // both have fields of the same message type
   const DeclaredParts parts = joined.parts;
   joined.whole = joined.whole | other.whole;
   joined.parts = {};
@@ -303,10 +305,10 @@ struct Selected {
 };
 }  // namespace detail
 
-/// Stands in place of a mask: the getters of the subscriber's samples note which fields the program reads,
-/// and these fields are requested.
+/// Stands in place of a mask. The getters of the subscriber's samples note which fields the program reads,
+/// and the subscriber requests these fields.
 inline constexpr detail::Recorded recorded{};
-/// Stands in place of a mask: texts that the program gives when it runs name the fields
+/// Stands in place of a mask. Texts that the program passes at run time name the fields
 /// (SubscriberOptions::selection).
 inline constexpr detail::Selected selected{};
 
@@ -314,90 +316,90 @@ inline constexpr detail::Selected selected{};
 /// sft::selected.
 template <class T>
 struct Req {
-  /// The fields; if they are recorded or selected, all.
+  /// The declared fields; all fields if they are recorded or selected.
   Mask<T> mask{};
-  /// Getters note what is read (ARR).
+  /// True if getters note what is read (ARR).
   bool is_recorded = false;
-  /// Texts name the fields when the program runs.
+  /// True if texts name the fields at run time.
   bool is_selected = false;
   /// The fields of which only a part is declared.
   detail::DeclaredParts parts{};
 
-  /// These fields are declared.
+  /// Declares these fields.
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
-  /// A field or an inner node by its name, or a combination of them.
+  /// Declares a field or an inner node by its name, or a combination of them.
   template <detail::FieldSet F>
   requires std::same_as<T, detail::TypeOfFields<F>>
   constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
-  /// Parts of fields, and other fields: `F::width | F::data.channels<"x">`.
+  /// Declares parts of fields, and other fields: `F::width | F::data.channels<"x">`.
   template <detail::PartSet P>
   requires std::same_as<T, decltype(detail::type_of_parts(std::declval<const P&>()))>
   constexpr Req(const P& declared)  // NOLINT(google-explicit-constructor)
       : mask(detail::to_declared(declared).mask()), parts(detail::to_declared(declared).parts) {}
-  /// Recording finds out which fields are needed.
+  /// The needed fields are recorded at run time.
   constexpr Req(detail::Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
-  /// Texts will say which fields are needed.
+  /// Texts name the needed fields at run time.
   constexpr Req(detail::Selected) : mask(all<T>), is_selected(true) {}  // NOLINT(google-explicit-constructor)
 
-  /// True if samples may lack fields that have getters, which then return sft::Optional.
+  /// Returns true if a sample may lack fields that have getters. Those getters return sft::Optional.
   constexpr bool may_lack() const { return is_recorded || is_selected; }
   friend constexpr bool operator==(const Req&, const Req&) = default;
 };
 
-/// A set of leaves at run time. A default-made one is of a type without leaves. Numbers of leaves that are
-/// passed are below leaves().
+/// A set of leaves at run time. A default-constructed set is that of a type without leaves. All numbers of
+/// leaves that are passed to it are below leaves().
 /// Larger than usual: it is a set with all of its operators.
 class FieldMask {
  public:
   /// The number of a leaf.
   using value_type = std::size_t;
-  /// Over the numbers of the leaves, ascending.
+  /// Iterates over the numbers of the leaves in ascending order.
   using const_iterator = detail::LeafIterator<FieldMask>;
-  /// The same: sets are not changed through iterators.
+  /// The same type, since iterators do not change sets.
   using iterator = const_iterator;
 
   FieldMask() = default;
-  /// The empty set of a type with so many leaves.
+  /// The empty set of a type with this number of leaves.
   explicit FieldMask(std::size_t leaves) : leaves_(leaves), more_(leaves > 64 ? (leaves - 1) / 64 : 0) {}
 
-  /// Converts a Mask<T> or the name of a field.
+  /// Converts a Mask<T> or the name of a field to a FieldMask.
   template <detail::FieldSet F>
   explicit FieldMask(const F& fields) : FieldMask(detail::leaf_count_of<detail::TypeOfFields<F>>) {
     const Mask mask(fields);
     for (std::size_t i = 0; i < mask.words.size(); ++i) mutable_word(i) = mask.words[i];
   }
 
-  /// All leaves of a type that has so many.
+  /// The set of all leaves of a type with this number of leaves.
   static FieldMask full(std::size_t leaves);
-  /// Bit b of word i stands for leaf 64 * i + b. Bits beyond `leaves` are ignored, missing words count as
-  /// zero.
+  /// Makes a set from words. Bit b of word i stands for leaf 64 * i + b. Bits beyond `leaves` are ignored,
+  /// and missing words count as zero.
   static FieldMask from_words(std::size_t leaves, std::span<const std::uint64_t> words);
 
-  /// Bit i of word w is leaf 64 w + i.
+  /// The words of the set. Bit b of word i stands for leaf 64 * i + b.
   std::vector<std::uint64_t> to_words() const;
 
-  /// Leaves of the type, in the set or not.
+  /// The number of leaves of the type, in the set or not.
   std::size_t leaves() const { return leaves_; }
   /// The number of words of 64 leaves each; at least one.
   std::size_t words() const { return 1 + more_.size(); }
   /// The same as words().
   std::size_t word_count() const { return words(); }
-  /// One of the words, from 0.
+  /// Word i, counted from 0.
   std::uint64_t word(std::size_t i) const { return i == 0 ? first_ : more_[i - 1]; }
 
-  /// `leaf` is less than leaves().
+  /// Returns true if the leaf is in the set. REQUIRES: leaf < leaves().
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
-  /// True if all leaves of the other set, which is of the same type, are in this one.
+  /// Returns true if all leaves of the other set, which is of the same type, are in this one.
   bool contains(const FieldMask& other) const;
-  /// True if any leaf of the other set, which is of the same type, is in this one.
+  /// Returns true if any leaf of the other set, which is of the same type, is in this one.
   bool intersects(const FieldMask& other) const;
   /// The same for a Mask<T> or the name of a field: `sample.mask().contains(F::data)`.
   template <detail::FieldSet F>
   bool contains(const F& fields) const {
     return contains(FieldMask(fields));
   }
-  /// True if some leaf is in both.
+  /// Returns true if any of these fields is in the set.
   template <detail::FieldSet F>
   bool intersects(const F& fields) const {
     return intersects(FieldMask(fields));
@@ -410,13 +412,13 @@ class FieldMask {
   bool all_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
   }
-  /// The lowest leaf of [first, end) in the set, or `end`.
+  /// The lowest leaf of [first, end) that is in the set, or `end` if there is none.
   std::size_t next(std::size_t first, std::size_t end) const noexcept;
   /// True if no leaf is in the set.
   bool empty() const;
   /// True if all leaves are in the set.
   bool is_full() const { return all_of(0, leaves_); }
-  /// Leaves in the set.
+  /// The number of leaves in the set.
   std::size_t size() const;
 
   /// Adds a leaf.
@@ -424,13 +426,13 @@ class FieldMask {
   /// Removes a leaf.
   void erase(std::size_t leaf) { mutable_word(leaf / 64) &= ~(std::uint64_t{1} << (leaf % 64)); }
 
-  /// Adds the leaves of the other.
+  /// Adds the leaves of the other set.
   FieldMask& operator|=(const FieldMask& other);
-  /// Keeps the leaves that are in both.
+  /// Keeps the leaves that are in both sets.
   FieldMask& operator&=(const FieldMask& other);
-  /// Removes the leaves of the other.
+  /// Removes the leaves of the other set.
   FieldMask& operator-=(const FieldMask& other);
-  /// Keeps the leaves that are in one of both only.
+  /// Keeps the leaves that are in exactly one of the two sets.
   FieldMask& operator^=(const FieldMask& other);
   friend FieldMask operator|(FieldMask a, const FieldMask& b) { return a |= b; }
   friend FieldMask operator&(FieldMask a, const FieldMask& b) { return a &= b; }
@@ -439,16 +441,16 @@ class FieldMask {
   friend FieldMask operator~(const FieldMask& a) { return full(a.leaves_) - a; }
   friend bool operator==(const FieldMask&, const FieldMask&) = default;
 
-  /// Iterate over the numbers of the leaves, ascending. The set must not change meanwhile.
+  /// The first leaf of the set; leaves come in ascending order. The set must not change during an iteration.
   iterator begin() const { return iterator::first(*this); }
-  /// The end, behind the last one.
+  /// The end, behind the last leaf.
   iterator end() const { return iterator::end(*this); }
 
   /// Equal sets have equal hashes. The hash of a set of a type with at most 64 leaves is its bits.
   std::uint64_t hash() const;
 
  private:
-  /// The bits of these leaves in the first word, if it has all of them.
+  /// The bits of these leaves in the first word. REQUIRES: the first word has all of them.
   static constexpr std::uint64_t bits(std::size_t first, std::size_t count) {
     return count == 0 ? 0 : ~std::uint64_t{0} >> (64 - count) << first;
   }

@@ -6,10 +6,10 @@
 namespace sft {
 
 /// A field of such a sample: empty if the sample was sent without the field. It is a std::optional, and
-/// converts to one, but its `*` gives the value itself and not a reference into the optional, so that
-/// `for (auto f : *sample->fields())` does not iterate over a destroyed range. V is a number or a view:
-/// small, and valid as long as the sample if it is a view. `*` and value() of an empty one are as those of
-/// std::optional: undefined, and an exception.
+/// converts to one. But its `*` returns the value itself and not a reference into the optional, so that `for
+/// (auto f : *sample->fields())` does not iterate over a destroyed range. V is a small type, a number or a
+/// view. A view is valid as long as the sample. On an empty Optional `*` is undefined and value() throws, as
+/// on std::optional.
 template <class V>
 class Optional : public std::optional<V> {
  public:

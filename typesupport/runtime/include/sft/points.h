@@ -1,5 +1,5 @@
 // The points of a cloud as typed columns. The generated view of sensor_msgs::msg::PointCloud2 has a member
-// points(), also where the cloud is a member of another message, and points_of() does the same for a view
+// points(), also where the cloud is a member of another message. points_of() does the same for a view
 // without the compiled type:
 //
 //   if (auto points = sample->points<float, float, float>("x", "y", "z"))
@@ -7,14 +7,14 @@
 //
 //   sft::points_of<float, std::uint16_t>(sample.view().find("cloud"), "x", "ring")
 //
-// The points are Cells (cells.h), each a tuple of the channels that were asked for, in as many rows as the
-// cloud is high. points() reads the cloud in place, whatever else the points have in them: a whole cloud in
-// shared memory, or the part with three channels that another host sent. Nothing is copied, and a value is
-// read when it is asked for.
+// The points are Cells (cells.h). Each point is a tuple of the channels that were asked for, and there are
+// as many rows as the cloud has. points() reads the cloud in place, whatever other channels the points have:
+// a whole cloud in shared memory, or the part with three channels that another host sent. Nothing is copied,
+// and a value is read when it is asked for.
 //
 // The types are those of sensor_msgs/PointField: std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
-// std::int32_t, std::uint32_t, float and double. Each is exactly the type of its channel. The result is an
-// error if
+// std::int32_t, std::uint32_t, float and double. Each must be exactly the type of its channel. The result is
+// an error if
 //   - the cloud lacks a channel: unknown_field, and the message names the channels that the sample has. A
 //     channel without elements, of an unknown type, or that reaches beyond the point counts as lacking.
 //   - a channel has another type: type_mismatch
@@ -22,11 +22,11 @@
 //     is_bigendian, point_step, row_step and data, or without a channel that is recorded: unavailable. The
 //     subscriber asks for it from then on. If a mask without one of the fields is declared, points() does not
 //     compile.
-//   - the bytes are not what they claim to be: malformed
-// If fields are recorded, so are the channels: a subscriber whose program reads a cloud by points() only is
-// sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself is sent
-// whole points. In samples with some channels these four count as not sent. Of clouds whose channels overlap
-// whole points are recorded.
+//   - the bytes of the sample are inconsistent or end early: malformed
+// If fields are recorded, channels are recorded, too: a subscriber whose program reads a cloud by points()
+// only is sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself
+// is sent whole points. In a sample with only some channels, these four fields count as not sent. If
+// channels of a cloud overlap, whole points are recorded.
 // If a channel has several elements, the first one is read. If several channels have one name, the first one
 // counts.
 // Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.
@@ -52,7 +52,7 @@ namespace sft {
 
 namespace detail {
 
-/// The number of a type in sensor_msgs/PointField; 0: there is none.
+/// The number of the type in sensor_msgs/PointField; 0: it has none.
 template <class T>
 constexpr std::uint8_t point_type() {
   if (std::same_as<T, std::int8_t>) return 1;
@@ -66,10 +66,10 @@ constexpr std::uint8_t point_type() {
   return 0;
 }
 
-/// Reads some channels of a point.
+/// Reads the wanted channels of a point.
 template <class... Ts>
 struct CellReader<std::tuple<Ts...>> {
-  std::array<std::uint32_t, sizeof...(Ts)> offsets{};  ///< in the point
+  std::array<std::uint32_t, sizeof...(Ts)> offsets{};  ///< the offset of each channel in the point
   bool is_swapped = false;
 
   std::tuple<Ts...> operator()(const std::byte* point) const {
@@ -84,7 +84,7 @@ struct CellReader<std::tuple<Ts...>> {
   }
 };
 
-/// The channels that a program names, with their types.
+/// Returns the channels that a program names, with their types.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
 std::array<WantedChannel, sizeof...(Ts)> wanted_channels(const Names&... names) {
   static_assert(sizeof...(Ts) > 0 && ((point_type<Ts>() != 0) && ...),
@@ -98,7 +98,7 @@ std::array<WantedChannel, sizeof...(Ts)> wanted_channels(const Names&... names) 
   }
 }
 
-/// The wanted channels of the cloud there.
+/// Returns the wanted channels of the cloud.
 template <class... Ts>
 Result<Cells<std::tuple<Ts...>>> points_in(const CloudPlace& cloud,
                                            std::array<WantedChannel, sizeof...(Ts)>& wanted) {
@@ -109,7 +109,7 @@ Result<Cells<std::tuple<Ts...>>> points_in(const CloudPlace& cloud,
   return Cells<std::tuple<Ts...>>(*grid, {offsets, grid->is_swapped});
 }
 
-/// Returns the points for points() of a generated view. The place is that of the view (view.h).
+/// Returns the points for points() of a generated view, whose place (view.h) is passed.
 template <class... Ts, class Place, std::convertible_to<std::string_view>... Names>
 Result<Cells<std::tuple<Ts...>>> points_at(const Place& place, const Names&... names) {
   using Struct = typename Place::Struct;
@@ -137,8 +137,8 @@ Result<Cells<std::tuple<Ts...>>> points_at(const Place& place, const Names&... n
 
 }  // namespace detail
 
-/// The points of a cloud that is read by the names of its fields (dynamic_view.h). Valid as long as the
-/// sample. Also an error if the view is no cloud: type_mismatch, or the error of the view.
+/// Returns the points of a cloud that is read by the names of its fields (dynamic_view.h). They are valid as
+/// long as the sample. Further errors: type_mismatch if the view is no cloud, and the error of the view.
 template <class... Ts, std::convertible_to<std::string_view>... Names>
 Result<Cells<std::tuple<Ts...>>> points_of(const DynamicView& cloud, const Names&... names) {
   std::array<detail::WantedChannel, sizeof...(Ts)> wanted = detail::wanted_channels<Ts...>(names...);

@@ -5,9 +5,9 @@
 //   if (!node) print(node.error().message);
 //
 // The other way is Node::open(options).value(), which throws tl::bad_expected_access<sft::Error> if there is
-// an error. what() of the exception is the message of the error. A program that does not catch the exception
-// prints it when it ends. In a program that is compiled with -fno-exceptions value() ends the program without
-// a message. All of this header is plain values.
+// an error. what() of the exception is the message of the error, which is printed if a program does not
+// catch the exception. In a program that is compiled with -fno-exceptions, value() ends the program without
+// a message. Everything in this header is a plain value.
 #pragma once
 
 #include <exception>
@@ -21,28 +21,28 @@ namespace sft {
 enum class Errc {
   invalid_argument,  ///< the caller passed something that can never work
   unknown_field,     ///< a mask or path names a field that the type does not have
-  type_mismatch,     ///< bytes or an endpoint of another type
-  malformed,         ///< bytes are not what they claim to be
+  type_mismatch,     ///< bytes or an endpoint have another type
+  malformed,         ///< bytes are inconsistent, end early, or have another format
   limit_exceeded,    ///< something is larger than a limit in force
   unavailable,       ///< a daemon, a device or a file is not there at present
   no_permission,
   address_in_use,
   out_of_memory,
-  system,  ///< the operating system refused; the message says what
+  system,  ///< the operating system refused something; the message says what
 };
 
 /// An error.
 struct Error {
   /// The kind of error, for programs.
   Errc code;
-  std::string message;  ///< names the thing and what to do about it
+  std::string message;  ///< names what failed, and what to do about it
 };
 
 }  // namespace sft
 
 /// @cond not in the reference: Doxygen takes no specialization of a class that it does not know
-/// The exception that value() throws if there is an error. It is the exception of tl::expected, except for
-/// what(), which is the same text for all errors there.
+/// The exception that value() throws if there is an error. It is the exception of tl::expected with another
+/// what(), which there returns the same text for all errors.
 template <>
 class tl::bad_expected_access<sft::Error> : public std::exception {
  public:

@@ -1,10 +1,12 @@
 // The structure of a message type: its members with their names, kinds, shapes and units. A program that
-// handles types which it was not compiled with walks this tree: `sft type` prints it, and a table of columns
-// can be made from it. TypeSupport::type(), DynamicType::type() and DynamicView lead to it.
+// handles types with which it was not compiled walks this tree. For example, `sft type` prints it, and a
+// program can make a table of columns from it. TypeSupport::type(), DynamicType::type() and DynamicView lead
+// to it.
 //
-// Generated code and DynamicType make these structs; a program only reads them. All of them are immutable, so
-// that any thread may read them at any time. Those of a compiled type live as long as the program; those of a
-// DynamicType live as long as any copy of it. The pointers, spans and texts in them have the same lifetime.
+// Generated code and DynamicType make these structs; a program only reads them. All of them are immutable,
+// so that any thread may read them at any time. The structs of a compiled type live as long as the program.
+// The structs of a DynamicType live as long as any copy of it. The pointers, spans and texts in them have
+// the same lifetime.
 //
 // Leaves are the units in which fields are requested and sent. They are counted depth-first: a primitive, a
 // string, and an array or a sequence of those is one leaf each; a nested struct has the leaves of its
@@ -27,11 +29,11 @@ struct SequenceAccess;
 struct EnumType {
   /// One name of an enumeration with its value, or one flag of a bitmask with its bit set.
   struct Enumerator {
-    std::string_view name;  ///< as in the IDL
-    std::uint64_t value;    ///< of a flag: with its bit set
+    std::string_view name;  ///< the name in the IDL
+    std::uint64_t value;    ///< for a flag, a number with its bit set
   };
 
-  std::string_view name;                    ///< "my_pkg::msg::Color"
+  std::string_view name;                    ///< for example "my_pkg::msg::Color"
   bool is_bitmask;                          ///< false: an enumeration
   std::span<const Enumerator> enumerators;  ///< at least one
 };
@@ -58,40 +60,40 @@ struct StructType {
       string,
       structure
     };
-    /// One element, a fixed number of them, or a variable number.
+    /// The number of elements of a member: one, a fixed number, or a variable number.
     enum class Shape : std::uint8_t { single, array, sequence };
 
-    std::string_view name;    ///< as in the IDL
-    Kind kind{};              ///< of one element; an enumeration has the kind of the integer that holds it
-    Shape shape{};            ///< of the member
-    std::uint32_t count = 1;  ///< elements of an array, over all its dimensions; otherwise 1
-    std::uint32_t bound = 0;  ///< most elements of a sequence; 0: unbounded
-    std::uint32_t string_bound = 0;         ///< most characters of each string, without the NUL; 0: unbounded
-    const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
-    const EnumType* enumeration = nullptr;  ///< what the integer stands for; null: it is only an integer
-    std::size_t offset = 0;  ///< of the member in the compiled struct; 0 in a DynamicType, like the next two
-    std::size_t stride = 0;  ///< of one element in the compiled struct
-    const detail::SequenceAccess* access = nullptr;  ///< to the compiled std::vector if the shape is sequence
-    bool key = false;                                ///< `@key`: the member is always sent
-    std::string_view unit{};                         ///< from `@unit`, to be shown to people
-    std::string_view layout{};  ///< from `@sft_layout`: how it is made of rows and columns (selection.md)
+    std::string_view name;             ///< the name in the IDL
+    Kind kind{};                       ///< the kind of one element; of an enumeration, that of its integer
+    Shape shape{};                     ///< the shape of the member
+    std::uint32_t count = 1;           ///< the elements of an array, over all its dimensions; otherwise 1
+    std::uint32_t bound = 0;           ///< the maximum number of elements of a sequence; 0: unbounded
+    std::uint32_t string_bound = 0;    ///< the most characters of each string without NUL; 0: unbounded
+    const StructType* type = nullptr;  ///< the element's type if the kind is structure, otherwise null
+    const EnumType* enumeration = nullptr;  ///< the enumeration; null: it is only an integer
+    std::size_t offset = 0;  ///< the offset in the compiled struct; 0 in a DynamicType, as the next two
+    std::size_t stride = 0;  ///< the distance of two elements in the compiled struct
+    const detail::SequenceAccess* access = nullptr;  ///< reads a compiled std::vector; only of a sequence
+    bool key = false;                                ///< true for `@key`: the member is always sent
+    std::string_view unit{};                         ///< the text of `@unit`, to be shown to people
+    std::string_view layout{};  ///< the rule of `@sft_layout`: how it has rows and columns (selection.md)
   };
 
-  std::string_view name;            ///< "sensor_msgs::msg::PointCloud2"
-  std::span<const Member> members;  ///< in the order of the IDL; at least one
-  std::size_t leaves = 0;           ///< all that a mask can select in it
+  std::string_view name;            ///< for example "sensor_msgs::msg::PointCloud2"
+  std::span<const Member> members;  ///< the members in the order of the IDL; at least one
+  std::size_t leaves = 0;           ///< the number of leaves that a mask can select in it
 
   // The members from here on are for SFT's own code.
-  std::size_t index_slots = 0;  ///< offsets that a sample's index has for this type (detail/type_table.h)
+  std::size_t index_slots = 0;  ///< offsets in a sample's index (detail/type_table.h)
   /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
-  /// from the next multiple of `alignment` on. It has no strings, sequences or booleans, which would have to
-  /// be checked. 0 for other structs.
+  /// from the next multiple of `alignment` on. A packed struct has no strings, sequences or booleans, since
+  /// these have to be checked. 0 for other structs.
   std::uint32_t packed_bytes = 0;
-  std::uint32_t alignment = 1;       ///< the largest of all primitives and lengths in it
-  bool is_packed_in_memory = false;  ///< packed, and the compiled struct has the very same bytes
-  /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With it
-  /// a walk finds the members of which something is selected without looking at all the others: a type that
-  /// was received may have very many.
+  std::uint32_t alignment = 1;       ///< the largest alignment of all primitives and lengths in it
+  bool is_packed_in_memory = false;  ///< true: packed, and the compiled struct has the same bytes
+  /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With
+  /// it a walk finds the members with selected leaves and does not look at all other members. A type that
+  /// was received may have very many members.
   std::span<const std::uint32_t> first_leaves{};
 
   constexpr StructType() = default;

@@ -17,20 +17,21 @@
 
 namespace sft {
 
-/// A type with the paths of its leaves (type.h). It is immutable; any thread may use it. Leaves that are
-/// passed are below leaves(), and masks are of this type.
+/// A type with the paths of its leaves (type.h). It is immutable, and any thread may use it. All numbers of
+/// leaves that are passed to it are below leaves(), and all masks are of this type.
 class TypeSupport {
  public:
   /// Lists the leaves of `type`, which must outlive this object.
   explicit TypeSupport(const StructType& type);
 
-  /// The tables that it was made of.
+  /// The tables that were passed to the constructor.
   const StructType& type() const { return *type_; }
-  /// The name as in the IDL: "sensor_msgs::msg::Imu".
+  /// The name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type_->name; }
   /// The number of leaf fields that the type has.
   std::size_t leaves() const { return paths_.size(); }
-  std::size_t index_slots() const { return slots_; }  ///< for SFT's own code: offsets in a sample's index
+  /// For SFT's own code: the number of offsets in a sample's index.
+  std::size_t index_slots() const { return slots_; }
 
   /// FNV-1a of the structure (names, kinds, shapes, bounds, keys and enumerators, but no units). Compatible
   /// types have equal hashes.
@@ -39,41 +40,43 @@ class TypeSupport {
   /// The path of a leaf: "header.stamp.sec", "fields.size", "fields[].name".
   const std::string& path(std::size_t leaf) const { return paths_[leaf]; }
 
-  /// The mask of a leaf by its path. The path of a struct, or of an array or a sequence of structs, means all
-  /// leaves in it. The error names the nearest existing field.
+  /// The mask of a leaf by its path. The path of a struct, or of an array or a sequence of structs, means
+  /// all leaves in it. The error names the existing field with the most similar name.
   Result<FieldMask> find(std::string_view path) const;
-  /// The mask of several paths, separated by commas and spaces; "*" means all fields. Errors as of find().
+  /// The mask of several paths, separated by commas and spaces; "*" means all fields. Errors are those of
+  /// find().
   Result<FieldMask> parse_mask(std::string_view text) const;
   /// The shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all
   /// fields, "" for none. parse_mask() reads it.
   std::string format_mask(const FieldMask& mask) const;
-  /// The paths of format_mask(), each by itself.
+  /// The paths in the text of format_mask(), one by one.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
   /// The selection that the text describes (selection.md). The error begins with the column, from 1, of what
   /// is wrong.
   Result<Selection> parse_selection(std::string_view text) const;
-  /// The shortest text that parse_selection() reads as exactly this: "header.stamp, data{x,y,z}[:100]". Bytes
-  /// can have parts and conditions that do not suit their fields; then it is only for people.
+  /// The shortest text that parse_selection() reads as exactly this: "header.stamp, data{x,y,z}[:100]". A
+  /// selection that came as bytes can have parts and conditions that do not suit their fields. Its text is
+  /// only for people.
   std::string format_selection(const Selection& selection) const;
 
   /// The fields that are sent for `mask`: the length of a sequence is sent with any leaf of its elements, and
   /// key members are always sent. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
-  /// What is sent for the selection: its fields as above, the fields that a part changes or that it cannot be
-  /// understood without, and the same part of fields that belong together (selection.md, "Parts"). A closed
-  /// selection stays the same if it is closed again.
+  /// What is sent for the selection: its fields as for a mask, the fields that a part changes or that are
+  /// needed to understand it, and the same part of fields that belong together (selection.md, "Parts"). A
+  /// closed selection stays the same if it is closed again.
   Selection closed(const Selection& selection) const;
-  /// For SFT's own code: how the field is made of rows and columns; null: it is not, or nobody said so.
+  /// For SFT's own code: how the field is made of rows and columns; null: the field has no layout.
   const detail::Layout* layout_of(std::size_t leaf) const;
 
-  /// The mask without a field.
+  /// The mask without any field.
   FieldMask none() const { return FieldMask(leaves()); }
   /// The mask of all fields.
   FieldMask full() const { return FieldMask::full(leaves()); }
 
  private:
-  struct Node {  ///< an inner node or a leaf of the tree; in depth-first order
+  struct Node {  ///< an inner node or a leaf of the tree; nodes are in depth-first order
     std::string path;
     std::size_t first;
     std::size_t count;
@@ -95,19 +98,20 @@ class TypeSupport {
   std::uint64_t hash_ = 0;
 };
 
-/// The TypeSupport of a generated message type. The first call makes it; it lives as long as the program.
+/// The TypeSupport of a generated message type. The first call makes it, and it lives as long as the
+/// program.
 template <class T>
 const TypeSupport& type_support() {
   static const TypeSupport support(detail::TypeTable<T>::type);
   return support;
 }
 
-/// TypeSupport::format_mask() of a Mask<T>, a combination of fields or the name of one.
+/// Returns TypeSupport::format_mask() of a Mask<T>, a combination of fields, or the name of a field.
 template <detail::FieldSet F>
 std::string to_string(const F& fields) {
   return type_support<detail::TypeOfFields<F>>().format_mask(FieldMask(fields));
 }
-/// TypeSupport::format_mask() of a FieldMask of T: `sft::to_string<PointCloud2>(sample.mask())`.
+/// Returns TypeSupport::format_mask() of a FieldMask of T: `sft::to_string<PointCloud2>(sample.mask())`.
 template <class T>
 std::string to_string(const FieldMask& mask) {
   return type_support<T>().format_mask(mask);

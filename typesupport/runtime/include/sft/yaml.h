@@ -10,9 +10,9 @@
 //     offset: 0
 //   data: [0, 97, 194]  # ... 997 more
 //
-// Fields that are not in the sample are left out; a sequence of structs of which only the length was sent is
-// `fields.size: 2`. Text is quoted if YAML demands it; bytes that are not UTF-8 and control characters in it
-// are escaped (\xff). Enumerations are names, or numbers if the value has no name.
+// Fields that are not in the sample are left out. A sequence of structs of which only the length was sent is
+// written as `fields.size: 2`. Text is quoted if YAML demands it. Bytes in it that are not UTF-8 and control
+// characters are escaped (\xff). Enumerations are names, or numbers if the value has no name.
 //
 // All functions are pure; any thread may call them. They allocate memory.
 #pragma once
@@ -28,22 +28,22 @@ namespace sft {
 
 /// Options for writing YAML.
 struct YamlOptions {
-  /// The most elements that are written of each array and sequence; a comment has the number of the others.
+  /// The maximum number of elements that are written of each array and sequence; a comment gives the number
+  /// of the others.
   std::size_t elements_max = 128;
-  std::size_t text_bytes_max = 4096;                ///< the same for the bytes of each string
-  bool units = false;                               ///< true: comments have the units of members
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< a longer text is an error
+  std::size_t text_bytes_max = 4096;                ///< the maximum of bytes that are written of each string
+  bool units = false;                               ///< true: comments give the units of members
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< the maximum; a longer text is an error
 };
 
-/// Writes a whole sample, or any part of it that is present. An error if the bytes are not what they claim to
-/// be.
+/// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
 
 /// Turns one document of YAML into the JSON of the same message, which cdr_from_json() (json.h) takes and
 /// checks. A scalar becomes what its field needs: in `frame_id: 7` it is a text, in `x: 7` a number. JSON is
-/// also YAML, and is returned as it is. An error if the text is not YAML, if a mapping has a name twice, and
-/// if aliases would make a large text of a small one. It is for texts that people write: it takes many times
-/// the memory and time of JSON.
+/// also YAML, and is returned as it is. Returns an error if the text is not YAML, if a mapping has a name
+/// twice, or if aliases would make a large text of a small one. The function is for texts that people write:
+/// it takes many times the memory and time of JSON.
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml);
 
 }  // namespace sft

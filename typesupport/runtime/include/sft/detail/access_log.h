@@ -1,6 +1,6 @@
-// The getters of one recorded sample note here which leaves they read, one bit per leaf. The points of clouds
-// are noted channel by channel: behind the leaves each channel has a number of its own, and a bit. Any number
-// of threads may read the sample.
+// The getters of one recorded sample note here which leaves they read, one bit per leaf. Reads of the points
+// of clouds are noted channel by channel: each channel has a number of its own behind those of the leaves,
+// and a bit. Any number of threads may read the sample.
 #pragma once
 
 #include <atomic>
@@ -14,27 +14,28 @@
 
 namespace sft::detail {
 
-/// Tells how a sample with some channels of its clouds differs from what was published.
+/// How a sample with only some channels of its clouds differs from what was published.
 struct ChannelsSent {
-  Selection selection;  ///< has the parts with these channels
+  Selection selection;  ///< has the parts with the channels that were sent
   FieldMask changed;    ///< the fields that differ: those with the points, and those that describe them
 };
 
-/// The leaves that were read, of 64. There are two words, so that one bit tells a getter both that there is
-/// nothing left to note and that it has something to return.
+/// Which of 64 leaves were read. With two words, one bit tells a getter both that there is nothing left to
+/// note and that it has something to return.
 struct AccessWord {
-  std::atomic<std::uint64_t> found{0};   ///< and the sample has them
-  std::atomic<std::uint64_t> missed{0};  ///< and it does not
+  std::atomic<std::uint64_t> found{0};   ///< leaves that were read and that the sample has
+  std::atomic<std::uint64_t> missed{0};  ///< leaves that were read and that the sample lacks
 };
 
 class AccessLog {
  public:
   class Listener {
    public:
-    /// Called at the first access in this sample to a leaf, on the reading thread: it must not block.
+    /// Called at the first access to a leaf of this sample, on the reading thread. Must not block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
-    /// The number of a channel of the cloud that has its points in this leaf. Nothing if channels of that
-    /// leaf are not noted one by one, or no longer. The same channel has the same number in all samples.
+    /// Returns the number of a channel of the cloud that has its points in this leaf. Returns nothing if
+    /// channels of that leaf are not, or no longer, noted one by one. A channel has the same number in all
+    /// samples.
     virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
                                                          std::string_view /*name*/) noexcept {
       return {};
@@ -44,16 +45,16 @@ class AccessLog {
     ~Listener() = default;
   };
 
-  /// `words` has room for all leaves and channels, is zero at first and outlives the log; `listener` may be
+  /// `words` has room for all leaves and channels, is zero at first, and outlives the log. `listener` may be
   /// null.
   AccessLog(std::span<AccessWord> words, Listener* listener) : words_(words.data()), listener_(listener) {}
 
-  /// True if the leaf was read before, and the sample has it.
+  /// Returns true if the leaf was read before and the sample has it.
   bool has_found(std::size_t leaf) const noexcept {
     return (words_[leaf / 64].found.load(std::memory_order_relaxed) & bit(leaf)) != 0;
   }
 
-  /// Notes an access. A sample has a leaf or does not: `present` is the same each time.
+  /// Notes an access. `present`: the sample has the leaf, which is the same at each call for a leaf.
   void touch(std::size_t leaf, bool present) noexcept {
     AccessWord& word = words_[leaf / 64];
     std::atomic<std::uint64_t>& read = present ? word.found : word.missed;
@@ -62,17 +63,17 @@ class AccessLog {
     if (first && listener_ != nullptr) listener_->first_read(leaf);
   }
 
-  /// The sample has these channels of its clouds only. Null, as at first: all of them. They outlive the use
-  /// of the log.
+  /// Sets which channels of its clouds the sample has. Null, the initial value: all of them. `sent` outlives
+  /// the use of the log.
   void set_channels_sent(const ChannelsSent* sent) noexcept { sent_ = sent; }
-  /// False if the sample has any of these leaves otherwise than they were published: a getter of such a field
-  /// finds that it was not sent.
+  /// Returns false if any of these leaves has another value in the sample than was published. A getter of
+  /// such a field behaves as if the field was not sent.
   bool is_as_published(std::size_t leaf, std::size_t leaves) const noexcept {
     return sent_ == nullptr || !sent_->changed.any_of(leaf, leaves);
   }
-  /// Notes that a channel is read of the cloud that has its points in this leaf, and tells whether the sample
-  /// was sent with it. `present`: the sample has the leaf, at least a part of it. Nothing is noted, and
-  /// nothing returned, if channels of that leaf are not noted one by one.
+  /// Notes that a channel is read of the cloud that has its points in this leaf. Returns whether the sample
+  /// was sent with the channel. `present`: the sample has the leaf, at least a part of it. Nothing is noted
+  /// or returned if channels of that leaf are not noted one by one.
   std::optional<bool> touch_channel(std::size_t leaf, std::string_view name, bool present) noexcept;
 
  private:

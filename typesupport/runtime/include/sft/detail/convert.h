@@ -8,15 +8,15 @@
 //   00 02, 00 03, 00 0a, 00 0b, 00 12, 00 13           parameter lists (mutable types): refused
 //   00 08, 00 09, 00 14, 00 15                         delimited XCDR2 (appendable types): refused
 //
-// XCDR2 aligns 8 bytes to 4, and begins arrays and sequences of anything but primitives (of structs, strings
-// and also enumerations) with a delimiter, their length in bytes. Nested types are taken to be final, and an
-// array of a type that is itself an array to be one array, as in Cyclone DDS.
+// XCDR2 aligns 8 bytes to 4. It begins arrays and sequences of anything but primitives (of structs, strings
+// and also enumerations) with a delimiter, which is their length in bytes. As in Cyclone DDS, nested types
+// are taken as final, and an array whose element type is itself an array is taken as one array.
 //
-// What is accepted is the same in every encoding:
+// The same contents are accepted in every encoding:
 //
 //   boolean other than 0 and 1                  refused
 //   string without NUL, or with one inside      refused
-//   string of length 0, not even a NUL          accepted, stays that
+//   string of length 0, not even a NUL          accepted, and stays so
 //   delimiter that is not the exact length      refused
 //   padding between members                     any bytes; zeros where it is converted
 //   bytes behind the last member                as many as the last 2 bits of the encapsulation say, and up
@@ -35,9 +35,9 @@
 
 namespace sft::detail {
 
-/// A payload's body and how it is encoded. Owns nothing.
+/// The body of a payload, and its encoding. Owns nothing.
 struct Payload {
-  std::span<const std::byte> body;  ///< without the padding that the encapsulation announces; at any address
+  std::span<const std::byte> body;  ///< the body without announced padding; at any address
   std::endian byte_order = std::endian::little;
   bool is_xcdr2 = false;
 
@@ -52,12 +52,12 @@ struct ConvertedSize {
   std::uint32_t bytes = 0;
 };
 
-/// Size of the body that convert() will write: that of the payload's where nothing is converted, otherwise at
-/// most 3/2 of it. Reads lengths only.
+/// Returns the size of the body that convert() will write: the size of the payload's body if nothing is
+/// converted, otherwise at most 3/2 of it. Reads lengths only.
 ConvertedSize converted_size(const Payload& payload, const StructType& type) noexcept;
 
-/// Writes the body, which has converted_size() bytes, and never more. Its lengths and delimiters are those of
-/// the payload and lie within it; what else a valid body has to be, build_index() checks.
+/// Writes the body, exactly converted_size() bytes. The lengths and delimiters in it are those of the
+/// payload, and lie within it. build_index() checks everything else that makes a body valid.
 WalkStatus convert(const Payload& payload, const StructType& type, std::span<std::byte> body) noexcept;
 
 }  // namespace sft::detail

@@ -1,6 +1,6 @@
-// The part of one field of one sample: where its bytes lie, and what becomes of the fields that depend on it
-// (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may change while it
-// is read. So each number of it is read once, checked, and kept here.
+// The part of one field of one sample: where its bytes are, and the new values of the fields that depend on
+// it (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may change while
+// it is read. So each number of the header is read once, checked, and kept here.
 #pragma once
 
 #include <array>
@@ -16,38 +16,38 @@ namespace sft::detail {
 
 class Cut {
  public:
-  /// Bytes of a cell that lie behind one another, there and in the part.
+  /// Bytes of a cell that are contiguous, in the sample and in the part.
   struct Run {
     std::uint32_t offset;
     std::uint32_t bytes;
   };
   struct Channel {
-    Extent name;  ///< with its NUL
+    Extent name;  ///< the name with its NUL
     std::uint32_t offset;
     std::uint32_t bytes;
     std::uint32_t count;
     std::uint8_t type;
   };
 
-  /// `layout` is null for a list without one, and `data` is the field of which the part is taken. False if
-  /// the bytes of the sample are not what they claim to be. The sample has all fields of the layout. Of
-  /// strings nothing is found.
+  /// Finds a part of the field `data`, which must not be of strings: of them nothing is found. `layout` is
+  /// null for a list without a layout. The sample must have all fields of the layout. Returns false if the
+  /// bytes of the sample are malformed.
   bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
             const Selection::Part& part);
 
-  /// Finds all cells of a field with rows, and nothing of what depends on them.
+  /// Finds all cells of a field with rows, but no values of the fields that depend on it.
   bool find_all(const SampleState& s, const Layout& layout, const Layout::Field& data);
 
-  /// The field stays as it is, with all that depends on it.
+  /// Returns true if the field stays as it is, and with it all fields that depend on it.
   bool is_whole() const { return is_whole_; }
 
   std::uint64_t bytes() const { return std::uint64_t{rows_} * columns_ * cell_bytes_; }
-  /// What the part leaves out of the field.
+  /// The number of bytes of the field that the part leaves out.
   std::uint64_t bytes_less() const { return is_whole_ ? 0 : field_bytes_ - bytes(); }
-  /// Of data: elements of a list, and bytes of all others.
+  /// The length of the part as the sequence `data`: elements of a list, otherwise bytes.
   std::uint32_t elements() const;
-  /// Bytes of the sample's body: where the first cell begins, and how far it is to the next one, and to the
-  /// one in the next row.
+  /// The position of the first cell in the sample's body, the distance to the next cell of the row, and the
+  /// distance to the same cell of the next row, all in bytes.
   std::uint64_t begin() const { return begin_; }
   std::uint64_t column_stride() const { return column_stride_; }
   std::uint64_t row_stride() const { return row_stride_; }
@@ -56,15 +56,15 @@ class Cut {
   std::uint32_t cell_bytes() const { return cell_bytes_; }
   std::span<const Run> runs() const { return {runs_.data(), run_count_}; }
 
-  // What becomes of the fields with a role.
-  std::uint32_t natural(LayoutRole role) const;  ///< rows, columns, cell_bytes, row_bytes
+  // The new values of the fields with a role.
+  std::uint32_t natural(LayoutRole role) const;  ///< the roles rows, columns, cell_bytes and row_bytes
   double real(LayoutRole role) const { return reals_[static_cast<std::size_t>(role)]; }
   const std::array<double, 3>& position() const { return position_; }
   std::span<const Channel> channels() const { return {channels_.data(), channel_count_}; }
-  /// Four letters of an encoding's name are replaced by these; null: none.
+  /// Four letters that replace those in the name of the encoding; null: the name stays.
   const char* pattern() const { return pattern_; }
 
-  /// Where the letters of pattern() stand in the name.
+  /// The position of the letters of pattern() in the name.
   static constexpr std::size_t pattern_at = 6;
   static constexpr std::size_t pattern_letters = 4;
 
@@ -101,7 +101,7 @@ class Cut {
   std::size_t run_count_ = 0;
   std::size_t channel_count_ = 0;
   std::array<Run, Selection::channels_max> runs_{};
-  std::array<Channel, Selection::channels_max> channels_{};  ///< ascending by offset
+  std::array<Channel, Selection::channels_max> channels_{};  ///< in ascending order of offsets
 };
 
 }  // namespace sft::detail

@@ -5,13 +5,14 @@
 //   node.subscriber<LaserScan, F::angle_min | F::angle_increment | F::ranges.every(4)>("scan")
 //   node.subscriber<OccupancyGrid, F::info | F::data.rows(10, 20).columns(0, 640, 2)>("map")
 //
-// A mistake that can be seen in the declaration does not compile: the name of the function that is not
-// constant says what is wrong. Others are errors of Node::subscriber().
+// A mistake that can be seen in the declaration does not compile: the compiler names a function that is not
+// constexpr, and the name of the function describes the mistake. Other mistakes are errors of
+// Node::subscriber().
 //
-// Two compilers limit how that is written. g++ 14 refuses concepts of ranges and iterators in what it
-// computes here, if a program has included certain headers before: there are loops in place of algorithms.
-// Clang 14 and 15 refuse a consteval function that passes its parameters to another one: all functions are
-// constexpr, since a template argument makes them constant anyway.
+// Two compilers limit how this is written. g++ 14 refuses concepts of ranges and iterators in compile-time
+// code here if a program has included certain headers before. So there are loops in place of algorithms.
+// Clang 14 and 15 refuse a consteval function that passes its parameters to another one. So all functions are
+// constexpr; they are constant anyway, since they are used in template arguments.
 #pragma once
 
 #include <array>
@@ -20,20 +21,20 @@
 
 namespace sft::detail {
 
-/// Every step-th index of [begin, end). All of its members are 0 if it keeps all, since the compiler leaves
-/// zeros out of the names of functions.
+/// Every step-th index of [begin, end). All of its members are 0 if it keeps all indices, since the compiler
+/// leaves zeros out of the names of functions.
 struct DeclaredRange {
   std::uint32_t begin = 0;
-  std::uint32_t end = 0;   ///< 0: as many as there are
-  std::uint32_t step = 0;  ///< 0: 1
+  std::uint32_t end = 0;   ///< 0: all up to the last index
+  std::uint32_t step = 0;  ///< 0: a step of 1
 
   friend constexpr bool operator==(const DeclaredRange&, const DeclaredRange&) = default;
 };
 
-/// The part of one leaf; without a part if all of its members are 0.
+/// The part of one leaf. It is unused if all of its members are 0.
 struct DeclaredPart {
-  static constexpr std::size_t channel_bytes_max =
-      128;  ///< of all names, with a comma behind each, and a NUL
+  /// The maximum length of all names, with a comma behind each, and a NUL.
+  static constexpr std::size_t channel_bytes_max = 128;
 
   std::uint32_t leaf = 0;
   DeclaredRange rows{};
@@ -55,10 +56,11 @@ struct NameText {
   constexpr NameText(const char (&text)[Bytes]) {  // NOLINT(google-explicit-constructor)
     for (std::size_t i = 0; i < Bytes; ++i) bytes[i] = text[i];
   }
-  static constexpr std::size_t size() { return Bytes - 1; }  // without the NUL at the end
+  static constexpr std::size_t size() { return Bytes - 1; }  // not counting the NUL at the end
 };
 
-// Names of mistakes. They are no constant expressions.
+// Functions whose names describe mistakes in a declaration. They are not constexpr: a call during constant
+// evaluation does not compile, and the compiler's message shows the name.
 inline void a_range_has_an_index_and_a_step() {}
 inline void a_name_of_a_channel_has_a_character_and_neither_comma_nor_brace() {}
 inline void names_of_channels_are_too_long_together() {}
@@ -71,7 +73,7 @@ constexpr DeclaredRange declared_range(std::uint32_t begin, std::uint32_t end, s
   return {begin, end, step == 1 ? 0 : step};
 }
 
-/// The names of channels, one behind the other.
+/// The names of channels, each followed by a comma.
 struct ChannelNames {
   std::array<char, DeclaredPart::channel_bytes_max> text{};
   std::size_t end = 0;

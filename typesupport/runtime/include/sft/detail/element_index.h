@@ -1,8 +1,9 @@
-// Finds where the elements of collections begin, so that elements are accessed by position although CDR only
-// lets one walk through them.
+// Finds where the elements of collections begin, so that elements are accessed by position, although CDR
+// itself can only be walked through.
 //
-// Elements without strings and sequences among their selected leaves have a constant stride from the second
-// one on, and nothing is stored. For others an ElementIndex remembers offsets, from the first jump on.
+// Elements whose selected leaves contain no strings and sequences have a constant stride from the second
+// element on, and nothing is stored. For other elements an ElementIndex stores offsets, from the first jump
+// on.
 #pragma once
 
 #include <atomic>
@@ -16,17 +17,18 @@
 
 namespace sft::detail {
 
-/// Strings (`type` is null) or structs that lie behind one another in a body.
+/// Strings (`type` is null) or structs in a body, one behind the other.
 struct Elements {
   const StructType* type = nullptr;
-  std::size_t leaf = 0;     ///< of structs: their first leaf in the root type
-  std::uint32_t first = 0;  ///< offset at which the first one begins, before alignment
+  std::size_t leaf = 0;     ///< the first leaf of the structs in the root type
+  std::uint32_t first = 0;  ///< offset of the first element, before alignment
   std::uint32_t count = 0;
 
   friend bool operator==(const Elements&, const Elements&) = default;
 };
 
-/// Offset just behind one of the elements, that begins at `offset`; no_offset where the body ends before.
+/// Returns the offset just behind the element that begins at `offset`; no_offset if the body ends before
+/// that.
 std::uint32_t next_element(const SampleState& s, const Elements& elements, std::uint64_t offset) noexcept;
 
 /// An element that was reached before.
@@ -35,17 +37,19 @@ struct KnownElement {
   std::uint32_t offset = 0;
 };
 
-/// Returns where the element at `position` begins, or no_offset. Walks if the element is close behind `known`
-/// or nothing can be remembered. Like every offset the result is a hint: whoever reads there checks.
+/// Returns the offset of the element at `position`, or no_offset. Walks if the element is close behind
+/// `known`, or if no offsets can be stored. Like every offset the result is a hint, which has to be checked
+/// before the read.
 std::uint32_t element_begin(const SampleState& s, const Elements& elements, std::uint32_t position,
                             KnownElement known) noexcept;
 
-/// The offsets of one sample's elements, as far as somebody jumped to them. Any number of threads may use it
-/// at once.
+/// The offsets of the elements of those collections of one sample in which elements were jumped to. Any
+/// number of threads may use it at once.
 class ElementIndex {
  public:
-  static constexpr std::size_t tables_max = 4096;  ///< collections of one sample; in others, jumps walk
-  static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< from one sample to the next
+  /// The maximum number of tables, one per collection. In further collections of a sample a jump is a walk.
+  static constexpr std::size_t tables_max = 4096;
+  static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< the maximum of the memory that clear() keeps
 
   ElementIndex();
   ~ElementIndex();
@@ -54,11 +58,12 @@ class ElementIndex {
 
   class Table;
 
-  /// The offsets of `elements`, one each, fewer where the body ends before; found by walking once. Null where
-  /// there is no memory for them, or the bytes of the body do not justify so many. Valid until clear().
+  /// Returns the offset of each of `elements`, and fewer if the body ends early. The first call walks once to
+  /// find them. Null if there is no memory for them, or if the body is too small for so many elements. Valid
+  /// until clear().
   const Table* table(const SampleState& s, const Elements& elements) noexcept;
 
-  /// Forgets the sample, but keeps memory for the next one. Not while anybody reads.
+  /// Discards all offsets, but keeps memory for the next sample. Must not be called while a thread reads.
   void clear() noexcept;
 
  private:
@@ -66,8 +71,8 @@ class ElementIndex {
   Table* blank_table(const SampleState& s, const Elements& elements);
   const Table* publish(Table* table) noexcept;
 
-  std::atomic<Tables*> tables_{nullptr};  ///< made by the first jump of all
-  std::mutex mutex_;                      ///< guards what changes them; never held over a walk
+  std::atomic<Tables*> tables_{nullptr};  ///< made by the first jump in any sample
+  std::mutex mutex_;                      ///< guards changes of the tables; never held over a walk
 };
 
 }  // namespace sft::detail

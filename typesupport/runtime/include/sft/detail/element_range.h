@@ -1,8 +1,8 @@
-// Getters of several structs or strings return this lazy range with random access, for range-for, `range[i]`
-// and the algorithms and views of std::ranges. It owns nothing: it and its iterators are valid as long as the
-// sample. Elements are values (a View, a std::string_view), made when they are looked at.
+// Getters of several structs or strings return this lazy range with random access, for range-for, `range[i]`,
+// and the algorithms and views of std::ranges. It owns nothing: the range and its iterators are valid as long
+// as the sample. Elements are values (a View, a std::string_view) that are made when they are read.
 //
-// Going forward reads the bytes in between and costs nothing else; element_index.h says what jumps cost.
+// A step forward reads the bytes in between and costs nothing else. element_index.h says what jumps cost.
 #pragma once
 
 #include <algorithm>
@@ -18,9 +18,9 @@
 
 namespace sft::detail {
 
-/// Step says what the elements are (as in struct Elements) and how one is read. What
-/// std::ranges::view_interface would add is written out, because Clang up to 15 looks at the constraints of
-/// its members while the class that derives from it is still incomplete, and then refuses that class.
+/// Step defines the elements (as in struct Elements) and how one is read. The functions of
+/// std::ranges::view_interface are written out: Clang up to 15 looks at the constraints of its members while
+/// the derived class is still incomplete, and then refuses that class.
 template <class Step>
 class ElementRange : public std::ranges::view_base {
  public:
@@ -32,7 +32,7 @@ class ElementRange : public std::ranges::view_base {
 
    public:
     using iterator_concept = std::random_access_iterator_tag;
-    using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+    using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
     using value_type = typename Step::Value;
     using reference = value_type;
     using difference_type = std::ptrdiff_t;
@@ -43,7 +43,7 @@ class ElementRange : public std::ranges::view_base {
     Arrow operator->() const { return {**this}; }
     value_type operator[](difference_type n) const { return *(*this + n); }
 
-    /// If the bytes are not what they claim to be, the next element is the end.
+    /// Moves to the next element, which is the end if the bytes are malformed.
     iterator& operator++() {
       const std::uint32_t next = behind(offset());
       if (next == no_offset) s_->flag_malformed();
@@ -83,7 +83,7 @@ class ElementRange : public std::ranges::view_base {
     iterator(const SampleState* s, Extent extent, std::uint32_t position)
         : s_(s), first_(extent.first), count_(extent.count), position_(position), known_{0, extent.first} {}
 
-    /// Does what next_element() does, for elements that are known at compile time.
+    /// The same as next_element(), for elements that are known at compile time.
     std::uint32_t behind(std::uint32_t offset) const {
       if constexpr (Step::type == nullptr) {
         return skip_string(*s_, offset);
@@ -100,11 +100,11 @@ class ElementRange : public std::ranges::view_base {
     std::uint32_t first_ = 0;
     std::uint32_t count_ = 0;
     std::uint32_t position_ = 0;
-    KnownElement known_{};  ///< the last one that was walked to
+    KnownElement known_{};  ///< the last element that was walked to
   };
 
   ElementRange() = default;
-  /// Empty, and the sample flagged, where its bytes cannot be that many elements.
+  /// If the bytes of the sample cannot be that many elements, the range is empty and the sample is flagged.
   ElementRange(const SampleState& s, Extent extent)
       : s_(&s), extent_(checked_elements(s, extent, Step::type == nullptr ? 4 : 1)) {
     if (!extent_) extent_ = without_bytes(s, extent);
@@ -134,7 +134,8 @@ class ElementRange : public std::ranges::view_base {
   static bool have_bytes(const SampleState& s) {
     return Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
   }
-  /// Elements of which nothing was sent take no bytes, and no bytes vouch for their number.
+  /// Returns the extent of elements of which nothing was sent. They take no bytes, so that no bytes confirm
+  /// their number.
   [[gnu::noinline]] static Extent without_bytes(const SampleState& s, Extent extent) {
     const Extent empty_ones = have_bytes(s) ? Extent{} : checked_elements(s, extent, 0);
     if (empty_ones) return empty_ones;
@@ -142,7 +143,7 @@ class ElementRange : public std::ranges::view_base {
     return {0, 0};
   }
 
-  // Two words, which are passed in registers.
+  // These two words are passed in registers.
   const SampleState* s_ = nullptr;
   Extent extent_{0, 0};
 };

@@ -1,4 +1,4 @@
-// Encodes the owned struct to CDR under a mask.
+// Encodes the owned struct as CDR under a mask.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +14,9 @@ namespace sft::detail {
 
 enum class EncodeStatus : std::uint8_t {
   ok,
-  too_large,       ///< the body would have 4 GiB or more, or a string or sequence exceeds its bound
-  string_has_nul,  ///< CDR ends a string at its first NUL
-  bad_boolean,     ///< in an array or a sequence, where booleans are bytes
+  too_large,       ///< the body has 4 GiB or more, or a string or sequence exceeds its bound
+  string_has_nul,  ///< a string contains NUL, which ends it in CDR
+  bad_boolean,     ///< a byte in an array or a sequence of booleans is neither 0 nor 1
 };
 const char* to_string(EncodeStatus status);
 
@@ -29,10 +29,10 @@ struct EncodedSize {
 EncodedSize encoded_size(const StructType& type, const void* value, const FieldMask& mask,
                          std::span<const Reservation> reservations = {}) noexcept;
 
-/// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes) and
-/// the offset of every slot to `index` (slot_count(type) entries; no_offset where absent). Padding is zero.
-/// The elements of reserved sequences are left as they are, their length is the reserved one.
-/// `postponed`: is empty, and gets long runs, which are not written; null: all is written.
+/// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes), and
+/// the offset of every slot to `index` (slot_count(type) entries; no_offset if absent). Padding is zero.
+/// Elements of reserved sequences are left as they are, and their length is the reserved one. `postponed`
+/// must be empty, and gets long runs, which are not written to `body`; null: everything is written.
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
             std::span<std::uint32_t> index, std::span<const Reservation> reservations = {},
             PostponedCopies* postponed = nullptr) noexcept;

@@ -1,4 +1,5 @@
-// FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv/. The same on every machine and in every build.
+// FNV-1a, 64 bits: http://www.isthe.com/chongo/tech/comp/fnv/. Results are the same on every machine and in
+// every build.
 #pragma once
 
 #include <cstdint>

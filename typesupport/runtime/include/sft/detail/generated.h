@@ -1,4 +1,4 @@
-// Only generated code includes this file: it has the parts that a table, field names and views are made of.
+// Only generated code includes this file. It has the building blocks of tables, field names and views.
 #pragma once
 
 #include <array>
@@ -19,13 +19,13 @@
 
 namespace sft::detail {
 
-/// True if member number M of S has the points of a cloud.
+/// Returns true if member number M of S has the points of a cloud.
 template <class S, std::size_t M>
 constexpr bool has_points() {
   return cloud_members<S> && cloud_members<S>->back() == M;
 }
 
-/// True of a leaf that is in no array or sequence of structs.
+/// Returns true for a leaf that is in no array or sequence of structs.
 constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
   for (const Member& member : type.members) {
     const std::size_t leaves = leaf_count(member);
@@ -38,8 +38,8 @@ constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
   return false;
 }
 
-/// The name of a field that is a sequence of values, member number M of S: also the names of its parts
-/// (declared_part.h). Its leaf is First.
+/// The name of a field that is a sequence of values, which has functions to declare parts (declared_part.h).
+/// The field is member number M of S and has the leaf First.
 template <class Root, std::size_t First, class S, std::size_t M>
 class SequenceNode : public FieldNode<Root, First, 1> {
   static constexpr FieldPart<Root> whole() {
@@ -75,18 +75,18 @@ class SequenceNode : public FieldNode<Root, First, 1> {
   static constexpr FieldPart<Root> columns(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) {
     return whole().columns(begin, end, step);
   }
-  /// These channels of each point.
+  /// Declares these channels of each point.
   template <NameText... Names>
   static constexpr FieldPart<Root> channels = part_with<Names...>();
 };
 
-/// Parts are of sequences of values.
+/// Returns true for a sequence of values: other fields have no parts.
 constexpr bool may_have_parts(const Member& member) {
   return member.shape == Shape::sequence && member.kind != Kind::structure;
 }
 
-/// Base of the generated names of S's fields, S being at leaf First of Root: S's own node, and nodes for its
-/// members.
+/// Base of the generated field names of S, which is at leaf First of Root. It is the node of S itself, and
+/// defines the nodes of its members.
 template <class Root, std::size_t First, class S>
 struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
   template <std::size_t M>
@@ -97,8 +97,8 @@ struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
                          FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>>;
 };
 
-/// Names below a sequence of structs E: `fields` is all of it, `fields.size` its length, `fields.each.name` a
-/// leaf of the elements (written `fields[].name` in text).
+/// Names below a sequence of structs E: `fields` means all of it, `fields.size` its length, and
+/// `fields.each.name` a leaf of the elements (written `fields[].name` in text).
 template <class E, class Root, std::size_t First>
 struct SequenceFields : FieldNode<Root, First, 1 + leaf_count_of<E>> {
   static constexpr FieldNode<Root, First, 1> size{};

@@ -1,4 +1,4 @@
-// Says how a field is made of rows and columns, and which other fields depend on it (selection.md, "Parts").
+// How a field is made of rows and columns, and which other fields depend on it (selection.md, "Parts").
 #pragma once
 
 #include <array>
@@ -11,14 +11,14 @@
 
 namespace sft::detail {
 
-/// What a field means to the laid out one, of which a part is taken.
+/// The role of a field in the layout of another field, of which a part is taken.
 enum class LayoutRole : std::uint8_t {
-  rows,        ///< how many there are; u32, as are the next three
-  columns,     ///< how many a row has
-  cell_bytes,  ///< from one cell of a row to the next
-  row_bytes,   ///< from one row to the next
+  rows,        ///< the number of rows; uint32, as are the next three
+  columns,     ///< the number of columns of a row
+  cell_bytes,  ///< bytes from one cell of a row to the next
+  row_bytes,   ///< bytes from one row to the next
   channels,    ///< a sequence of structs: string name, u32 offset, u8 type, u32 count
-  byte_order,  ///< not rewritten; whoever reads the cells needs it
+  byte_order,  ///< not rewritten; needed to read the cells
   encoding,    ///< a string: the name of the format of a pixel
   scale,       ///< the length of a side of a cell
   origin,   ///< a struct of seven float64: where the first cell is (x, y, z), and its rotation (x, y, z, w)
@@ -29,37 +29,38 @@ enum class LayoutRole : std::uint8_t {
 };
 inline constexpr std::size_t layout_roles = 13;
 
-/// A layout of one type, with the places of its fields in that type.
+/// The layout of a field in a type, with the places of the fields that belong to it.
 struct Layout {
   enum class Form : std::uint8_t {
-    list,   ///< has a number of elements
+    list,   ///< a number of elements, without rows
     cells,  ///< rows of cells, all of the same size
     points  ///< rows of cells with channels
   };
   struct Field {
-    std::uint32_t leaf = 0;  ///< the first one
+    std::uint32_t leaf = 0;  ///< the first leaf of the field
     std::uint32_t slot = 0;
     const Member* member = nullptr;  ///< null: the type has no such field
     explicit operator bool() const { return member != nullptr; }
   };
 
   Form form = Form::list;
-  std::uint32_t rule = 0;     ///< Selection::Part::rule of its parts
-  std::vector<Field> data{};  ///< sequences, of which the same part is taken
+  std::uint32_t rule = 0;     ///< Selection::Part::rule of its parts; 0: the rule was not annotated
+  std::vector<Field> data{};  ///< sequences of which the same part is taken
   std::array<Field, layout_roles> fields{};
 
   const Field& operator[](LayoutRole role) const { return fields[static_cast<std::size_t>(role)]; }
-  /// The role of the field with this leaf. Of an origin these are the leaves of its position.
+  /// Returns the role of the field with this leaf. The role origin is returned for the leaves of its position
+  /// only.
   std::optional<LayoutRole> role_of(std::size_t leaf) const;
   bool has_rows() const { return form != Form::list; }
   bool has_channels() const { return form == Form::points; }
 };
 
-/// The field with this leaf, which is in no array or sequence of structs. The type has the leaf.
+/// Returns the field with this leaf, which must be in no array or sequence of structs, and must exist.
 Layout::Field field_at(const StructType& type, std::size_t leaf);
 
-/// The layouts of a type and of the structs in it, except of those in arrays and sequences: those that its
-/// members are annotated with, or that are known by the name of the type. No field has a role in two of them.
+/// Returns the layouts of a type and of the structs in it, except those in arrays and sequences. They are
+/// annotated at members, or known by the name of the type. No field has a role in two of them.
 std::vector<Layout> layouts_of(const StructType& type);
 
 }  // namespace sft::detail

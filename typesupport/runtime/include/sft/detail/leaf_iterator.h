@@ -8,13 +8,13 @@
 
 namespace sft::detail {
 
-/// Set has word(i), in which bit b stands for leaf 64 * i + b, and word_count(). Refers to the set, which
-/// must not change meanwhile.
+/// Set has word_count() words word(i), in which bit b stands for leaf 64 * i + b. The iterator refers to the
+/// set, which must not change meanwhile.
 template <class Set>
 class LeafIterator {
  public:
   using iterator_concept = std::forward_iterator_tag;
-  using iterator_category = std::input_iterator_tag;  // what C++17 asks of one whose elements are values
+  using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
   using value_type = std::size_t;
   using reference = std::size_t;
   using pointer = void;
@@ -55,7 +55,7 @@ class LeafIterator {
 
   const Set* set_ = nullptr;
   std::size_t word_ = 0;
-  std::uint64_t bits_ = 0;  ///< of the word, those not yet visited
+  std::uint64_t bits_ = 0;  ///< the bits of the present word that are not yet visited
 };
 
 }  // namespace sft::detail

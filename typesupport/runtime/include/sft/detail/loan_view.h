@@ -1,4 +1,4 @@
-// The writable side: sequences of primitives that were reserved in a loan and are filled in place.
+// The writable side of loans: sequences of primitives that were reserved in a loan and are filled in place.
 #pragma once
 
 #include <algorithm>
@@ -13,15 +13,16 @@
 
 namespace sft::detail {
 
-/// Reserves `length` elements, which are not written, for the sequence at `leaf`, which has its own `slot`.
-/// Without a length the sequence is encoded as it is.
+/// Reserves `length` elements for the sequence at `leaf`, which has its own `slot`; encode() does not write
+/// these elements. Without a length the sequence is encoded as it is.
 struct Reservation {
   std::size_t leaf = 0;
   std::optional<std::uint32_t> length{};
   std::size_t slot = 0;
 };
 
-/// Returns what generated code reserves for member M of T: a sequence, or the sequences in a struct S.
+/// Returns the reservations for member M of T: a sequence, or the sequences in a struct S. Generated code
+/// calls it.
 template <class T, std::size_t M>
 constexpr std::array<Reservation, 1> reservations_of(std::optional<std::uint32_t> length) {
   return {{{leaf_offset(TypeTable<T>::type, M), length, slot_offset(TypeTable<T>::type, M)}}};
@@ -48,11 +49,11 @@ constexpr auto joined(const std::array<Reservation, N>&... parts) {
   return all;
 }
 
-/// Members of a struct T in a loaned sample. Owns nothing: the loan does.
+/// The members of a struct T in a loaned sample. The loan owns the memory.
 template <class T>
 class LoanedPlace {
  public:
-  /// `slot` is T's first in the root type. Without a body (the loan is gone) all spans are empty.
+  /// `slot` is the first slot of T in the root type. Without a body (the loan has ended) all spans are empty.
   LoanedPlace(std::byte* body, const SampleState& state, std::size_t slot = 0)
       : body_(body), state_(state), slot_(slot) {}
 

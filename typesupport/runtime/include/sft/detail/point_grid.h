@@ -22,23 +22,23 @@ class DynamicView;
 
 namespace detail {
 
-/// The members of a cloud that its points need.
+/// The members of a cloud that are needed to find its points.
 inline constexpr std::array<std::string_view, 7> cloud_fields{
     "height", "width", "fields", "is_bigendian", "point_step", "row_step", "data"};
 
-/// The numbers of these members in a struct, in the same order.
+/// The numbers of these members in a struct, in the order of cloud_fields.
 using CloudMembers = std::array<std::size_t, cloud_fields.size()>;
 
-/// The places at which these members begin in a sample, in the same order.
+/// The offsets at which these members begin in a sample, in the order of cloud_fields.
 struct CloudPlace {
   const SampleState* sample = nullptr;
   std::array<std::uint64_t, cloud_fields.size()> offsets{};
-  std::size_t data_leaf = 0;  ///< of the data
+  std::size_t data_leaf = 0;  ///< the leaf of the member `data`
 };
 
-// What follows is computed by the compiler: declared_part.h says why it has loops in place of std::ranges.
+// The compiler evaluates the following: declared_part.h says why it has loops in place of std::ranges.
 
-/// Tells whether a struct has just these single values.
+/// Returns true if a struct has exactly single values of these kinds.
 constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kinds) {
   if (type.members.size() != kinds.size()) return false;
   const Kind* kind = kinds.begin();
@@ -48,14 +48,14 @@ constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kin
   return true;
 }
 
-/// The number of the member of that name; members.size() if there is none.
+/// Returns the number of the member of that name; members.size() if there is none.
 constexpr std::size_t number_of(std::span<const Member> members, std::string_view name) {
   std::size_t number = 0;
   while (number < members.size() && members[number].name != name) ++number;
   return number;
 }
 
-/// Tells whether a member is what the cloud field of this number is in sensor_msgs.
+/// Returns true if a member has the type that the cloud field of this number has in sensor_msgs.
 constexpr bool fits_cloud_field(const Member& member, std::size_t field) {
   const std::string_view name = cloud_fields[field];
   if (name == "fields") {
@@ -67,7 +67,7 @@ constexpr bool fits_cloud_field(const Member& member, std::size_t field) {
   return (name == "is_bigendian" ? is_byte : member.kind == Kind::uint32) && member.shape == Shape::single;
 }
 
-/// Nothing if the struct is no cloud. A struct of that name may have other fields.
+/// Returns nothing if the struct is no cloud. A struct of that name may have other fields.
 constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   if (type.name != "sensor_msgs::msg::PointCloud2") return {};
   CloudMembers members{};
@@ -79,7 +79,7 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   return members;
 }
 
-/// The members of a cloud that is compiled in. Nothing if the struct is no cloud.
+/// The members of a cloud whose type is compiled in. Nothing if the struct is no cloud.
 template <class S>
 inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
 
@@ -87,28 +87,29 @@ inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(Ty
 struct WantedChannel {
   std::string_view name;
   std::uint8_t type;  ///< its number in sensor_msgs/PointField
-  // find_points() sets the others.
-  std::uint32_t offset = 0;     ///< in a point
+  // find_points() sets the following members.
+  std::uint32_t offset = 0;     ///< the offset in a point
   std::uint8_t found_type = 0;  ///< 0: the channel is missing
   bool is_found = false;
 };
 
-/// The leaves of the members of a cloud, in the same order.
+/// The leaves of the members of a cloud, in the order of cloud_fields.
 struct LeafRange {
   std::size_t first = 0;
   std::size_t count = 0;
 };
 using CloudLeaves = std::array<LeafRange, cloud_fields.size()>;
 
-/// Finds the points, and the wanted channels in them. If the cloud contradicts itself, the grid is empty.
+/// Finds the points of a cloud, and the wanted channels in them. The grid is empty if the cloud contradicts
+/// itself.
 Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
 
-/// Notes that these channels are read if reads are recorded. All members of the cloud are noted if its
-/// channels are not noted one by one. An error if the sample was sent without a member or a channel.
+/// Notes that these channels are read if reads are recorded. Notes all members of the cloud if its channels
+/// are not noted one by one. Returns an error if the sample was sent without a member or a channel.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted);
 
-/// Finds a cloud in a sample whose type is not compiled in, and notes as note_points() does.
+/// Finds a cloud in a sample whose type is not compiled in, and notes reads like note_points().
 Result<CloudPlace> cloud_place_of(const DynamicView& view, std::span<const WantedChannel> wanted);
 
 }  // namespace detail

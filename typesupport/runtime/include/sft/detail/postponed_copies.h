@@ -1,5 +1,6 @@
-// Long runs of primitives that encode() may leave where they lie in the value. Whoever sends a body at once
-// can send these from there, and copy them afterwards, or not at all if nobody needs the body any more.
+// Long runs of primitives that encode() may leave where they are in the value. A transport that sends a body
+// at once can send these runs from there. It copies them afterwards, or not at all if the body is not needed
+// any more.
 #pragma once
 
 #include <algorithm>
@@ -12,8 +13,8 @@
 
 namespace sft::detail {
 
-/// The postponed copies of one body. They are valid as long as the value lives and does not change. Allocates
-/// nothing.
+/// The postponed copies of one body. They are valid as long as the value exists and does not change.
+/// Allocates nothing.
 class PostponedCopies {
  public:
   /// Shorter runs are copied at once.
@@ -21,8 +22,8 @@ class PostponedCopies {
 
   explicit PostponedCopies(std::size_t bytes_min = usual_bytes_min) : bytes_min_(bytes_min) {}
 
-  /// Adds a copy, in the order in which copies lie in the body. Returns false if the bytes have to be copied
-  /// now: the run is short, or there are too many.
+  /// Adds a copy. Copies are added in their order in the body. Returns false if the bytes have to be copied
+  /// now, because the run is short or there are too many copies.
   bool add(std::byte* to, const std::byte* from, std::size_t bytes) noexcept {
     if (bytes < bytes_min_ || count_ == copies_.size()) return false;
     copies_[count_++] = {to, from, bytes};
@@ -32,14 +33,14 @@ class PostponedCopies {
   bool empty() const noexcept { return first_ == count_; }
   void clear() noexcept { first_ = count_ = 0; }
 
-  /// Makes the next ones, of at most so many bytes.
+  /// Makes the next copies, of at most this many bytes.
   void make(std::size_t bytes_max) noexcept;
   void make_all() noexcept { make(static_cast<std::size_t>(-1)); }
 
-  /// Where `bytes` from `data` on can be read at present. Null if they are in several places.
+  /// Returns where `bytes` from `data` on can be read at present. Null if they are in several places.
   const std::byte* locate(const std::byte* data, std::size_t bytes) const;
 
-  /// Appends where the bytes of these segments, which may refer to the body, are at present.
+  /// Appends the present places of the bytes of these segments, which may refer to the body.
   void locate(std::span<const Segment> segments, std::vector<Segment>& located) const;
 
  private:
@@ -50,7 +51,7 @@ class PostponedCopies {
   };
   const std::size_t bytes_min_;
   std::array<Copy, 8> copies_;
-  std::size_t first_ = 0;  ///< that is not made
+  std::size_t first_ = 0;  ///< the index of the first copy that is not made
   std::size_t count_ = 0;
 };
 

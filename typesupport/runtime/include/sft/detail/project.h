@@ -1,6 +1,6 @@
-// From one encoded sample to the CDR of a smaller mask, without touching what is not asked for: small runs
-// are copied to a staging buffer, large ones are named where they lie in the source. Of some fields only a
-// part may be asked for (cut.h); its bytes are gathered in the staging buffer, unless they lie together.
+// Makes the CDR of a smaller mask from one encoded sample, without touching other fields. Small runs are
+// copied to a staging buffer; large ones are referenced in the source. If only a part of a field is asked for
+// (cut.h), the bytes of the part are gathered in the staging buffer, unless they are contiguous.
 #pragma once
 
 #include <array>
@@ -26,13 +26,13 @@ struct Segment {
 /// Runs of at least this many bytes are referenced in the source rather than copied.
 inline constexpr std::size_t reference_bytes_min = 4096;
 
-/// The runs that have to be gathered for one mask, whatever else the source has. They are found once, when
-/// the mask becomes known. Immutable; any number of projections may use a plan at a time.
+/// The runs that have to be gathered for one mask, for any source. They are found once, when the mask becomes
+/// known. A plan is immutable; any number of projections may use it at a time.
 class ProjectionPlan {
  public:
   /// `type` outlives the plan. `mask` is closed.
   ProjectionPlan(const StructType& type, FieldMask mask);
-  /// The same for a closed selection; the gate does not matter.
+  /// The same for a closed selection, whose gate is not used.
   ProjectionPlan(const TypeSupport& type, const Selection& selection);
 
   const FieldMask& mask() const { return mask_; }
@@ -40,11 +40,11 @@ class ProjectionPlan {
   FieldMask whole() const;
   bool has_parts() const { return !parts_.empty(); }
   std::size_t parts() const { return parts_.size(); }
-  /// The field of a part.
+  /// The field of part number i.
   const Layout::Field& data(std::size_t i) const { return parts_[i].data; }
-  /// True if views can read the parts where they are: none is of texts.
+  /// Returns true if views can read the parts in place, which they cannot for parts of sequences of texts.
   bool can_stay_in_place() const;
-  std::uint64_t parts_hash() const { return parts_hash_; }  ///< Selection::parts_hash()
+  std::uint64_t parts_hash() const { return parts_hash_; }  ///< the value of Selection::parts_hash()
 
  private:
   friend class Projection;
@@ -54,29 +54,29 @@ class ProjectionPlan {
     Layout::Field data{};
     const Layout* layout = nullptr;
   };
-  /// What a part changes: the field itself, or one that depends on it.
+  /// What a part changes: the field itself, or a field that depends on it.
   struct Change {
-    std::optional<std::size_t> part{};  ///< none: nothing changes
+    std::optional<std::size_t> part{};  ///< the number of the part; none: nothing changes
     std::optional<LayoutRole> role{};   ///< none: the field itself
-    std::size_t coordinate = 0;         ///< of an origin: 0 to 2
+    std::size_t coordinate = 0;         ///< the number of the coordinate of an origin, 0 to 2
   };
 
-  /// A leaf of which the size is known: a primitive or an array of them.
+  /// A leaf with a known size: a primitive or an array of primitives.
   struct Block {
     std::uint64_t bytes;
     std::uint32_t alignment;
   };
-  /// Blocks of neighbouring leaves, which lie behind one another in every source that has them.
+  /// Blocks of neighbouring leaves, which are adjacent in every source that has them.
   struct Run {
     std::uint32_t first_block = 0;
     std::uint32_t blocks = 0;
-    std::uint32_t alignment = 1;              ///< the largest of its blocks
-    std::array<std::uint64_t, 8> bytes_at{};  ///< padding included, where it begins at this offset modulo 8
+    std::uint32_t alignment = 1;              ///< the largest alignment of its blocks
+    std::array<std::uint64_t, 8> bytes_at{};  ///< bytes with padding, by the offset of the run modulo 8
   };
   struct Step {
-    std::size_t slot = 0;  ///< where it begins in the source
+    std::size_t slot = 0;  ///< the slot of its beginning in the source
     std::size_t leaf = 0;
-    const Member* member = nullptr;  ///< null: a run
+    const Member* member = nullptr;  ///< null: the step is a run
     Run run{};
     Change change{};
   };
@@ -92,35 +92,37 @@ class ProjectionPlan {
   std::vector<PlannedPart> parts_;
   std::vector<Step> steps_;
   std::vector<Block> blocks_;
-  std::size_t next_slot_ = 0;  ///< behind the last block, while steps are added
+  std::size_t next_slot_ = 0;  ///< the slot behind the last block, while steps are added
 };
 
 class Projection {
  public:
-  /// Projects `source` to the plan's mask; source.index is used and must be valid. False if the source does
-  /// not have all of the mask, or its bytes are not what they claim to be. In steady state nothing is
-  /// allocated.
+  /// Projects `source` to the plan's mask. Uses source.index, which must be valid. Returns false if the
+  /// source does not have all fields of the mask, or if its bytes are malformed. Allocates nothing in steady
+  /// state.
   bool project(const SampleState& source, const ProjectionPlan& plan);
 
-  /// The same for a plan with parts, all in one piece: to `memory`, where bytes_most() bytes suffice for
-  /// nearly all messages. False if they do not. Empty: to memory of the projection. Of what the source lacks
-  /// yet because its copies are `postponed`, the part is taken from where they will be made from.
+  /// The same for a plan with parts, all in one piece in `memory`. bytes_most() bytes suffice for nearly all
+  /// messages; returns false if they do not. If `memory` is empty, the projection uses memory of its own.
+  /// Bytes that the source still lacks because their copies are `postponed` are read where the copies will be
+  /// made from.
   bool project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
                const PostponedCopies* postponed = nullptr);
-  /// Projects the fields around the parts of the plan, which are left empty. cuts() are valid afterwards.
+  /// Projects the fields around the parts of the plan, and leaves the parts empty. cuts() are valid
+  /// afterwards.
   bool project_around_parts(const SampleState& source, const ProjectionPlan& plan);
-  /// Tells where the parts of the plan lie in the source that was projected last.
+  /// Where the parts of the plan are in the source that was projected last.
   std::span<const Cut> cuts(const ProjectionPlan& plan) const { return std::span(cuts_).first(plan.parts()); }
-  /// How many bytes the body of a plan with parts can have, but for the padding of structs in sequences; 0
-  /// where project() would fail.
+  /// Returns how many bytes the body of a plan with parts can have, without the padding of structs in
+  /// sequences. Returns 0 if project() would fail.
   std::size_t bytes_most(const SampleState& source, const ProjectionPlan& plan);
 
-  /// Projects once, with a plan of its own.
+  /// Projects with a plan that is made for this call.
   bool project(const SampleState& source, const StructType& type, const FieldMask& mask) {
     return project(source, ProjectionPlan(type, mask));
   }
 
-  /// The memory of a projection, which grows with the masks and samples that it has seen.
+  /// The memory of a projection. It grows with the masks and samples that were projected.
   struct Memory {
     std::size_t staging_bytes = 0;
     std::size_t segments = 0;
@@ -131,11 +133,11 @@ class Projection {
     }
   };
   Memory memory() const { return {staging_.size(), segments_.capacity()}; }
-  /// Takes at least so much memory: what another projection could project with it needs no more here. Ends
-  /// the validity of segments().
+  /// Takes at least this much memory, so that what another projection could project with it allocates nothing
+  /// here. Invalidates segments().
   void reserve(const Memory& memory);
 
-  /// The projected body, in order. Valid until the next project() and while the source lives.
+  /// The projected body, in order. Valid until the next project() and as long as the source.
   std::span<const Segment> segments() const { return segments_; }
   std::size_t bytes() const { return bytes_; }
 
@@ -146,8 +148,8 @@ class Projection {
   bool write(Writer<with_parts> writer);
   bool find_cuts(const SampleState& source, const ProjectionPlan& plan);
 
-  std::vector<Cut> cuts_;           ///< of the plan's parts, one after the other
-  std::vector<std::byte> staging_;  ///< grows and keeps its size
+  std::vector<Cut> cuts_;           ///< one for each part of the plan
+  std::vector<std::byte> staging_;  ///< grows, and never shrinks
   std::vector<Segment> segments_;
   std::size_t bytes_ = 0;
 };

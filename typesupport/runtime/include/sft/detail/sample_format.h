@@ -1,11 +1,11 @@
-// The layout of one encoded sample in memory, in a shared chunk as in a heap buffer:
+// The layout of one encoded sample in memory, the same in a shared chunk and in a heap buffer:
 //
 //   SampleHeader | u32 offset per slot | padding | 4 bytes of encapsulation | CDR body
 //
-// The body is 8-aligned in memory, so that every primitive is aligned as CDR aligned it. It is byte for byte
-// what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from the
-// first byte of the body; the offset of a string or a sequence is where its length stands. A slot whose
-// leaves are absent holds no_offset.
+// The body is 8-aligned in memory, so that every primitive has the alignment of CDR. The body is byte for
+// byte what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from
+// the first byte of the body. The offset of a string or a sequence is that of its length. A slot whose leaves
+// are absent holds no_offset.
 #pragma once
 
 #include <array>
@@ -15,28 +15,29 @@
 namespace sft::detail {
 
 inline constexpr std::uint32_t no_offset = 0xFFFF'FFFF;
-inline constexpr std::uint32_t sample_magic = 0x31544653;  // "SFT1"
+inline constexpr std::uint32_t sample_magic = 0x31544653;  // the bytes "SFT1"
 inline constexpr std::size_t encapsulation_bytes = 4;
 inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr_le{0x00, 0x01, 0x00, 0x00};
 
 struct SampleHeader {
   std::uint32_t magic = sample_magic;
   std::uint16_t index_slots = 0;
-  std::uint16_t gates = 0;           ///< in the table behind the body (core/seam/gate_table.h)
-  std::uint64_t writer = 0;          ///< the writer's random id of this incarnation
-  std::uint64_t sequence = 0;        ///< from 1
-  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME at publish
+  /// The number of gates in the table behind the body (core/seam/gate_table.h).
+  std::uint16_t gates = 0;
+  std::uint64_t writer = 0;          ///< the writer's random id, a new one after a restart
+  std::uint64_t sequence = 0;        ///< counted from 1
+  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME when it was published
   std::uint64_t type_hash = 0;
-  std::uint32_t body_offset = 0;  ///< from the header's first byte
+  std::uint32_t body_offset = 0;  ///< the offset from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Sequence and stamp of the writer's newest earlier sample that went by UDP alone, because shared memory
+  // Sequence and stamp of the writer's newest earlier sample that was sent only by UDP, because shared memory
   // was not in use yet or could not take it. That sample may arrive later than this one. 0: there was none.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };
 static_assert(sizeof(SampleHeader) == 64);
 
-/// Tells where the parts of a sample begin, counted from the header, for a type with that many slots.
+/// The positions of the parts of a sample, counted from the header, for a type with that many slots.
 struct SampleLayout {
   std::size_t body_offset;
 

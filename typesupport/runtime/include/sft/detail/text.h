@@ -1,4 +1,4 @@
-// Checks for text of unknown origin, and a distance between names to suggest what the author meant.
+// Checks for text of unknown origin, and a distance between names with which errors suggest a similar name.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@ struct CodePoint {
 };
 
 /// The first code point of a text that is not empty. Surrogates, overlong forms and code points beyond
-/// U+10FFFF are no UTF-8.
+/// U+10FFFF are not UTF-8.
 CodePoint first_code_point(std::string_view text);
 
-/// True for control characters and for code points that are no characters, which must not be sent to a
+/// Returns true for control characters and for code points that are not characters: neither must be sent to a
 /// terminal.
 bool is_control(std::uint32_t code_point);
 
-/// True for UTF-8 without control characters.
+/// Returns true for UTF-8 without control characters.
 bool is_printable(std::string_view text);
 
 /// The Levenshtein distance of two names.

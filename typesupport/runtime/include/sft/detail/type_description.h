@@ -1,5 +1,5 @@
-// A message type as a few hundred bytes that travel with its topic: type_description.md. Reading them back is
-// DynamicType::parse (dynamic_type.h).
+// A message type as a few hundred bytes that travel with its topic (type_description.md). DynamicType::parse
+// (dynamic_type.h) reads them.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@ namespace sft::detail {
 
 inline constexpr std::uint8_t type_description_version = 1;
 
-/// Equal types have equal descriptions. Time and bytes grow with the structs that there are, not with how
-/// often they are used.
+/// Returns the description of a type. Equal types have equal descriptions. Time and bytes grow with the
+/// number of different structs, not with the number of their uses.
 std::vector<std::byte> describe(const StructType& type);
 
 }  // namespace sft::detail

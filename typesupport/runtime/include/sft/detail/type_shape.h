@@ -1,4 +1,4 @@
-// Types for people: a type as text, and where two definitions of one differ.
+// Types for people: a type as text, and the difference between two definitions of a type.
 #pragma once
 
 #include <cstdint>
@@ -8,15 +8,15 @@
 
 namespace sft::detail {
 
-/// All structs and enumerations that `type` is made of, each once and before it is used, and `type` last, in
-/// the syntax of IDL (without modules: names are whole).
+/// All structs and enumerations of which `type` is made, each once and before its first use, and `type` last,
+/// in the syntax of IDL (without modules: names are whole).
 std::string format_shape(const StructType& type);
 
-/// "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color": the type of one member.
+/// The type of one member: "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color".
 std::string format_type(const StructType::Member& member);
 
-/// Says in one line where two types differ first: "fields[].offset: uint32 here, uint64 there". Only
-/// differences count that structure_hash() tells apart: not the names of types, not units. Empty if nothing
+/// Returns the first difference of two types in one line: "fields[].offset: uint32 here, uint64 there". Only
+/// differences that structure_hash() distinguishes count: names of types and units do not. Empty if nothing
 /// differs.
 std::string first_difference(const StructType& here, const StructType& there);
 

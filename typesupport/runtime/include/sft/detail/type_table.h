@@ -1,5 +1,4 @@
-// Makes the structure of a message type (type.h) from generated tables, with the numbering that is computed
-// from it.
+// Makes the structure of a message type (type.h) from generated tables, and computes its numbering.
 //
 // Slots are the leaves for which a sample's index has an offset: every leaf outside collections of structs,
 // and one slot for each outermost collection of structs.
@@ -23,7 +22,7 @@ using Kind = Member::Kind;
 using Shape = Member::Shape;
 using Enumerator = EnumType::Enumerator;
 
-/// Bytes that one primitive takes in CDR, which is also its alignment (XCDR1). A string's is that of its
+/// The bytes of one primitive in CDR, which are also its alignment (XCDR1). For a string, the bytes of its
 /// length.
 constexpr std::size_t size_of(Kind kind) {
   switch (kind) {
@@ -53,18 +52,18 @@ constexpr std::size_t size_of(Kind kind) {
 
 constexpr bool is_primitive(Kind kind) { return kind < Kind::string; }
 
-/// Reaches the elements of one std::vector instantiation without knowing its element type.
+/// Accesses the elements of one std::vector instantiation without knowing its element type.
 struct SequenceAccess {
   std::size_t (*size)(const void* vector);
   const void* (*data)(const void* vector);
   void* (*resize)(void* vector, std::size_t elements);  ///< returns the first element; existing ones are kept
 };
 
-/// Specialised for every generated enumeration: `static constexpr EnumType type`.
+/// Specialised for every generated enumeration, with `static constexpr EnumType type`.
 template <class E>
 struct EnumTable;
 
-/// Specialised for every generated type: `static constexpr StructType type`.
+/// Specialised for every generated type, with `static constexpr StructType type`.
 template <class T>
 struct TypeTable;
 
@@ -83,14 +82,14 @@ constexpr std::uint32_t alignment_of(const Member& m) {
   return m.shape == Shape::sequence && own < 4 ? 4 : own;
 }
 
-/// Returns the alignment of the place where a member begins and its slot points to. A collection of structs
-/// without a length begins with its first element, which has no alignment of its own.
+/// Returns the alignment of the position to which the slot of a member points. An array of structs begins
+/// with its first element, which has no alignment of its own.
 constexpr std::size_t slot_alignment(const Member& m) {
   if (m.shape == Shape::sequence) return 4;
   return m.kind == Kind::structure ? 1 : size_of(m.kind);
 }
 
-/// Returns the packed bytes of one element; 0 if each element has to be looked at.
+/// Returns the packed bytes of one element; 0 if each element has to be visited.
 constexpr std::uint32_t packed_bytes_of(const Member& m) {
   if (m.kind == Kind::structure) return m.type->packed_bytes;
   return is_primitive(m.kind) && m.kind != Kind::boolean ? static_cast<std::uint32_t>(size_of(m.kind)) : 0;
@@ -121,12 +120,12 @@ constexpr void StructType::find_packing() {
                         (m.kind != Member::Kind::structure || m.type->is_packed_in_memory);
     if (detail::alignment_of(m) > alignment) alignment = detail::alignment_of(m);
     bytes += std::uint64_t{m.count} * own;
-    if (bytes >> 32 != 0) {  // before a sum of more overflows
+    if (bytes >> 32 != 0) {  // stops before a sum of more members overflows
       is_packed = false;
       bytes = 0;
     }
   }
-  // A packed struct needs no padding in front of it wherever it stands, nor between two of them.
+  // A packed struct never needs padding in front of it or between two of them.
   if (!is_packed || detail::alignment_of(members[0]) != alignment || bytes % alignment != 0) return;
   packed_bytes = static_cast<std::uint32_t>(bytes);
   is_packed_in_memory = is_same_in_memory;
@@ -136,7 +135,7 @@ constexpr void StructType::find_packing() {
 
 namespace sft::detail {
 
-/// First leaf of a member, counted from the first leaf of its struct.
+/// The first leaf of a member, counted from the first leaf of its struct.
 constexpr std::size_t leaf_offset(const StructType& type, std::size_t member) {
   std::size_t n = 0;
   for (std::size_t i = 0; i < member; ++i) n += leaf_count(type.members[i]);
@@ -217,8 +216,9 @@ struct MemberOptions {
   std::string_view layout{};
 };
 
-/// One row of a generated table. V is the member's type in the owned struct, `kind` that of one element in
-/// IDL (it tells octet from uint8 and a sequence of booleans, held as std::uint8_t, from one of octets).
+/// Makes one row of a generated table. V is the member's type in the owned struct. `kind` is that of one
+/// element in IDL: it distinguishes octet from uint8, and a sequence of booleans, held as std::uint8_t, from
+/// one of octets.
 template <class V>
 constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
   using Place = ShapeOf<V>;

@@ -1,6 +1,6 @@
 // Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at
-// slots of the index (IndexedPlace), or behind one another in an element of a sequence (ElementPlace). A view
-// owns nothing and must not outlive the sample that it came from.
+// slots of the index (IndexedPlace), or one behind the other in an element of a sequence (ElementPlace). A
+// view owns nothing and must not outlive the sample to which it refers.
 //
 //   scalar               -> its value             string               -> std::string_view
 //   array, sequence      -> std::span             ... of strings       -> StringRange
@@ -8,8 +8,8 @@
 //
 // Ranges have random access (element_range.h).
 //
-// Under a declared mask a getter of an absent field does not exist. Where fields are recorded, getters of
-// leaves return std::optional, empty if this sample does not have the field, and note the access either way.
+// Under a declared mask a getter of an absent field does not exist. If fields are recorded, getters of leaves
+// note the access, and return std::optional, which is empty if this sample does not have the field.
 #pragma once
 
 #include <bit>
@@ -30,11 +30,11 @@ namespace sft::detail {
 
 static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
 
-/// Generated getters require that the mask which the reader declared has the field (or a leaf below it).
+/// True if the mask that the reader declared has the field or a leaf below it. Generated getters require it.
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
-/// The type of the deleted getters of fields that were not declared: a compiler's error names it.
+/// The type of the deleted getters of fields that were not declared: errors of compilers show this name.
 struct this_field_is_not_declared {
   struct name_it_where_the_subscriber_is_opened {};
 };
@@ -51,7 +51,8 @@ static_assert(is_primitive(static_cast<Kind>(std::tuple_size_v<Scalars> - 1)) &&
 template <Kind K>
 using ScalarOf = std::tuple_element_t<static_cast<std::size_t>(K), Scalars>;
 
-/// A boolean in an array or a sequence is its byte: a span of bool over foreign bytes would be undefined.
+/// A boolean in an array or a sequence is read as its byte, since a span of bool over foreign bytes would be
+/// undefined.
 template <Kind K>
 using ElementOf = std::conditional_t<K == Kind::boolean, std::uint8_t, ScalarOf<K>>;
 
@@ -96,7 +97,7 @@ struct StringStep {
   static Value read(const SampleState& s, std::uint64_t offset) { return string_at(s, offset); }
 };
 
-/// A getter of several strings returns this range.
+/// The range that a getter of several strings returns.
 using StringRange = ElementRange<StringStep>;
 
 template <auto R, class S, std::size_t Leaf>
@@ -112,14 +113,14 @@ struct ElementStep {
   }
 };
 
-/// Returns where the elements of member M begin, which itself begins at `offset`.
+/// Returns where the elements of member M, which begins at `offset`, begin.
 inline Extent elements_of(const SampleState& s, const Member& m, std::uint64_t offset) noexcept {
   if (m.shape == Shape::sequence) return checked_length(s, offset);
   return {offset < no_offset ? static_cast<std::uint32_t>(offset) : no_offset, m.count};
 }
 
-/// Reads member number Index of struct S, of which the first leaf is Leaf and which begins at `offset`.
-/// As: the nested struct, or the enumeration, that the generated code names; void otherwise.
+/// Reads member number Index of struct S, whose first leaf is Leaf and which begins at `offset`. As is the
+/// nested struct or the enumeration that the generated code names, otherwise void.
 template <auto R, class S, std::size_t Index, std::size_t Leaf, class As>
 auto read_leaf(const SampleState& s, std::uint64_t offset) {
   constexpr Member M = TypeTable<S>::members[Index];
@@ -149,7 +150,7 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   }
 }
 
-/// Beside the getters, which are many and short: it is needed once for each leaf and sample.
+/// Not inlined into the getters, which are many and short: it is needed once for each leaf and sample.
 [[gnu::noinline]] inline bool note_first(const SampleState& s, std::size_t leaf,
                                          std::size_t leaves) noexcept {
   if (s.log == nullptr) return s.mask->any_of(leaf, leaves);
@@ -165,13 +166,14 @@ struct RootOf<Req<T>> {
   using type = T;
 };
 
-/// The part that both places share: whether a member can be read, and noting that it was.
+/// What both places share: whether a member can be read, and noting that it was read.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   using Root = typename RootOf<std::remove_const_t<decltype(R)>>::type;
   using Struct = S;
   static constexpr Mask<Root> declared = R.mask;
-  /// The reader declared the mask. If it declared parts, the fields that belong to them are sent, too.
+  /// True if the reader declared the mask only. With declared parts, fields that belong to them are sent,
+  /// too.
   static constexpr bool declares_mask = !R.may_lack() && R.parts == DeclaredParts{};
   static constexpr bool may_lack = R.may_lack();
   static constexpr auto requirement = R;
@@ -181,18 +183,18 @@ struct PlaceBase {
   template <std::size_t M>
   static constexpr std::size_t leaf_of = Leaf + leaf_offset(TypeTable<S>::type, M);
 
-  /// True if any leaf of member M is in the declared mask (always if no mask is declared).
+  /// True if any leaf of member M is in the declared mask, or if no mask is declared.
   template <std::size_t M>
   static constexpr bool has = R.may_lack() || R.mask.intersects(leaf_of<M>,
                                                                 leaf_count(TypeTable<S>::members[M]));
-  /// True if all of them are.
+  /// True if all leaves of member M are.
   template <std::size_t M>
   static constexpr bool has_all =
       R.may_lack() || R.mask.contains(R.mask.range(leaf_of<M>, leaf_count(TypeTable<S>::members[M])));
 
  protected:
-  /// Notes the access where the reader records, and tells whether the sample has the leaf. For a collection
-  /// of structs that is the leaf of its length (or its first element's leaf, in an array).
+  /// Notes the access if the reader records, and returns whether the sample has the leaf. For a sequence of
+  /// structs that is the leaf of its length, for an array of structs the first leaf of its element.
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
     if constexpr (!R.is_recorded) return s.mask->any_of(leaf, leaves);
     return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
@@ -208,14 +210,14 @@ struct PlaceBase {
   }
 };
 
-/// A struct in a sample, and where it begins.
+/// A struct in a sample, and the offset at which it begins.
 struct WholeStruct {
   const SampleState* sample;
   std::uint64_t begin;
 };
 
-/// Members of struct S, of which the first leaf and slot in the root type are Leaf and Slot, found through
-/// the index.
+/// The members of struct S, found through the index. Leaf and Slot are the first leaf and slot of S in the
+/// root type.
 template <auto R, class S, std::size_t Leaf, std::size_t Slot>
 class IndexedPlace : public PlaceBase<R, S, Leaf> {
   using Base = PlaceBase<R, S, Leaf>;
@@ -236,15 +238,15 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // Functions that read several members at once (points.h, cells.h) need the sample, and where member M
-  // begins in it. M is no single struct.
+  // Functions that read several members at once (points.h, cells.h) need the sample, and the offset of member
+  // M in it. M is no single struct.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return __atomic_load_n(s_->index + slot_of<M>, __ATOMIC_RELAXED);
   }
-  /// The sample with the parts of its fields, and where the struct begins in it. Without memory for that the
-  /// sample has no body.
+  /// Returns the sample with the parts of its fields, and the offset of the struct in it. If there is no
+  /// memory for that, the sample has no body.
   WholeStruct whole() const {
     const SampleState* const sample = s_->parts == nullptr ? s_ : &put_together(*s_);
     if (sample->body == nullptr) return {sample, no_offset};
@@ -258,7 +260,7 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
   const SampleState* s_;
 };
 
-/// Members of one struct S inside a collection, which begins at an offset and is walked to reach a member.
+/// The members of one struct S inside a collection. It begins at an offset, and is walked to reach a member.
 template <auto R, class S, std::size_t Leaf>
 class ElementPlace : public PlaceBase<R, S, Leaf> {
   using Base = PlaceBase<R, S, Leaf>;
@@ -279,13 +281,13 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // The same as of an indexed place.
+  // As in IndexedPlace.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
     return member_begin(*s_, TypeTable<S>::type, M, Leaf, offset_);
   }
-  /// Fields of elements have no parts.
+  /// Returns the sample itself, since fields of elements have no parts.
   WholeStruct whole() const { return {s_, offset_}; }
 
  private:
@@ -293,8 +295,8 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
   std::uint64_t offset_;
 };
 
-/// The view of a whole sample of type T as a reader with requirement R sees it. (In an alias template pass R
-/// through a parameter of type Req<T>: g++ 12 does not survive a mask variable there.)
+/// The view of a whole sample of type T for a reader with requirement R. (Pass R through a parameter of type
+/// Req<T> in an alias template: g++ 12 crashes on a mask variable there.)
 template <class T, Req<T> R>
 using ViewOf = typename T::template View<IndexedPlace<R, T, 0, 0>>;
 

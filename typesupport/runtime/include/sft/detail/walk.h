@@ -1,5 +1,5 @@
-// Every offset and bounds check of reading CDR is here (and in walk.cpp). The bytes may be hostile, and those
-// in shared memory may change while they are read: each length is loaded once, checked, and then used.
+// All offset and bounds checks for reading CDR are here and in walk.cpp. The bytes may be hostile, and those
+// in shared memory may change while they are read. So each length is loaded once, checked, and then used.
 #pragma once
 
 #include <bit>
@@ -17,25 +17,25 @@
 
 namespace sft::detail {
 
-/// Elements of a sequence of structs of which only the length was sent: more are neither made nor walked
-/// over.
+/// The maximum number of elements that are made or walked over of a sequence of structs of which only the
+/// length was sent.
 inline constexpr std::uint32_t max_empty_elements = 65'536;
 
 class ElementIndex;
 class PartsInPlace;
 
-/// A CDR body under a mask, as captured when the sample was taken. Owns nothing.
+/// A CDR body under a mask, as it was when the sample was taken. Owns nothing.
 struct SampleState {
-  const std::byte* body = nullptr;  ///< 8-aligned
+  const std::byte* body = nullptr;  ///< the first byte, aligned to 8
   std::uint32_t body_bytes = 0;
-  const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null where only walks are made
+  const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null if the body is only walked
   const FieldMask* mask = nullptr;       ///< leaves that are present
   AccessLog* log = nullptr;              ///< null unless the reader records
-  ElementIndex* elements = nullptr;      ///< remembers where elements begin; null: jumps to them walk
-  PartsInPlace* parts = nullptr;         ///< has what is in no body (parts_in_place.h); null: nothing
-  mutable bool malformed = false;        ///< a getter met bytes that are not what they claim to be
+  ElementIndex* elements = nullptr;      ///< stores where elements begin; null: a jump walks over elements
+  PartsInPlace* parts = nullptr;         ///< null: all parts are in the body (parts_in_place.h)
+  mutable bool malformed = false;        ///< set if a getter met bytes that are malformed
 
-  // Several threads may read one sample.
+  // Atomic, since several threads may read one sample.
   void flag_malformed() const noexcept { __atomic_store_n(&malformed, true, __ATOMIC_RELAXED); }
   bool is_malformed() const noexcept { return __atomic_load_n(&malformed, __ATOMIC_RELAXED); }
 };
@@ -44,23 +44,23 @@ constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) 
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-/// `count` elements of `element_bytes` each at `offset`, which is aligned unless there are none: offset of
-/// the first, or no_offset where they would not lie within the body.
+/// Checks `count` elements of `element_bytes` each at `offset`, which is aligned unless there are none.
+/// Returns the offset of the first one, or no_offset if they would not lie within the body.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes, std::uint64_t alignment) noexcept {
   if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
   const std::uint64_t first = align_up(offset, alignment);
   return first + count * element_bytes <= s.body_bytes ? static_cast<std::uint32_t>(first) : no_offset;
 }
-/// The same for elements that are aligned to their size, as all are in samples.
+/// The same for elements that are aligned to their size, as all elements in samples are.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes) noexcept {
   return checked_block(s, offset, count, element_bytes, element_bytes);
 }
 
-/// Reads a number of which a program decides something, as how far it may read. To a compiler these bytes do
-/// not change: it may read them again where the number is used, after it was checked. It takes this empty
-/// instruction for one that changes the number, so that what stands in memory is not the number any more.
+/// Reads a number on which a decision depends, such as how far to read. For a compiler these bytes do not
+/// change: it might read them again where the number is used, after it was checked. The empty instruction
+/// claims to change the number, so that the compiler cannot replace the number by the value in memory.
 template <std::integral T>
 T read_once(const std::byte* at) noexcept {
   T value;
@@ -75,7 +75,7 @@ struct Extent {
   explicit operator bool() const { return first != no_offset; }
 };
 
-/// The u32 that stands at `offset` (aligned to 4), and where the bytes behind it begin.
+/// Reads the u32 at `offset` (aligned to 4). Returns it with the offset behind it.
 inline Extent checked_length(const SampleState& s, std::uint64_t offset,
                              std::endian byte_order = std::endian::little) noexcept {
   const std::uint32_t at = checked_block(s, offset, 1, 4);
@@ -84,7 +84,7 @@ inline Extent checked_length(const SampleState& s, std::uint64_t offset,
   return {at + 4, byte_order == std::endian::native ? n : __builtin_bswap32(n)};
 }
 
-/// A sequence of primitives whose length stands at `offset`.
+/// Checks a sequence of primitives whose length is at `offset`.
 inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
                                std::size_t element_bytes) noexcept {
   const Extent length = checked_length(s, offset);
@@ -92,47 +92,47 @@ inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
   return {checked_block(s, length.first, length.count, element_bytes), length.count};
 }
 
-/// The bytes of the part that stands for that leaf, which PartsInPlace has; nothing if the body has the leaf.
+/// Returns the bytes of the part that replaces that leaf (PartsInPlace); nothing if the body has the leaf.
 /// REQUIRES: s.parts is not null.
 std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, std::size_t leaf) noexcept;
 
-/// The sample with its parts: see PartsInPlace. REQUIRES: s.parts is not null.
+/// Returns the sample with its parts: see PartsInPlace. REQUIRES: s.parts is not null.
 const SampleState& put_together(const SampleState& s) noexcept;
 
-/// Notes that these leaves are read, if reads are recorded, and tells whether the sample has all of them as
-/// they were published. For values that are found without the getters of their leaves.
+/// Notes that these leaves are read if reads are recorded. Returns whether the sample has all of them as they
+/// were published. For values that are found without the getters of their leaves.
 bool note_leaves(const SampleState& s, std::size_t first, std::size_t count);
 
-/// A string whose length (with its NUL) stands at `offset`; `count` is without the NUL. Length 0 reads as
-/// empty.
+/// Checks a string whose length (with its NUL) is at `offset`. `count` of the result is without the NUL. A
+/// string of length 0 counts as empty.
 inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcept {
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
   return {length.first, length.count == 0 ? 0 : length.count - 1};
 }
 
-/// Offset just behind a string whose length stands at `offset`.
+/// Returns the offset just behind a string whose length is at `offset`.
 inline std::uint32_t skip_string(const SampleState& s, std::uint64_t offset) noexcept {
   const Extent length = checked_length(s, offset);
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
 }
 
-/// Things of at least `bytes_min` each behind one another, at `extent`: none where the body cannot hold so
-/// many.
+/// Checks contiguous elements of at least `bytes_min` each at `extent`. Returns no elements if the body
+/// cannot hold so many.
 inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_t bytes_min) noexcept {
   if (extent.first > s.body_bytes) return {};
   const bool fits = std::uint64_t{extent.count} * bytes_min <= s.body_bytes - extent.first;
   return fits ? extent : Extent{};
 }
 
-/// Offset just behind the selected leaves of a member (or of a whole struct) that begins at `offset`, or
-/// no_offset where the body ends before. `leaf` is the number of its first leaf in the root type.
+/// Returns the offset just behind the selected leaves of a member (or of a whole struct) that begins at
+/// `offset`, or no_offset if the body ends before. `leaf` is the number of its first leaf in the root type.
 std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 
-/// The same for `n` structs behind one another. Those of which nothing is selected take no bytes.
+/// The same for `n` contiguous structs. Structs of which nothing is selected take no bytes.
 std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
                             std::uint64_t offset) noexcept;
 
@@ -147,18 +147,18 @@ enum class WalkStatus : std::uint8_t {
   bad_boolean,
   bad_string,
   trailing_bytes,
-  bad_delimiter,  ///< only in foreign encodings (convert.h), as is the next
+  bad_delimiter,  ///< only in foreign encodings (convert.h), as is the next one
   too_large
 };
 const char* to_string(WalkStatus status);
 
-/// Most bytes that may follow the last member of a body: payloads of other implementations are padded to 4.
+/// The maximum number of bytes behind the last member of a body: other implementations pad payloads to 4.
 inline constexpr std::uint32_t max_trailing_bytes = 3;
 
-/// Walks a whole body of `type` under `s.mask`, checks it (lengths, bounds, booleans 0 or 1, NUL at the end
-/// of strings and nowhere before it, at most max_trailing_bytes left over) and writes the offset of every
-/// slot to `index` (type's slot_count entries). Time is bounded by the body's bytes. `body_end`, if given, is
-/// set to the end of the last member.
+/// Walks a whole body of `type` under `s.mask`, checks it, and writes the offset of every slot to `index`
+/// (slot_count(type) entries). The check covers lengths, bounds, booleans (0 or 1), the NUL at the end of
+/// strings and nowhere before it, and at most max_trailing_bytes behind the last member. Time is bounded by
+/// the body's bytes. `body_end`, if given, is set to the end of the last member.
 WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
                        std::uint32_t* body_end = nullptr) noexcept;
 
