@@ -105,7 +105,7 @@ class ControlPlane {
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
   std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
-  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< of our own endpoints
+  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< the roles of our own endpoints
   std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< and the owners of their records
   OwnRecords own_ SFT_GUARDED_BY(mutex_);
   Links links_ SFT_GUARDED_BY(mutex_);  ///< destroyed before `known_`, which its threads use

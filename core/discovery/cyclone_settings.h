@@ -37,7 +37,7 @@ class CycloneSettings {
   std::optional<std::string> value(std::string_view path) const;
   /// Returns the values of an element that may occur several times, in order.
   std::vector<std::string> values(std::string_view path) const;
-  /// True if anything is set there or below.
+  /// Returns true if anything is set at the path or below.
   bool sets(std::string_view path) const;
   /// Returns true if there are settings, but all of them are for other domains.
   bool only_for_others() const;

@@ -49,7 +49,7 @@ std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& co
   return {0, DDS_RETCODE_OUT_OF_RESOURCES};
 }
 
-/// `free_id`: used unless the domain is secured.
+/// `free_id`: the Cyclone id of the new domain, unless the domain is secured.
 std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::uint32_t free_id) {
   if (plan.is_secured) return make_secured_domain(plan.config);
   return {free_id, dds_create_domain(free_id, plan.config.c_str())};

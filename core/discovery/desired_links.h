@@ -48,10 +48,10 @@ struct DesiredLinks {
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force);
 
-/// True if the address is in the network of the link.
+/// Returns true if the address is in the network of the link.
 bool leads_to(const LinkSpec& link, const IpAddress& address);
 
-/// For people: "lo, wlan0 (10.0.0.5)".
+/// Returns text for people: "lo, wlan0 (10.0.0.5)".
 std::string describe(std::span<const LinkSpec> links);
 
 /// Returns true if container engines give such names to their bridges and cables. No other host is behind

@@ -51,7 +51,7 @@ using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
 /// Larger than usual: an event of each kind has a function, for our own nodes as well as for other processes.
 class Directory {
  public:
-  /// True if the address is in the network of the link.
+  /// Returns true if the address is in the network of the link.
   using LeadsTo = std::function<bool(LinkId, const IpAddress&)>;
   explicit Directory(LeadsTo leads_to) : leads_to_(std::move(leads_to)) {}
 
@@ -106,7 +106,7 @@ class Directory {
   };
   struct Entry {
     std::shared_ptr<const Endpoint> endpoint;
-    std::optional<Request> request{};       ///< of a subscriber; newer than that of the endpoint
+    std::optional<Request> request{};       ///< a subscriber's latest, if newer than that in `endpoint`
     std::shared_ptr<ListeningNode> node{};  ///< the node that has it; null: another process has it
     std::optional<Place> place{};           ///< the slot of another process
   };

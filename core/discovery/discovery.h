@@ -33,10 +33,10 @@ class Discovery {
 
   struct Configuration {
     std::string summary{};                ///< for people: how and where nodes are found
-    std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not hold, and why
+    std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not apply, and why
     std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
     std::vector<std::string> interfaces{};  ///< in use; empty if the program chooses them itself
-    bool waits_for_network = false;         ///< as of DesiredLinks
+    bool waits_for_network = false;         ///< see DesiredLinks
   };
   /// The present configuration. Any thread.
   virtual Configuration configuration() const = 0;
@@ -52,8 +52,8 @@ class Discovery {
     std::string topic;
     std::string node;  ///< the name of its node
   };
-  /// Returns the publishers of that type, those of this process too. The process knows all publishers while
-  /// any of its nodes has a subscriber.
+  /// Returns the publishers of that type, including those of this process. The process knows all publishers
+  /// while any of its nodes has a subscriber.
   virtual std::vector<KnownPublisher> publishers_of(std::string_view type_name) const = 0;
   /// Announces an endpoint of this node, or a change of it. If that cannot be written now, look_after()
   /// warns, and writes it again until it succeeds. The same is true of the next two functions.

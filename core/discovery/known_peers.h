@@ -39,7 +39,7 @@ class KnownPeers final : public ControlLinkListener {
   struct HeartbeatTaken {
     LinkId link = 0;
     Heartbeat heartbeat{};
-    Time::duration age{};  ///< as of Peers::heartbeat_came()
+    Time::duration age{};  ///< see Peers::heartbeat_came()
   };
   /// Takes the heartbeats that were read, and returns what is due. Needs no lock of the caller.
   Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);

@@ -88,7 +88,7 @@ class LinkCare {
     std::optional<Time> retired_at{};
     Time look_again_at{};  ///< when to check whether the retired link may end
     std::optional<Time>
-        unknown_at{};  ///< when the first unknown participant was heard since the last question
+        unknown_at{};  ///< when an unknown participant was heard first since the last question
     bool has_unknown = false, was_asked = false;
     Time announce_at{};                          ///< the link announces itself no earlier than this
     std::chrono::milliseconds announce_pause{};  ///< after the last announcement

@@ -64,7 +64,7 @@ class Links {
   ControlLink* find(LinkId link) const;
   /// Links that could not be opened, and why.
   const std::vector<std::string>& failures() const { return failures_; }
-  /// Complaints of Cyclone about the configuration.
+  /// Returns what Cyclone complains of in the configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Calls use(id, link) for each link.

@@ -20,7 +20,7 @@ namespace sft::core {
 struct ParticipantData {
   ProcessId process = 0;
   bool is_secured = false;  ///< uses DDS Security, and does not understand others that do not
-  bool uses_topic = false;  ///< its heartbeats go and come by the topic sft_heartbeat, too
+  bool uses_topic = false;  ///< sends and receives heartbeats by the topic sft_heartbeat, too
   bool asks = false;        ///< asks other participants to announce themselves once more
   unsigned count = 0;       ///< from 0 to 9; a change makes Cyclone send the user data again
   friend bool operator==(const ParticipantData&, const ParticipantData&) = default;
@@ -41,7 +41,7 @@ class ReleaseMonitor {
  public:
   explicit ReleaseMonitor(const Timing& timing) : timing_(timing) {}
 
-  /// A participant with another version was seen, for the first time or again.
+  /// Records that a participant with another version was seen, for the first time or again.
   void seen(const RemoteParticipant& participant, std::uint32_t version);
   void gone(const RemoteParticipant& participant) { known_.erase(participant); }
   void link_gone(LinkId link) {

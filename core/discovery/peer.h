@@ -1,6 +1,6 @@
 // Another process: which of its records hold. A process has a participant on each of its links, and writes
 // all its records by each of them. Each participant has a table of its own, so that what a broken or forged
-// link has brought can be told from what other links bring.
+// link has brought can be distinguished from what other links bring.
 //
 // Of the participants of a process these count:
 //

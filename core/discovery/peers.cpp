@@ -8,7 +8,7 @@ namespace {
 
 bool is_ignored(const Participant& participant) { return participant.is_own || participant.is_one_too_many; }
 
-/// True if the participant can be judged: it is another process's, and is not silent.
+/// Returns true if the participant can be judged: it belongs to another process, and is not silent.
 bool is_heard(const Participant& participant) {
   return participant.process && !is_ignored(participant) && !participant.is_silent;
 }

@@ -21,7 +21,7 @@
 
 namespace sft::core {
 
-/// A process is there, for the first time or again. Its records follow.
+/// A process was found, for the first time or again. Its records follow.
 struct PeerFound {
   ProcessId process = 0;
 };

@@ -17,7 +17,7 @@ namespace sft::core {
 
 class RemoteTable {
  public:
-  /// A record has come.
+  /// Stores a record that has come.
   void put(const RecordKey& key, Record record);
   const Records& records() const { return records_; }
 

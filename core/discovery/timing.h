@@ -10,7 +10,7 @@ namespace sft::core {
 struct Timing {
   using Milliseconds = std::chrono::milliseconds;
 
-  /// Each participant gives a heartbeat this often, and reads those of others: six come within a lease. A
+  /// Each participant sends a heartbeat this often, and reads those of others: six come within a lease. A
   /// network that loses a fifth of all datagrams loses six in a row in one of 16,000 cases.
   Milliseconds heartbeat_every{1'000};
   /// A change is followed by a heartbeat at once, but not sooner than this after the heartbeat before: masks
@@ -37,7 +37,7 @@ struct Timing {
   /// after three quarters of it. The time may be long, because heartbeats show which processes live, and
   /// newcomers are asked to announce themselves.
   Milliseconds cyclone_lease{40'000};
-  /// The same where each peer is asked at all its ports: then announcements cost most.
+  /// Replaces `cyclone_lease` where announcements go to all ports of each peer, because they cost most there.
   Milliseconds cyclone_lease_to_peers{160'000};
 
   /// Interfaces are also read this often, because netlink drops messages when many come at once.
@@ -45,8 +45,8 @@ struct Timing {
   /// What the system refused is tried again after this time: a link, a list of interfaces, a record. That is
   /// soon for people, and costs little while it goes on for hours.
   Milliseconds try_again{1'000};
-  /// A process that ends waits this long at most for others to have what it has written last. Participants
-  /// that live confirm it within milliseconds, and those that were killed never do.
+  /// A process that ends waits this long at most until the others have its last records. Participants that
+  /// live confirm it within milliseconds, and those that were killed never do.
   Milliseconds farewell_max{1'000};
   /// The first links ask the peers by name that are looked up within this time, as a name server that can be
   /// reached answers within it. Other peers join later, by links that are made anew.

@@ -3,7 +3,7 @@
 // writer's node reports, arrivals and times go in, answers come out.
 //
 // The watchdog never complains about a pair that works, however quiet, slow, lossy or limited that is:
-// - samples that were sent are counted since the last arrival, if they went out whole to all readers;
+// - only samples count that were sent after the last arrival, and whole to all readers;
 // - where samples may get lost, more of them must be missing than can get lost by chance;
 // - the samples that were sent last have time to arrive, and large samples have more time;
 // - with a maximum rate only samples count that were reported at least a period apart: those in between may

@@ -23,13 +23,13 @@ class CallbackMonitor {
   LongWaits look(Time now);
   /// Returns true if a sample waits for the callback. That may take long.
   bool has_waiting_sample() const { return of_sample_.is_under_way(); }
-  /// Returns true while a callback runs that was running at several looks in a row.
+  /// Returns true if this and several earlier looks in a row have found a callback running.
   bool is_in_long_callback();
 
  private:
   const std::shared_ptr<SubscriberCore> core_;
   LongWait of_sample_, of_receiver_;
-  int looks_in_callback_ = 0;  ///< in a row
+  int looks_in_callback_ = 0;  ///< how many of the latest looks in a row found a callback running
 };
 
 }  // namespace sft::core

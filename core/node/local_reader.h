@@ -111,10 +111,10 @@ class LocalReader {
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::size_t selection_;
-  Feed& feed_;  ///< of the core
+  Feed& feed_;  ///< belongs to `core_`
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
-  // By writer:
+  // The keys of these maps are writers:
   std::map<EndpointId, Hearing> heard_;  ///< the connections in force
   std::map<EndpointId, Connecting> connecting_;
   std::map<EndpointId, RequestMonitor> watched_;

@@ -42,7 +42,7 @@ class LocalWriter {
   std::uint64_t sent_in_memory() const;
   /// Returns true if a late reader has not got all retained samples yet.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
-  /// True if the port could not be opened and may be tried again.
+  /// Returns true if the port could not be opened and may be tried again.
   bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 
   /// Watches the promises of the publisher. Returns true if its readers must be told now that it is alive.

@@ -1,5 +1,5 @@
 // Attempts to open ports and to connect them: what has failed is tried again after a pause, and each reason
-// is written to the log once. Used by the agent's thread.
+// is written to the log once. Used by the agent only.
 #pragma once
 
 #include <functional>

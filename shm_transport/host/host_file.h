@@ -32,7 +32,7 @@ inline constexpr const char* runtime_name_stem = "sft_";  ///< the names of our 
 /// memory, and of how they take chunks and places in queues. It is raised when an older program or daemon
 /// would misunderstand a newer one, or would damage what a newer one keeps whole (replaced_functions.h).
 inline constexpr std::uint32_t host_protocol = 4;
-/// The error with which sftd answers a registration when it serves as many processes as it may.
+/// The error with which sftd refuses a registration once it serves the greatest number of processes allowed.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 
 /// Returns whether a process may have this name. The name is also that of a socket: it must lie in /tmp

@@ -48,7 +48,7 @@ class ChunkQueue {
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and no sample remains to be taken
   void close() noexcept;
-  /// Returns how many samples remain to be taken after close() or lose().
+  /// Returns how many samples remain to be taken after close() or lose(); 0 before.
   std::uint64_t left() const noexcept;
   /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
   bool drop_oldest() noexcept;

@@ -60,8 +60,8 @@ class ChunkLender final : public core::BufferOwner,
   /// `full`: `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait`
   /// is false, and such a reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Sleeps, after commit() of that sample has returned `full`, until that reader has room, but at most until
-  /// `until`, and never long. Then the caller tries commit() again.
+  /// Sleeps until the reader whose queue made commit() of the sample return `full` has room, but at most
+  /// until `until`, and never long. The caller then tries commit() again.
   void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
 
   /// Returns whether the sample was lent here and not yet committed. Only such a sample can be committed.

@@ -40,7 +40,7 @@ class ClientTable {
   /// once in a second one more for each process.
   std::vector<std::string> find_dead(Clock::time_point now);
 
-  /// Returns whether this process can do nothing any more: it is dead, or is not registered.
+  /// Returns whether the process is dead, or is not registered.
   bool is_gone(const std::string& name) const;
 
  private:

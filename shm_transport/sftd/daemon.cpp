@@ -220,7 +220,7 @@ Daemon::End Daemon::serve() {
 }
 
 std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
-  // A young daemon waits before it starts afresh, because somebody may remove its files again and again.
+  // A young daemon waits before it starts afresh, because its files may be removed again and again.
   if (files_removed_ && now - began_ >= youngest_to_renew) return End::renew;
   if (!roudi_->is_idle()) {
     idle_since_.reset();

@@ -32,8 +32,8 @@ class Daemon {
   enum class End {
     stopped,  ///< a signal stopped the daemon
     idle,     ///< the daemon had no clients for as long as the settings say
-    /// The daemon must start afresh: no program can join, because somebody has removed its files; or it has
-    /// no clients, and the lost chunks of killed clients cannot be found.
+    /// The daemon must start afresh: no program can join, because the daemon's files have been removed; or it
+    /// has no clients, and the lost chunks of killed clients cannot be found.
     renew,
   };
   /// Describes in one sentence how much memory the daemon has taken.

@@ -14,7 +14,7 @@ class Output : public Terminal {
  public:
   Output(Stop& stop, bool no_color);
 
-  /// Writes at once. If that fails, the command is told to stop.
+  /// Writes the text at once. If that fails, the command is told to stop.
   void write(std::string_view text);
   /// Returns why the output could not be written; empty if all was written, or if its reader has closed it,
   /// which is a regular end.

@@ -14,7 +14,7 @@ class Terminal {
   /// Colours need a terminal. `no_color` and the environment variable NO_COLOR (no-color.org) turn them off.
   explicit Terminal(bool no_color = false);
 
-  /// True if the standard output is a terminal.
+  /// Returns true if the standard output is a terminal.
   bool on_terminal() const { return terminal_; }
   /// Return the size of the terminal; 80 and 24 if it is not known.
   std::size_t columns() const;
