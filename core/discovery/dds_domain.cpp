@@ -23,7 +23,8 @@ constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are be
 /// in this process.
 constexpr std::uint32_t last_secured_domain = 230;
 constexpr std::size_t descriptors_of_a_domain = 16;
-/// Cyclone's threads, those of the node that opens afterwards, and the one that creates the domain.
+/// The threads that must be available: Cyclone's, those of the node that opens afterwards, and the one that
+/// creates the domain.
 constexpr std::size_t threads_of_a_domain = 9;
 
 constexpr const char* name_of_maker = "sft-domain";

@@ -62,7 +62,7 @@ class Reconciler {
   Reports& reports() { return reports_; }
 
   // Any thread.
-  /// For those functions of it that any thread may call.
+  /// Other threads may call only those functions of the result that are marked (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 

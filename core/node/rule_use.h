@@ -27,9 +27,9 @@ class RuleUse {
   using Rules = std::vector<std::string>;
   // Any thread.
 
-  /// A node has opened, with these rules.
+  /// Notes that a node with these rules has opened.
   void enter(const Rules& rules, Time now);
-  /// These rules have matched a name.
+  /// Notes that these rules have matched a name.
   void fit(const Rules& rules);
   /// Returns the rules that have matched nothing so far, each once; none before `time_to_open` is over.
   Rules take_unfit(Time now);

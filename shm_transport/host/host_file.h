@@ -110,7 +110,7 @@ std::string names_are_gone(pid_t daemon);
 core::HostToken host_token(const HostFile& file);
 
 enum class SocketState { alive, gone, unknown };
-/// Tells whether a process listens on this socket; `unknown` if this process lacks the right to ask. The
+/// Returns whether a process listens on this socket; `unknown` if this process lacks the right to ask. The
 /// listener does not notice the question.
 SocketState socket_state_at(const char* path) noexcept;
 

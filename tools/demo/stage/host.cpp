@@ -60,8 +60,8 @@ Result<void> leave_this_host(const HostSettings& settings) {
     if (role == 0) run_role(roles[i], i, channels);
     if (role > 0) running.push_back(role);
   }
-  channels.clear();  // each role has its own now; the demo sees that of a role that could not be started as
-                     // closed
+  // Each role has its own channel now. The demo sees the channel of a role that was not started as closed.
+  channels.clear();
 
   sigset_t awaited;
   sigemptyset(&awaited);
