@@ -139,7 +139,7 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions&
   const auto users = user_ids(options.daemon_users);
   if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;
-  clamped.daemon_users.clear();  // numbers follow: a name costs a look into a file, or at a server
+  clamped.daemon_users.clear();  // numbers replace them: a name must be looked up in a file or at a server
   for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
   clamped.queue_limit = std::clamp(options.queue_limit, 1U, ShmOptions::samples_max);
   clamped.held_limit = std::clamp(options.held_limit, 1U, ShmOptions::samples_max);

@@ -49,12 +49,12 @@ DdsQos record_qos() {
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  // The end of a process is known by its heartbeats: nothing is disposed of.
+  // Missing heartbeats show that a process has ended, so its records are not disposed of.
   dds_qset_writer_data_lifecycle(qos.get(), false);
   return qos;
 }
 
-/// Readers do not hear their own participant.
+/// Returns the QoS of a reader for the QoS of its writers. It gets no samples of its own participant.
 DdsQos reading_qos(const dds_qos_t* written) {
   DdsQos qos(dds_create_qos());
   dds_copy_qos(qos.get(), written);
@@ -85,7 +85,7 @@ std::string user_data_of(const dds_qos_t* qos) {
   return user_data;
 }
 
-/// Makes the topic in that participant, and an endpoint of it by `create(topic)`.
+/// Creates the topic in that participant, and an endpoint on it by `create(topic)`.
 template <class Create>
 Result<dds_entity_t> create_on_topic(dds_entity_t participant, const TopicName& name, const dds_qos_t* qos,
                                      Create create) {
@@ -96,8 +96,8 @@ Result<dds_entity_t> create_on_topic(dds_entity_t participant, const TopicName& 
   return fail(Errc::system, std::string("control topic ") + name.name + ": " + dds_strretcode(created));
 }
 
-/// Takes all that a reader has, in batches, and calls `use(sample, info)`. Cyclone reports once more what
-/// comes after the last batch.
+/// Takes all samples that a reader has, in batches, and calls `use(sample, info)` for each. Cyclone calls the
+/// listener again for samples that come after the last batch.
 template <class Sample, class Use>
 void take_all(dds_entity_t reader, Use use) {
   constexpr std::size_t batch = 16;
@@ -188,8 +188,8 @@ Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
   return made;
 }
 
-/// A write may block for as long as others are slow to take what was written. Nobody waits for that more than
-/// once in a while.
+/// A write may block while other participants are slow to acknowledge earlier records. So after a failure all
+/// records wait for write_again(), which is called once a second.
 void ControlLink::write(Role role, const OwnRecords::Change& change) {
   if (unwritten_.empty() && try_to_write(role, change.key, change.record)) return;
   unwritten_.insert_or_assign({role, change.key}, change.record);
@@ -260,7 +260,7 @@ Result<void> ControlLink::use_topic() {
   return {};
 }
 
-/// The topic stays once it is made. It is known to this participant only.
+/// Once the topic is created, it is kept. Other participants do not learn of it.
 Result<void> ControlLink::use_reports(bool reads, bool writes) {
   if (reads == (report_reader_ != 0) && writes == (report_writer_ != 0)) return {};
   const DdsQos qos = heartbeat_qos();
@@ -329,7 +329,8 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// What a newcomer says in its user data it may have said long ago: it does not ask.
+/// The user data of a participant that is new here may be old. So the listener ignores their `asks` then
+/// (`is_new`).
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);
@@ -349,8 +350,8 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   listener_.participant_came(here(guid), *data, known_.insert(guid).second);
 }
 
-/// Returns the participant that the writer belongs to; nothing if the writer is gone and was not heard
-/// before.
+/// Returns the participant that the writer belongs to; nothing if the writer is gone and no sample of it was
+/// taken before.
 std::optional<ParticipantGuid> ControlLink::participant_of(
     dds_entity_t reader, dds_instance_handle_t writer,
     std::map<dds_instance_handle_t, ParticipantGuid>& known) {
@@ -359,12 +360,12 @@ std::optional<ParticipantGuid> ControlLink::participant_of(
   if (matched == nullptr) return std::nullopt;
   const ParticipantGuid guid = guid_of(matched->participant_key);
   dds_builtintopic_free_endpoint(matched);
-  if (known.size() >= writers_remembered) known.clear();  // those that are there are found again
+  if (known.size() >= writers_remembered) known.clear();  // writers that still exist are looked up again
   known.emplace(writer, guid);
   return guid;
 }
 
-/// Nothing is disposed of or unregistered but by forgers: only samples count.
+/// SFT neither disposes of records nor unregisters them: only forgers do. So only samples with data count.
 void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
   const Lock lock(taking_);
   take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample, const dds_sample_info_t& info) {

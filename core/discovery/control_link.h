@@ -1,4 +1,5 @@
-// Our participant on one link, in the Cyclone domain of the link: the topics of records, and heartbeats.
+// The DDS participant of this process on one link, in the Cyclone domain of that link. It writes and reads
+// the topics of records, and sends and receives heartbeats.
 #pragma once
 
 #include <dds/dds.h>
@@ -23,8 +24,9 @@ namespace sft::core {
 
 class CycloneDomain;
 
-/// Is told what others say on the links, on Cyclone's threads, on several at once. These hold locks of
-/// Cyclone: nothing may be made, deleted or awaited there.
+/// Is notified of what other participants announce on the links. Several of Cyclone's threads call it at
+/// once. They hold locks of Cyclone, so nothing of Cyclone must be created, deleted or awaited in these
+/// calls.
 class ControlLinkListener {
  public:
   /// Cyclone has found a participant of a process of this release, or its user data have changed.
@@ -47,8 +49,8 @@ class ControlLink {
     std::shared_ptr<const CycloneDomain> domain{};  ///< null: the domain `number` of the program itself
     std::uint32_t number = 0;
     ProcessId process = 0;
-    bool is_secured = false;  ///< by DDS Security
-    /// Nothing where heartbeats go by Cyclone alone.
+    bool is_secured = false;  ///< the domain uses DDS Security
+    /// Empty if heartbeats go by Cyclone alone.
     std::optional<HeartbeatSocket::Place> heartbeats{};
   };
   /// The listener outlives the link.
@@ -60,29 +62,30 @@ class ControlLink {
 
   // One thread at a time.
 
-  /// Reads what others have of that role from now on.
+  /// Starts to read the records that other participants write for that role.
   Result<void> hear(Role role);
-  /// What cannot be written is kept for write_again().
+  /// Writes a record. If that fails, the record is kept for write_again().
   void write(Role role, const OwnRecords::Change& change);
-  /// Writes what could not be written before, and uses the topic if it is to be used. Returns the error if
-  /// that fails again.
+  /// Writes the records that could not be written before, and opens the topic of heartbeats if use_topic()
+  /// has failed. Returns the error if either fails again.
   Result<void> write_again();
   void give_heartbeat(const PerRole<std::uint64_t>& digests);
-  /// Makes the reader and the writer of reports, or closes them.
+  /// Opens or closes the reader and the writer of reports.
   Result<void> use_reports(bool reads, bool writes);
-  /// May get lost, and does so where reports are not written.
+  /// Sends a report, which may get lost. It is dropped if no writer of reports is open.
   void give_report(std::span<const std::byte> body);
-  /// Calls hear(heartbeat, age) for each one that has come by UDP since the last call.
+  /// Calls hear(heartbeat, age) for each heartbeat that has come by UDP since the last call.
   template <class Hear>
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);
   }
-  /// Lets heartbeats go and come by the topic as well, and says so. What fails is tried by write_again().
+  /// Sends and receives heartbeats by the topic as well, and announces that. If this fails, write_again()
+  /// tries it again.
   Result<void> use_topic();
   bool uses_topic() const { return data_.uses_topic; }
-  /// Makes the participant known once more to whoever is there, and asks all for the same.
+  /// Announces the participant to all others once more. If `asks` is true, they are asked to do the same.
   void announce(bool asks);
-  /// Waits until others have what was written, or not longer.
+  /// Waits until the other participants have acknowledged what was written, for `timeout` at most.
   void flush(std::chrono::milliseconds timeout);
 
  private:
@@ -91,7 +94,7 @@ class ControlLink {
     ControlLink* link = nullptr;
     Role role{};
     dds_entity_t writer = 0, reader = 0;
-    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< of writers; under taking_
+    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< by writer; under taking_
   };
 
   ControlLink(const Place& place, ControlLinkListener& listener);
@@ -121,9 +124,9 @@ class ControlLink {
   dds_entity_t heartbeat_writer_ = 0, report_topic_ = 0, report_writer_ = 0, report_reader_ = 0;
   PerRole<Topic> topics_;
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
-  bool wants_topic_ = false;  ///< for heartbeats
+  bool wants_topic_ = false;  ///< heartbeats should use the topic, too
 
-  /// Held while samples are taken and told, so that they are told in their order.
+  /// Held while samples are taken and passed to the listener, so that it gets them in their order.
   Mutex taking_;
   std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
   std::map<dds_instance_handle_t, ParticipantGuid> heartbeat_writers_ SFT_GUARDED_BY(taking_), report_writers_

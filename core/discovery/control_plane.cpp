@@ -17,8 +17,8 @@ using Names = std::vector<std::string>;
 using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names,
                             std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
 
-/// Returns all that has to be equal, so that nodes share discovery. The text of the configuration has neither
-/// the user's interfaces nor the user's number of the domain.
+/// Returns everything that must be equal for nodes to share discovery. The text of the configuration has
+/// neither the user's interfaces nor the user's number of the domain, so these are added.
 PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
   const ThreadSettings& threads = options.threads;
   return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
@@ -36,7 +36,7 @@ constexpr const char* sockets_closed_by_the_program =
     "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds no "
     "other nodes any more, and receives nothing by UDP; close descriptors before the first node opens";
 
-/// Returns the peers that Cyclone is given in numbers, so that this process looks up their names.
+/// Returns the peers that Cyclone gets as numeric addresses. This process looks up their names.
 Names peers_in_numbers(const DdsConfig& config) {
   Names peers = config.peers;
   if (!config.text_has_user_peers)
@@ -44,8 +44,8 @@ Names peers_in_numbers(const DdsConfig& config) {
   return peers;
 }
 
-/// Returns nothing if the system cannot list the interfaces. Those of containers come and go, and have no
-/// link unless they are listed.
+/// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
+/// containers come and go, so they have no link unless they are listed.
 std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
   std::optional<std::vector<HostInterface>> interfaces = host_interfaces();
   if (interfaces && config.interfaces.empty())
@@ -53,7 +53,7 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
   return interfaces;
 }
 
-/// A node's part in the control plane.
+/// The Discovery of one node, by way of the shared control plane.
 class SharedPlane final : public Discovery {
  public:
   SharedPlane(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
@@ -75,7 +75,7 @@ class SharedPlane final : public Discovery {
   Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
  private:
-  const std::shared_ptr<ControlPlane> plane_;  ///< the last node ends it
+  const std::shared_ptr<ControlPlane> plane_;  ///< the last node destroys it
   ControlPlane::Seat& seat_;
 };
 
@@ -91,7 +91,7 @@ Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& optio
 Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& options) {
   Result<DdsConfig> config = dds_config(options.domain, options.settings, options.user_config);
   if (!config) return tl::unexpected(config.error());
-  const Lock lock(open_planes.mutex);  // so that two nodes do not make the same one
+  const Lock lock(open_planes.mutex);  // so that two nodes do not open the same plane twice
   std::erase_if(open_planes.by_key, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<ControlPlane>& known = open_planes.by_key[key_of_plane(options, *config)];
   if (auto plane = known.lock()) return plane;
@@ -126,8 +126,9 @@ Result<void> ControlPlane::open(std::uint32_t domain) {
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
 }
 
-/// The program's own configuration of the domain holds, and its choice of interfaces. Nodes of other
-/// processes of this host are met on the loopback all the same. If that fails, the warnings say so.
+/// The program's own configuration of the domain applies, and so does its choice of interfaces. A link on the
+/// loopback is opened besides, so that nodes of other processes of this host are found. If that fails, a
+/// warning says so.
 Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
   monitors_ = false;
   if (Result<void> joined = links_.join(domain); !joined) return joined;
@@ -196,8 +197,8 @@ Result<void> ControlPlane::hear(Seat& seat, Role role) {
   return heard;
 }
 
-/// The request goes first: a subscriber counts once both are there. A topic that cannot be read yet is tried
-/// again by try_again().
+/// The request is written first: other processes use the announcement of a subscriber only together with its
+/// request. If the topic cannot be read yet, try_again() tries it again.
 void ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
   {
     const Lock lock(mutex_);
@@ -271,12 +272,12 @@ void ControlPlane::inquire(Seat& seat, const std::set<Inquiry>& inquiries) {
   give_heartbeats(now);
 }
 
-/// Publishers read the topic of subscribers. Accounts are asked of subscribers, too, which read the other
-/// one.
+/// Every inquiry is written to the topic of subscribers, which publishers read. Inquiries about accounts are
+/// for subscribers, too, so they are also written to the topic of publishers, which subscribers read.
 void ControlPlane::write_inquiries(Time now) {
   std::set<Inquiry> wanted;
   for (const Seat& seat : seats_) wanted.insert(seat.inquiries.begin(), seat.inquiries.end());
-  use_reports();  // first: the answers come soon
+  use_reports();  // first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
     if (wanted.contains(inquiry)) return false;
@@ -293,7 +294,8 @@ void ControlPlane::write_inquiries(Time now) {
   }
 }
 
-/// Returns true if other processes inquire. What fails is tried again by try_again().
+/// Opens and closes readers and writers of reports as inquiries require. Returns true if other processes
+/// inquire. If this fails, try_again() tries it again.
 bool ControlPlane::use_reports() {
   const auto [reads, writes] = known_.with([](Peers&, Directory& directory) {
     return std::pair(directory.do_we_inquire(), directory.do_others_inquire());
@@ -330,7 +332,7 @@ Time ControlPlane::look_after(Seat& seat, Time now) {
   return next;
 }
 
-/// Returns when it has to be called again at the latest.
+/// Returns the time by which it must be called again.
 Time ControlPlane::look(Time now) {
   Time next = Time::max();
   if (monitors_ && (monitor_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
@@ -434,8 +436,9 @@ void ControlPlane::describe(const DesiredLinks& desired) {
   configuration_ = std::move(present);
 }
 
-/// Cyclone's threads would keep a core busy with sockets that are closed. The links only go while the numbers
-/// of their descriptors are free: else Cyclone might close files that the program has opened since.
+/// Closes the links if possible, since Cyclone's threads would keep a core busy with closed sockets. The
+/// numbers of their descriptors must still be unused: otherwise Cyclone might close files that the program
+/// has opened since.
 void ControlPlane::give_up() {
   monitors_ = false;
   if (has_no_open_files()) links_.close_all();

@@ -1,6 +1,6 @@
-// Discovery as the nodes of a process share it, if they ask for the same: one participant on each link, one
-// memory of what others have, one heartbeat. A process costs others no more than one node then, but for what
-// its nodes announce. Any thread.
+// Discovery as the nodes of a process share it if their options are equal: one participant on each link, one
+// table of what other processes have, one heartbeat. So a process costs others no more than a single node
+// does, apart from what its nodes announce. Any thread.
 #pragma once
 
 #include <cstdint>
@@ -25,11 +25,12 @@
 
 namespace sft::core {
 
-/// Decides which links are wanted, writes what the process has, and describes all that to the user.
+/// Decides which links are wanted, writes the records of the process, and describes the configuration to the
+/// user.
 /// Larger than usual: a third of its functions are those of Discovery, for each node of the process.
 class ControlPlane {
  public:
-  /// The one that nodes of this process with equal options have, or a new one.
+  /// Returns the control plane that nodes of this process with equal options share, or a new one.
   static Result<std::shared_ptr<ControlPlane>> of(const DiscoveryOptions& options);
 
   ControlPlane(DdsConfig config, const ThreadSettings& threads);
@@ -37,7 +38,7 @@ class ControlPlane {
   ControlPlane(const ControlPlane&) = delete;
   ControlPlane& operator=(const ControlPlane&) = delete;
 
-  /// A report is told to a node on its own thread. It names a function of the listener, and has the text.
+  /// A message that a node's own thread passes to its listener: the function to call, and the text.
   struct Report {
     void (DiscoveryListener::*notify)(const std::string& text) = nullptr;
     std::string text;
@@ -46,12 +47,13 @@ class ControlPlane {
   struct Seat {
     explicit Seat(DiscoveryListener& listener) : node(std::make_shared<ListeningNode>(listener)) {}
     const std::shared_ptr<ListeningNode> node;
-    std::vector<Report> reports{};  ///< this and the next: under the lock of the control plane
+    std::vector<Report> reports{};  ///< the mutex of the control plane guards this and the next
     std::set<Inquiry> inquiries{};
   };
-  /// Seats are used by one thread at a time, and until leave().
+  /// Adds a node. Its seat is used by one thread at a time, until leave().
   Seat& join(DiscoveryListener& listener);
-  /// Withdraws what the node has announced. When it returns, its listener is not called any more.
+  /// Withdraws what the node has announced. After it has returned, the node's listener is not called any
+  /// more.
   void leave(Seat& seat);
 
   // These functions do what those of Discovery do.
@@ -91,21 +93,22 @@ class ControlPlane {
   const ProcessId process_;
   KnownPeers known_;
 
-  /// Held while records are written, so that all links get them in one order, and while links are made and
-  /// closed. Agents take it, and who opens or closes a node; nobody who holds another lock.
+  /// Held while records are written, so that all links get them in one order, and while links are opened and
+  /// closed. Agents take it, and threads that open or close a node. The only lock that a thread may hold then
+  /// is OpenPlanes::mutex.
   Mutex mutex_;
-  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< interfaces, unless the domain is the program's own
+  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; not in a domain of the program
   NetworkMonitor monitor_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
   Time try_again_at_ SFT_GUARDED_BY(mutex_){};
-  std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try; empty: all is written
+  std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try_again(); empty if it succeeded
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
   std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
-  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< of our own endpoints
-  std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< with the owner of the records
+  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< the roles of our own endpoints
+  std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< and the owners of their records
   OwnRecords own_ SFT_GUARDED_BY(mutex_);
-  Links links_ SFT_GUARDED_BY(mutex_);  ///< ends first: its threads use `known_`
+  Links links_ SFT_GUARDED_BY(mutex_);  ///< destroyed before `known_`, which its threads use
 
   mutable Mutex configuration_mutex_;
   Discovery::Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);

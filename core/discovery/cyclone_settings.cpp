@@ -48,7 +48,7 @@ bool sets_anything(const CycloneElement& element) {
   return element.value || std::ranges::any_of(element.elements, sets_anything);
 }
 
-/// Builds the tree of what the parser finds in one text or file.
+/// Builds a tree of the elements that the parser finds in one text or file.
 class DocumentReader {
  public:
   DocumentReader(std::uint32_t domain, bool is_file) : domain_(domain), may_be_short_(!is_file) {}
@@ -57,7 +57,8 @@ class DocumentReader {
     static constexpr ddsrt_xmlp_callbacks all{&on_open, &on_attribute, &on_data, &on_close, &on_error};
     return all;
   }
-  /// Returns an element around all. The error begins with the source, and says where it is malformed.
+  /// Returns an element that contains all outer elements. The error begins with the source, and names the
+  /// malformed place.
   Result<CycloneElement> parse(const Parser& parser, const std::string& source) {
     if (ddsrt_xmlp_parse(parser.get()) < 0)
       return fail(Errc::invalid_argument, source + " is malformed: " + error_);
@@ -95,7 +96,7 @@ class DocumentReader {
 
   const std::uint32_t domain_;
   const bool may_be_short_;
-  std::vector<CycloneElement> open_{1};  ///< the first is around all
+  std::vector<CycloneElement> open_{1};  ///< not yet closed; the first one contains all others
   bool has_variables_ = false;
   std::string error_;
 };
@@ -180,7 +181,7 @@ Result<void> CycloneSettings::read_file(const std::string& name) {
   });
 }
 
-/// The elements around the groups of settings may be left out.
+/// The elements around the groups of settings, <CycloneDDS> and <Domain>, may be missing.
 void CycloneSettings::add_document(const CycloneElement& document, bool has_variables) {
   depends_on_domain_ |= has_variables;
   for (const CycloneElement& outer : document.elements) {
@@ -205,7 +206,7 @@ void CycloneSettings::add_domain(const CycloneElement& element, bool may_be_shor
 
 /// Settings that had another name or group in older releases of Cyclone get the present one.
 void CycloneSettings::add_group(CycloneElement group) {
-  if (group.name.starts_with('@')) return;  // a name space, say
+  if (group.name.starts_with('@')) return;  // an XML namespace, for example
   if (equals(group.name, "Unsupported")) group.name = "Internal";
   if (equals(group.name, "DDSSecurity")) group.name = "Security";
   const auto was_moved = [](const CycloneElement& one) {
@@ -225,7 +226,7 @@ bool CycloneSettings::is_for_us(const std::string& id) {
   const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), number);
   const bool is_number = error == std::errc{} && end == id.data() + id.size();
   depends_on_domain_ |= is_number;
-  if (equals(id, "any") || !is_number || number == domain_) return true;  // what is neither, Cyclone refuses
+  if (equals(id, "any") || !is_number || number == domain_) return true;  // Cyclone refuses others
   has_others_ = true;
   return false;
 }

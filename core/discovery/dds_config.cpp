@@ -23,12 +23,12 @@ namespace {
 constexpr Timing usual_times;
 constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_heartbeat", "sft_report"};
 
-/// A setting that SFT cannot do without, though the user may have set it otherwise.
+/// A setting that SFT cannot do without. It replaces the user's value unless that is acceptable.
 struct Demand {
   std::string_view path;
   std::string_view value;
   std::string_view why;
-  std::array<std::string_view, 2> refused{};  ///< values of the user's that are replaced
+  std::array<std::string_view, 2> refused{};  ///< the user's value is replaced if it is one of these
   double bytes_min = 0;                       ///< the user's size is replaced if it is smaller
 };
 
@@ -59,20 +59,22 @@ constexpr Demand predictable_port{
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
-// The first port of nodes that look for each other without multicast on the loopback. It lies beside the
-// ports of the other links, which would otherwise take the first ones, of which there are few.
+// The offset of the first port of nodes that find each other on the loopback without multicast. It keeps
+// these ports apart from those of the other links, which would otherwise take the first ports, of which there
+// are few.
 constexpr int loopback_port_offset = 120;
 
 // Ports of multicasts on the loopback. Linux gives a multicast datagram to each socket that is bound to its
-// port, whatever the interface (IP_MULTICAST_ALL, ip(7)). With the ports of the other links, each sign of
-// life would wake the threads of all links of each process. DDS itself leaves these two ports unused.
+// port, whatever the interface (IP_MULTICAST_ALL, ip(7)). If the loopback used the ports of the other links,
+// each of its multicasts would wake the threads of all links of each process. DDS itself leaves these two
+// ports unused.
 constexpr int loopback_multicast_offset = 2;
 
-// Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the port of heartbeats among those that it
-// leaves unused.
+// Ports of a domain, as DDS prescribes them (RTPS 2.3, 9.6.1), and the offset of the port of heartbeats,
+// which DDS leaves unused.
 constexpr unsigned first_port = 7400, ports_of_domain = 250, heartbeat_offset = 4;
-// Settings that change how multicasts go, or which nodes hear each other, matter to heartbeats, too. Cyclone
-// does not send.
+// Settings that change how multicasts are sent, or which nodes receive them. Heartbeats do not follow these
+// settings, because Cyclone does not send them.
 constexpr std::array<std::string_view, 6> changes_of_multicasts{
     "General/DontRoute",
     "General/MulticastRecvNetworkInterfaceAddresses",
@@ -97,14 +99,15 @@ std::string list(const std::vector<std::string>& names) {
   return text;
 }
 
-/// The parts of a text between commas.
+/// Returns the parts of a text between commas.
 std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   for (const auto part : std::views::split(text, ',')) parts.emplace_back(part.begin(), part.end());
   return parts;
 }
 
-/// "8 kB", as Cyclone writes sizes; malformed ones it refuses itself.
+/// Returns the bytes of a size that is written as Cyclone does: "8 kB". Cyclone itself refuses malformed
+/// sizes.
 double bytes_of(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -123,8 +126,8 @@ bool is_refused(const Demand& demand, const std::string& value) {
   return std::ranges::any_of(demand.refused, is_value) || bytes_of(value) < demand.bytes_min;
 }
 
-/// Returns the setting, also where the user sets nothing, or nothing that could be found. Returns an empty
-/// text where the user's value will do.
+/// Returns the setting as XML, also if no value of the user was found, because Cyclone might find one.
+/// Returns an empty text if the user's value is acceptable.
 std::string insist_on(const Demand& demand, const CycloneSettings& user, std::vector<std::string>& warnings) {
   const auto value = user.value(demand.path);
   if (value && !is_refused(demand, *value)) return "";
@@ -161,9 +164,9 @@ std::vector<std::string> peers_of(const CycloneSettings& user) {
   return peers;
 }
 
-/// Returns the user's configuration as it is, if that suffices. But each link has its interface, and all have
-/// the domain number of the network: the user's choice of these is applied to the links, and left out here.
-/// Peers are left out, too, if one of them is a name: Cyclone would look it up.
+/// Returns the user's configuration, unchanged if possible. Its interfaces and its domain number are left
+/// out, because text_for() writes these for each link. Peers are left out, too, if one of them is a name,
+/// because Cyclone would look it up.
 std::string passed_through(const std::string& user_config, const CycloneSettings& user,
                            bool leaves_out_peers) {
   const bool suffices = !chooses_interfaces(user) && !user.sets(own_domain_number) &&
@@ -175,20 +178,22 @@ std::string passed_through(const std::string& user_config, const CycloneSettings
   return user.for_any_domain(left_out);
 }
 
-/// Acknowledgements that do not wait and heartbeats that come at once make a newcomer's first request
-/// arrive within milliseconds, and soon where datagrams get lost; what repeats while nothing happens is
-/// kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
+/// Acknowledgements without delay and early heartbeats make a newcomer's first request arrive within
+/// milliseconds, and soon if datagrams get lost. What repeats while nothing happens is kept rare. A link
+/// whose address is gone must not wait for acknowledgements when it is deleted.
 ///
-/// Each heartbeat that is repeated for one newcomer asks all readers, so a reader that has said already that
-/// it has everything waits for `AckDelay` before it says so again. News and gaps do not wait for that.
+/// Each heartbeat of a writer that is repeated for one newcomer asks all readers. So a reader that has
+/// already acknowledged everything waits for `AckDelay` before it does so again. New samples and gaps are not
+/// delayed.
 ///
-/// Received packets are put into one buffer behind the other, and so each of a node's domains touches all
-/// of a buffer in the end. Control traffic does not need the usual 1 MiB.
+/// A domain puts received packets into its buffer one behind the other, so it touches all of the buffer in
+/// the end. Control traffic does not need the usual 1 MiB.
 constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize>256 KiB</></><Internal>
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
-/// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
+/// A peer is asked at every port that a node there may have, each time. So peers are asked seldom, at few
+/// ports.
 std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
   const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
   std::string discovery =
@@ -243,7 +248,8 @@ Result<void> check_names(const std::vector<std::string>& names, const char* what
   return {};
 }
 
-/// Partitions cannot be taken off the list that they are on.
+/// SFT cannot remove a partition from the user's list of ignored ones, so it refuses those of its control
+/// topics.
 Result<void> check_partitions(const CycloneSettings& user) {
   for (const std::string& pattern :
        user.values("Partitioning/IgnoredPartitions/IgnoredPartition/@DCPSPartitionTopic")) {
@@ -256,7 +262,7 @@ Result<void> check_partitions(const CycloneSettings& user) {
   return {};
 }
 
-/// No interface is excluded if Cyclone is to choose by itself.
+/// Returns an empty list, which excludes no interface, if the configuration lets Cyclone choose.
 std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
   if (!chooses_interfaces(user)) return settings.interfaces;
   const std::vector<std::string> any = user.values("General/Interfaces/NetworkInterface/@autodetermine");
@@ -279,7 +285,8 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   if (!user) return tl::unexpected(user.error());
   if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
   const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
-  // To peers that it does not reach, nothing must go by multicast once they are found.
+  // With configured peers, multicast serves discovery only: it may not reach those peers, so all else goes to
+  // them by unicast.
   const std::string ours = !settings.multicast ? "false" : has_peers ? "spdp" : "default";
   const std::string multicast = user->value("General/AllowMulticast").value_or(ours);
 
@@ -298,7 +305,7 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   for (const Demand& demand : demands) insisted += insist_on(demand, *user, config.warnings);
   if (!config.found_by_multicast) insisted += insist_on(predictable_port, *user, config.warnings);
   std::ranges::move(remarks_on(config, settings, *user, has_peers), std::back_inserter(config.warnings));
-  // A later setting wins over an earlier one.
+  // A later setting overrides an earlier one.
   const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
   config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
                 (users.empty() ? "" : users + ",") + document(insisted);
@@ -319,9 +326,10 @@ std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> lin
   return link == links.end() ? std::nullopt : std::optional(family_on(*link));
 }
 
-/// A datagram on a port of this host may come from any interface: without DontRoute each link would talk to
-/// addresses that are not of its network, too. Peers may be behind a router. Nodes of one host meet on the
-/// loopback, and would do so once more on every other link if its multicasts came back.
+/// Datagrams from any interface may arrive at a port of this host. Without DontRoute, each link would also
+/// send to addresses outside of its network. Peers may be behind a router, so with peers it is not set. Nodes
+/// of one host find each other on the loopback. Multicasts of other links do not return to the host, or nodes
+/// would find each other there once more.
 std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) const {
   const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
   std::string general = element(

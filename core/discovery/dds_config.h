@@ -1,5 +1,5 @@
-// The configuration of Cyclone DDS for a domain. SFT's settings come first, then the user's, so that these
-// win, and last the settings that SFT cannot do without.
+// The configuration of Cyclone DDS for a domain. SFT's settings come first. The user's settings follow and
+// override them. Last come the settings that SFT cannot do without.
 #pragma once
 
 #include <cstdint>
@@ -17,31 +17,32 @@
 namespace sft::core {
 
 struct DdsConfig {
-  std::string text;                ///< what all links have in common
-  std::string domain_on_wire;      ///< all links are one DDS domain, whatever their numbers in this process
-  bool multicast = true;           ///< one datagram can reach several nodes once they are found
-  bool found_by_multicast = true;  ///< else nodes elsewhere are found by peers only
+  std::string text;            ///< the settings that all links have in common
+  std::string domain_on_wire;  ///< the number of all links on the network, whatever theirs in this process
+  bool multicast = true;       ///< nodes are sent multicasts after they are found, too
+  bool found_by_multicast = true;  ///< false: nodes on other hosts are found by peers only
   bool is_secured = false;         ///< the user's configuration has DDS Security
-  /// The port of heartbeats (heartbeat.h). Nothing where there are none: where nodes have certificates, which
-  /// heartbeats have not, or where the user's configuration or the lack of multicast may keep them from
-  /// arriving.
+  /// The port of heartbeats (heartbeat.h). Empty if they go by Cyclone only: with DDS Security, since
+  /// heartbeats have no certificates, and if the user's configuration or the lack of multicast may keep them
+  /// from arriving.
   std::optional<std::uint16_t> heartbeat_port{};
-  std::vector<std::string> peers;  ///< hosts that are looked for nodes, besides those that multicast reaches
+  std::vector<std::string> peers;       ///< hosts to search for nodes, besides those that multicast reaches
   std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links
-  bool text_has_user_peers = true;      ///< false: one of them is a name, so text_for() writes their numbers
-  std::vector<std::string> interfaces;  ///< that are chosen; empty: all
-  std::vector<std::string> warnings;    ///< what does not hold of the user's, and why; what to know of it
+  bool text_has_user_peers = true;      ///< false if one is a name: text_for() adds their addresses
+  std::vector<std::string> interfaces;  ///< the chosen ones; empty: all
+  std::vector<std::string> warnings;    ///< the user's settings that do not apply, and why; other hints
 
   LinkRules rules() const {
     return {.listed = interfaces,
             .multicast = found_by_multicast,
             .peers = !peers.empty() || !user_peers.empty()};
   }
-  /// The configuration for dds_create_domain. Peers by name are in it once their addresses are known.
+  /// Returns the configuration for dds_create_domain. It contains peers by name once their addresses are
+  /// known.
   std::string text_for(const LinkSpec& link, const KnownHosts& hosts = {}) const;
-  /// Returns the family of the addresses that these links ask. Returns nothing if no link asks peers.
+  /// Returns the family of the addresses at which these links ask peers; nothing if no link asks peers.
   std::optional<IpFamily> family_of_peers(std::span<const LinkSpec> links) const;
-  /// For people: how and where nodes are found.
+  /// Says for people how and where nodes are found.
   std::string summary(std::span<const LinkSpec> links) const;
 };
 
@@ -49,7 +50,8 @@ struct DdsConfig {
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
 
-/// Names and addresses of the interfaces that the user's configuration names, or else the settings.
+/// Returns the names and addresses of the interfaces that the user's configuration chooses, or else the
+/// settings.
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
                                                       const std::string& user_config);
 

@@ -19,10 +19,12 @@ namespace {
 thread_local CycloneMessages* listening = nullptr;
 
 constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are below 233
-/// A governance document can name no number above this one, and Cyclone looks up the number of this process.
+/// A governance document can name no number above this one. Cyclone looks up the number that the domain has
+/// in this process.
 constexpr std::uint32_t last_secured_domain = 230;
 constexpr std::size_t descriptors_of_a_domain = 16;
-/// Cyclone's own, those of the node behind it, and the one that makes the domain.
+/// The threads that must be available: Cyclone's, those of the node that opens afterwards, and the one that
+/// creates the domain.
 constexpr std::size_t threads_of_a_domain = 9;
 
 constexpr const char* name_of_maker = "sft-domain";
@@ -30,7 +32,7 @@ constexpr const char* name_of_maker = "sft-domain";
 constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv",      "dq.",    "lease",
                                                             "fsm", "xmit", "threadmon", "debmon", "ws"};
 
-/// The domains of this process, kept where Cyclone keeps them.
+/// The domains of this process. They are global, as they are in Cyclone.
 struct OpenDomains {
   Mutex mutex;
   std::map<DomainPlan, std::weak_ptr<const CycloneDomain>> by_plan SFT_GUARDED_BY(mutex);
@@ -38,7 +40,8 @@ struct OpenDomains {
 };
 OpenDomains open_domains;
 
-/// Under a number that is free, from the greatest one down: programs use small ones for themselves.
+/// Creates the domain under a free number, from the greatest one down, because programs use small ones for
+/// themselves.
 std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& config) {
   for (std::uint32_t id = last_secured_domain; id > 0; --id) {
     const dds_entity_t entity = dds_create_domain(id, config.c_str());
@@ -47,7 +50,7 @@ std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& co
   return {0, DDS_RETCODE_OUT_OF_RESOURCES};
 }
 
-/// `free_id`: used unless the domain is secured.
+/// `free_id`: the Cyclone id of the new domain, unless the domain is secured.
 std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::uint32_t free_id) {
   if (plan.is_secured) return make_secured_domain(plan.config);
   return {free_id, dds_create_domain(free_id, plan.config.c_str())};
@@ -69,8 +72,8 @@ MadeDomain make(const DomainPlan& plan, std::uint32_t free_id) {
   return {id, entity, messages.text(), messages.errors()};
 }
 
-/// Cyclone's threads take CPUs and policy over from the one that makes the domain, which is a thread for just
-/// that.
+/// Cyclone's threads inherit CPUs and policy from the thread that creates the domain. So a thread is started
+/// for that.
 Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan, std::uint32_t free_id) {
   MadeDomain made;
   ThreadSpec maker(name_of_maker);
@@ -109,11 +112,11 @@ std::string CycloneMessages::text() const {
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints) {
-  const Lock lock(open_domains.mutex);  // so that two nodes do not make the same one
+  const Lock lock(open_domains.mutex);  // so that two nodes do not create the same domain twice
   std::erase_if(open_domains.by_plan, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<const CycloneDomain>& known = open_domains.by_plan[plan];
   if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
-  // Cyclone does not survive a lack of them while it makes a domain.
+  // Cyclone does not survive a lack of descriptors or threads while it creates a domain.
   if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
     return tl::unexpected(enough.error());
   if (Result<void> enough = check_room_for_select(descriptors_of_a_domain); !enough)
@@ -129,7 +132,8 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& pl
   return domain;
 }
 
-/// Cyclone looks whether the domain exists before it reads the configuration, and refuses this one.
+/// Cyclone checks whether the domain exists before it reads the configuration. This configuration is invalid,
+/// so no domain is created.
 bool program_has_opened(std::uint32_t domain) {
   const CycloneMessages messages;
   return dds_create_domain(domain, "<") == DDS_RETCODE_PRECONDITION_NOT_MET;

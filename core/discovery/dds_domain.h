@@ -1,5 +1,5 @@
-// Cyclone DDS has these once in a process, though several nodes live in it: domains, and a destination of its
-// log.
+// What Cyclone DDS has only once in a process, however many nodes use it: the domains, and a destination of
+// its log.
 #pragma once
 
 #include <dds/dds.h>
@@ -25,7 +25,7 @@ class CycloneMessages {
   CycloneMessages(const CycloneMessages&) = delete;
   CycloneMessages& operator=(const CycloneMessages&) = delete;
 
-  /// All in one line.
+  /// Returns all messages in one line.
   std::string text() const;
   const std::vector<std::string>& errors() const { return errors_; }
 
@@ -37,9 +37,9 @@ class CycloneMessages {
   std::vector<std::string> warnings_;
 };
 
-/// A Cyclone domain for one link, under a number inside of this process that nobody else uses. It ends with
-/// its last owner, which must have deleted its own participant, and waits for Cyclone's threads: not to be
-/// let go of in a listener, or under a lock that listeners take.
+/// A Cyclone domain for one link, under a domain number that nothing else in this process uses. It is deleted
+/// when its last owner releases it, which waits for Cyclone's threads. That owner must have deleted its own
+/// participant. It must not release the domain in a listener, or under a lock that listeners take.
 class CycloneDomain {
  public:
   CycloneDomain(std::uint32_t id, dds_entity_t entity) : id_(id), entity_(entity) {}
@@ -56,10 +56,10 @@ class CycloneDomain {
 
 struct DomainPlan {
   std::string config;
-  bool is_secured = false;  ///< the configuration has DDS Security, which can name few numbers
+  bool is_secured = false;  ///< the configuration has DDS Security, which allows few domain numbers
   ThreadSettings threads{};
-  /// The index of the interface. Multicast groups that sockets have joined end with a card, also if one comes
-  /// back that has the same name and address.
+  /// The index of the interface. When an interface is removed, sockets lose the multicast groups that they
+  /// joined there. An interface that comes back with the same name and address has another index.
   unsigned index = 0;
   friend bool operator<(const DomainPlan& a, const DomainPlan& b) {
     const auto key = [](const DomainPlan& plan) {
@@ -70,13 +70,13 @@ struct DomainPlan {
   }
 };
 
-/// Callers in a process that ask for the same share one domain. Complaints of Cyclone are added to
-/// `complaints`. `instead_of`: one that is not to be used any more, or null.
+/// Returns a domain for the plan. Callers in a process with equal plans share one. Errors that Cyclone logs
+/// are added to `complaints`. `instead_of`: a domain that must not be shared any more, or null.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);
 
-/// True if the program itself uses that domain in this process.
+/// Returns true if the program itself uses that domain in this process.
 bool program_has_opened(std::uint32_t domain);
 
 }  // namespace sft::core

@@ -36,8 +36,8 @@ bool cover(std::span<const LinkSpec> links, const HostInterface& interface) {
   });
 }
 
-/// Returns the addresses that links may have besides the loopback. The IPv4 addresses in force are the first,
-/// so that they stay. IPv6 is only for a host that has nothing else.
+/// Returns the addresses that links may have besides the loopback. IPv4 addresses that have a link now come
+/// first, so that they keep it. IPv6 addresses are returned only if there are no others.
 std::vector<const HostInterface*> candidates(std::span<const HostInterface> interfaces,
                                              const LinkRules& rules, const auto& is_in_force) {
   const auto fits_beside_loopback = [&](const HostInterface& i) { return !i.loopback && fits(i, rules); };
@@ -64,7 +64,7 @@ bool wait_for_network(std::span<const LinkSpec> links, std::span<const HostInter
   return wants_others && std::ranges::all_of(links, &LinkSpec::loopback);
 }
 
-/// Returns why the interfaces that the user has listed so are not in use; an empty text if they are.
+/// Returns why the interfaces that `listed` names are not in use; an empty text if they are.
 std::string why_unused(const std::string& listed, std::span<const HostInterface> interfaces,
                        std::span<const LinkSpec> links) {
   const auto named = [&](const HostInterface& i) { return is_named(i, listed); };

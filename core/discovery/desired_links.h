@@ -1,6 +1,6 @@
-// Decides which links discovery should have. A link is one address of one network interface: Cyclone DDS uses
-// one interface for all, chosen once, so each link gets a Cyclone domain of its own. The functions are pure:
-// interfaces and settings go in, links come out. discovery.md has the rules.
+// Decides which links discovery should have. A link is one address of one network interface. A domain of
+// Cyclone DDS uses one interface, which is chosen once, so each link gets a Cyclone domain of its own. The
+// functions are pure: interfaces and settings go in, links come out. discovery.md has the rules.
 #pragma once
 
 #include <compare>
@@ -14,25 +14,25 @@
 
 namespace sft::core {
 
-/// Each link costs five threads, so a host does not get more than these.
+/// The greatest number of links. Each link costs five threads.
 inline constexpr std::size_t links_max = 8;
 
 struct LinkSpec {
   std::string interface;
-  IpAddress ip{};  ///< IPv4; none on a host that has only IPv6: the link is then the interface by its name
+  IpAddress ip{};  ///< IPv4; none if the host has only IPv6, where the name identifies the link
   std::uint8_t prefix_bits = 0;
   bool loopback = false;
-  /// Multicasts of the link come back to this host. They need to only where there is no loopback link by
-  /// which nodes of one host find each other.
+  /// Multicasts of the link return to this host. That is needed only if there is no loopback link by which
+  /// nodes of one host find each other.
   bool reaches_own_host = false;
-  unsigned index = 0;  ///< of the interface: what sockets have joined goes with it
+  unsigned index = 0;  ///< of the interface; sockets lose their multicast groups when it is removed
   friend auto operator<=>(const LinkSpec&, const LinkSpec&) = default;
 };
 
 struct LinkRules {
   std::vector<std::string> listed{};  ///< names, addresses or networks; empty: all interfaces
-  bool multicast = true;              ///< false: nodes elsewhere are found by peers only
-  bool peers = false;                 ///< there are hosts to look for nodes on, which needs no multicast
+  bool multicast = true;              ///< false: nodes on other hosts are found by peers only
+  bool peers = false;                 ///< there are hosts to search for nodes, which needs no multicast
 };
 
 struct DesiredLinks {
@@ -43,18 +43,19 @@ struct DesiredLinks {
   bool waits_for_network = false;
 };
 
-/// `in_force` are the links that there are: they stay while their address does, even if the interface is
-/// down, since the kernel keeps what sockets have joined there.
+/// `in_force`: the present links. Each stays as long as its address exists, even if the interface is down,
+/// because the kernel keeps the multicast groups that sockets have joined there.
 DesiredLinks desired_links(std::span<const HostInterface> interfaces, const LinkRules& rules,
                            std::span<const LinkSpec> in_force);
 
-/// True if the address is in the network of the link.
+/// Returns true if the address is in the network of the link.
 bool leads_to(const LinkSpec& link, const IpAddress& address);
 
-/// For people: "lo, wlan0 (10.0.0.5)".
+/// Returns text for people: "lo, wlan0 (10.0.0.5)".
 std::string describe(std::span<const LinkSpec> links);
 
-/// Bridges and cables that container engines make, by their names: no other host is behind them.
+/// Returns true if container engines give such names to their bridges and cables. No other host is behind
+/// these.
 bool belongs_to_containers(const std::string& interface);
 
 }  // namespace sft::core

@@ -70,8 +70,8 @@ void Directory::requested(const Request& request) {
   notify(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
 }
 
-/// A node that has no endpoint of a topic any more is not told what becomes of others' endpoints of it, so it
-/// must not keep them.
+/// A node without endpoints on a topic is not notified of changes to others' endpoints on it. So it must not
+/// keep these, and is told that they have departed.
 void Directory::withdrawn(EndpointId id) {
   const auto found = entries_.find(id);
   if (found == entries_.end() || found->second.node == nullptr) return;
@@ -129,7 +129,7 @@ void Directory::take_announcement(const Place& place, const Record& record) {
   show(place);
 }
 
-/// The slot may have had another subscriber before, whose request is still there.
+/// The slot may have belonged to another subscriber before, whose request is still in it.
 void Directory::take_request(const Place& place, const Record& record) {
   Slot& slot = slots_[place];
   slot.request.reset();
@@ -153,7 +153,8 @@ void Directory::take_inquiry(const Place& place, const Record& record) {
   ++inquiries_made_;
 }
 
-/// Of a subscriber there has to be the request, too.
+/// Notifies nodes of the endpoint in the slot. The endpoint of a subscriber is shown only if its request has
+/// come, too.
 void Directory::show(const Place& place) {
   const auto found = slots_.find(place);
   if (found == slots_.end() || !found->second.endpoint) return;
@@ -192,7 +193,7 @@ void Directory::end(EndpointId id, End how) {
   show_next(id);
 }
 
-/// Another process may have announced the same id, and was refused.
+/// Shows an endpoint of another process that has announced the same id, and was refused.
 void Directory::show_next(EndpointId id) {
   const auto has_id = [&](const auto& item) {
     return item.second.endpoint && item.second.endpoint->id == id;
@@ -224,7 +225,9 @@ void Directory::paths_cut(const PathsCut& cut) {
   for (const Place& place : places) show(place);
 }
 
-/// Keeps an address in any case. A link that is closing leads where the one does that was made in its place.
+/// Removes addresses by which the process is not reached, unless none would remain. If a cut link and one by
+/// which the process is heard lead to the same network, the addresses there stay: one link may replace the
+/// other.
 void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const {
   const auto cut = cut_.find(process);
   if (cut == cut_.end()) return;

@@ -1,8 +1,9 @@
-// The endpoints of all processes, our own included, as their records say, and which nodes of this process are
-// told of them. A node is told of the endpoints that may match its own: those of the other role, of the same
-// topic. A node that asks for a role is told of all its endpoints. An endpoint id belongs to the process that
-// announced it first, until that withdraws it or is lost; nobody else's word counts about it. Pure: events go
-// in, notices come out. One thread at a time, but for ListeningNode.
+// The endpoints of all processes, ours included, as their records describe them, and which nodes of this
+// process are notified of them. A node is notified of the endpoints that may match its own: those of the
+// other role, of the same topic. A node that asks for a role is notified of all endpoints of that role. An
+// endpoint id belongs to the process that announced it first, until that process withdraws it or is lost.
+// Meanwhile other processes cannot announce or change it. Pure: events go in, notices come out. One thread at
+// a time, except for ListeningNode.
 #pragma once
 
 #include <cstddef>
@@ -29,15 +30,15 @@ namespace sft::core {
 /// A node of this process. Any thread.
 class ListeningNode {
  public:
-  /// The listener outlives this object, or close().
+  /// The listener must exist until close() was called or this object is destroyed.
   explicit ListeningNode(DiscoveryListener& listener) : listener_(listener) {}
 
-  /// Calls `call(listener)`, unless it is closed.
+  /// Calls `call(listener)`, unless close() was called.
   template <class Call>
   void notify(Call call) {
     gate_.call([&] { call(listener_); });
   }
-  /// When it returns, the listener is not called any more.
+  /// After it has returned, the listener is not called any more.
   void close() { gate_.close(); }
 
  private:
@@ -50,14 +51,14 @@ using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
 /// Larger than usual: an event of each kind has a function, for our own nodes as well as for other processes.
 class Directory {
  public:
-  /// True if the address is in the network of the link.
+  /// Returns true if the address is in the network of the link.
   using LeadsTo = std::function<bool(LinkId, const IpAddress&)>;
   explicit Directory(LeadsTo leads_to) : leads_to_(std::move(leads_to)) {}
 
   // Nodes of this process.
 
   void join(const std::shared_ptr<ListeningNode>& node);
-  /// The node has withdrawn its endpoints before.
+  /// The node must have withdrawn its endpoints.
   void leave(const std::shared_ptr<ListeningNode>& node);
   void hear_all(const std::shared_ptr<ListeningNode>& node, Role role);
   void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
@@ -72,12 +73,12 @@ class Directory {
   void record_changed(const RecordChanged& changed);
   void peer_lost(ProcessId process);
   void paths_cut(const PathsCut& cut);
-  /// Only those parts of the report count that are about endpoints which the process has announced.
+  /// Passes on only those parts of the report that concern endpoints which the process has announced.
   void report_came(ProcessId process, NodeReport report);
-  /// Somebody has said something that cannot be used.
+  /// Notifies all nodes that something malformed or forged was refused.
   void refuse(std::string why);
 
-  /// What nodes have to be told, in the order in which it happened.
+  /// A call that some nodes have to get. Notices are in the order of the events.
   struct Notice {
     ListeningNodes to;
     std::function<void(DiscoveryListener&)> call;
@@ -96,7 +97,7 @@ class Directory {
     AnnouncerId number = 0;
     PerRole<bool> hears_all{};
     std::set<Inquiry> inquiries{};
-    PerRole<std::map<std::string, std::size_t>> topics{};  ///< of its endpoints, and how many each has
+    PerRole<std::map<std::string, std::size_t>> topics{};  ///< the number of its endpoints on each topic
   };
   using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< of a slot; our own endpoints have none
   struct Slot {
@@ -105,8 +106,8 @@ class Directory {
   };
   struct Entry {
     std::shared_ptr<const Endpoint> endpoint;
-    std::optional<Request> request{};       ///< of a subscriber; newer than that of the endpoint
-    std::shared_ptr<ListeningNode> node{};  ///< of this process; null: another process has it
+    std::optional<Request> request{};       ///< a subscriber's latest, if newer than that in `endpoint`
+    std::shared_ptr<ListeningNode> node{};  ///< the node that has it; null: another process has it
     std::optional<Place> place{};           ///< the slot of another process
   };
   enum class End : std::uint8_t { withdrawn, lost };
@@ -130,7 +131,7 @@ class Directory {
   void notify_of_all(const Node& node, Which which);
 
   const LeadsTo leads_to_;
-  AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; of others it is the process
+  AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; other processes have their ids
   std::vector<Node> nodes_;
   std::map<Place, Slot> slots_;
   std::map<EndpointId, Entry> entries_;

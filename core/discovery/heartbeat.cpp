@@ -9,7 +9,7 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
-/// The octets in front of the GUID.
+/// Returns the octets in front of the GUID.
 std::array<std::byte, 4> heartbeat_head() {
   return {std::byte{'S'}, std::byte{'H'}, std::byte{'B'}, static_cast<std::byte>(control_protocol_version())};
 }

@@ -1,6 +1,6 @@
-// The heartbeat of a participant: a datagram that says that its process lives, and which records that has.
-// Cyclone wakes a thread for each datagram. Heartbeats go beside Cyclone, and wake nobody: they wait until
-// discovery is looked after.
+// The heartbeat of a participant: a datagram that says that its process lives, with digests of the records of
+// that process. Cyclone wakes a thread for each of its datagrams. Heartbeats do not go through Cyclone, and
+// wake no thread: they wait in a socket until Discovery::look_after() reads them.
 #pragma once
 
 #include <array>
@@ -33,7 +33,7 @@ inline constexpr std::size_t heartbeat_bytes = 44;
 using HeartbeatDatagram = std::array<std::byte, heartbeat_bytes>;
 
 HeartbeatDatagram encode(const Heartbeat& heartbeat);
-/// Nothing if the datagram is anything else, or of another version.
+/// Returns nothing if the datagram is not a heartbeat of this version.
 std::optional<Heartbeat> decode_heartbeat(std::span<const std::byte> datagram);
 
 }  // namespace sft::core

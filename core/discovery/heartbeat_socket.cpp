@@ -18,8 +18,8 @@ namespace {
 constexpr std::uint32_t ddsi_group = 0xefff0001;  // 239.255.0.1
 /// Cyclone's default (General/MulticastTimeToLive).
 constexpr int hops_max = 32;
-/// For the heartbeats of some hundreds of processes within the longest pause between two looks. The system
-/// grants less, which will do for as many as most domains have.
+/// Room for the heartbeats of some hundreds of processes within the longest pause between two reads. The
+/// system grants less, which suffices for most domains.
 constexpr int socket_buffer_bytes = 1 << 20;
 
 sockaddr_in ddsi_address_at(std::uint16_t port) {
@@ -36,7 +36,7 @@ std::chrono::nanoseconds since_epoch(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// Returns how long ago the system has received the datagram. 0 if it does not say so, or if its clock was
+/// Returns how long ago the system received the datagram; 0 if it does not report that, or if its clock was
 /// set meanwhile.
 std::chrono::nanoseconds age_of(msghdr& datagram, std::chrono::nanoseconds now) {
   for (cmsghdr* one = CMSG_FIRSTHDR(&datagram); one != nullptr; one = CMSG_NXTHDR(&datagram, one)) {
@@ -56,7 +56,8 @@ bool set_option(const FileDescriptor& socket, int level, int name, const Value& 
 }  // namespace
 
 /// All processes of the host are bound to the same port, and each gets each datagram. The socket is bound to
-/// the group: nobody can send it anything by another address. It gets nothing of other interfaces.
+/// the group, so it does not receive datagrams to other addresses. Nor does it receive any from other
+/// interfaces.
 std::optional<HeartbeatSocket> HeartbeatSocket::open(const Place& place) noexcept {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   ip_mreqn link{};

@@ -1,5 +1,5 @@
-// The socket by which heartbeats go and come on one link. It is read when discovery is looked after, and
-// wakes no thread meanwhile.
+// The socket that sends and receives the heartbeats of one link. Discovery::look_after() reads it; it wakes
+// no thread.
 #pragma once
 
 #include <array>
@@ -24,16 +24,16 @@ class HeartbeatSocket {
     std::uint16_t port = 0;
     bool reaches_own_host = false;
   };
-  /// Nothing if the system refuses it: then heartbeats go by Cyclone.
+  /// Returns nothing if the system refuses the socket. Heartbeats go by Cyclone then.
   static std::optional<HeartbeatSocket> open(const Place& place) noexcept;
 
   /// A heartbeat that cannot be sent is lost, like one that gets lost on its way.
   void send(const Heartbeat& heartbeat) const noexcept;
 
-  /// More than these are left for the next time: whoever floods the port must not hold the caller up.
+  /// One call reads no more datagrams than these, so that a flood at the port does not hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat, age) for each one that has come since the last call, with the time for which it
-  /// has waited in the socket. Other datagrams are dropped.
+  /// Calls hear(heartbeat, age) for each heartbeat that has come since the last call, with the time for which
+  /// it has waited in the socket. Other datagrams are dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {
@@ -48,7 +48,7 @@ class HeartbeatSocket {
 
  private:
   static constexpr std::size_t batch = 32;
-  /// One octet more than a heartbeat: longer datagrams are none.
+  /// One octet more than a heartbeat, so that longer datagrams are recognized.
   using Buffer = std::array<std::byte, heartbeat_bytes + 1>;
 
   HeartbeatSocket(FileDescriptor socket, std::uint16_t port) : socket_(std::move(socket)), port_(port) {}

@@ -12,7 +12,7 @@ KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
       }),
       releases_(timing) {}
 
-/// What concerns links waits for the agent that looks next.
+/// Actions that concern links wait for the next agent that calls look().
 void KnownPeers::take_actions() {
   for (PeerAction& action : peers_.take_actions()) {
     if (const auto* const changed = std::get_if<RecordChanged>(&action)) {
@@ -27,7 +27,7 @@ void KnownPeers::take_actions() {
   }
 }
 
-/// The lock is not held while nodes are told, but when this returns.
+/// The lock is released while nodes are notified, and held again when this returns.
 void KnownPeers::pass_on_notices(Lock& lock) {
   take_actions();
   delivery_.deliver(lock, directory_.take_notices(), [](const Directory::Notice& notice) {

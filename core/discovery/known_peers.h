@@ -1,6 +1,6 @@
-// What is known of other processes, and which nodes of this process are told of it. Cyclone's threads bring
-// what comes, several at once. A mutex guards everything; it is not held while nodes are told, and nothing of
-// Cyclone is called under it.
+// What is known of other processes, and which nodes of this process are notified of it. Several of Cyclone's
+// threads bring news at once. A mutex guards everything. It is not held while nodes are notified, and nothing
+// of Cyclone is called under it.
 #pragma once
 
 #include <map>
@@ -23,8 +23,8 @@ class KnownPeers final : public ControlLinkListener {
  public:
   KnownPeers(ProcessId self, const Timing& timing);
 
-  /// Calls act(peers, directory). What nodes have to be told of that waits for pass_on(), which the caller
-  /// calls without a lock.
+  /// Calls act(peers, directory). The resulting notices to nodes wait for pass_on(), which the caller calls
+  /// without holding a lock.
   template <class Act>
   auto with(Act act) {
     const Lock lock(mutex_);
@@ -39,17 +39,17 @@ class KnownPeers final : public ControlLinkListener {
   struct HeartbeatTaken {
     LinkId link = 0;
     Heartbeat heartbeat{};
-    Time::duration age{};  ///< as of Peers::heartbeat_came()
+    Time::duration age{};  ///< see Peers::heartbeat_came()
   };
-  /// Takes the heartbeats that have come, and looks after peers. No lock is needed.
+  /// Takes the heartbeats that were read, and returns what is due. Needs no lock of the caller.
   Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);
-  /// Before the link is opened.
+  /// Must be called before the link is opened.
   void link_made(LinkId link, const LinkSpec& spec);
   void link_replaced(LinkId link, LinkId by);
   /// The address of the link is gone.
   void link_retired(LinkId link);
   void link_closed(LinkId link);
-  /// Participants of other releases, for people, if there are new ones.
+  /// Returns a text for people about participants of other releases, if there are new ones.
   std::optional<std::string> take_other_releases(Time now);
 
   // ControlLinkListener: Cyclone's threads.

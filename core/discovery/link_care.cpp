@@ -9,7 +9,7 @@ void LinkCare::made(LinkId id, Time now) {
   links_.insert_or_assign(id, Link{.made_at = now, .stirred_at = now, .pause = timing_.lease});
 }
 
-/// The pause grows while renewals do not help those for whom they are made.
+/// The pause grows while renewals do not help the processes for which they are made.
 void LinkCare::replaced(LinkId id, LinkId by, Time now) {
   const Link& old = links_.at(id);
   Link& link = links_.at(by);
@@ -36,7 +36,8 @@ void LinkCare::left(LinkId id) { --links_.at(id).participants; }
 
 void LinkCare::stirred(LinkId id, Time now) { links_.at(id).stirred_at = now; }
 
-/// While others are new, Cyclone is about to find the stranger, too. Others may be new for ever, though.
+/// While other participants are new, Cyclone is about to find the unknown one, too. The wait ends after a
+/// lease, because new participants may come for ever.
 void LinkCare::unknown_came(LinkId id, Time now) {
   Link& link = links_.at(id);
   if (!link.unknown_at || now >= *link.unknown_at + 2 * timing_.lease) link.unknown_at = now;
@@ -98,8 +99,8 @@ bool LinkCare::may_end(LinkId id, Link& link, const std::function<bool(LinkId)>&
   return now >= *link.retired_at + timing_.lease || is_covered(id);
 }
 
-/// Others who ask are answered no more often than heartbeats go. Who goes on giving heartbeats without being
-/// found is asked for ever more seldom.
+/// Other participants that ask are answered no more often than heartbeats are sent. A participant that sends
+/// heartbeats without being found is asked for with growing pauses.
 std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
   if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return std::nullopt;
   const bool asks = std::exchange(link.has_unknown, false);

@@ -61,7 +61,7 @@ Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& h
   return result;
 }
 
-/// The new link comes before the old one goes, so that nobody is lost in between.
+/// The new link is opened before the old one retires, so that no participant is lost in between.
 Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
   next_piece_of_work();
   OpenLink link{.id = ++links_made_, .spec = spec};

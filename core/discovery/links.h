@@ -1,5 +1,5 @@
-// The links of this process: opens those that are wanted, makes one anew, and closes those that are not
-// needed any more. Peers (peers.h) decides when. One thread at a time.
+// Opens the links of this process that are wanted, makes links anew, and closes those that are not needed any
+// more. Peers (peers.h) decides when. One thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -27,42 +27,44 @@ class Links {
     ThreadSettings threads;
     Timing timing;
   };
-  /// All outlive this object. The records are written to each link that is opened.
+  /// `own` and `known` outlive this object. The records of `own` are written to each link that is opened.
   Links(Settings settings, const OwnRecords& own, KnownPeers& known)
       : settings_(std::move(settings)), own_(own), known_(known) {}
-  /// Waits a moment until others have what was written.
+  /// Waits until other participants have acknowledged what was written, for Timing::farewell_max at most.
   ~Links();
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Opens one link in a DDS domain that the program itself has configured. It is not made anew.
+  /// Opens one link in a DDS domain that the program itself has configured. This link is never made anew.
   Result<void> join(std::uint32_t domain);
-  /// Opens the links that are wanted, and retires others. The error is that of the first link that could not
-  /// be opened; such links are tried again by the next call. A link is made anew if it has to ask other
-  /// addresses than before, as `hosts` has them.
+  /// Opens the links that are wanted, and retires others. Returns the error of the first link that could not
+  /// be opened. The next call tries such links again. A link is made anew if `hosts` has other addresses for
+  /// its peers than before.
   Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts);
   struct Renewal {
     bool is_made = false;
     std::string text{};  ///< for people; empty if it failed as it did before
   };
-  /// Makes a link anew. Returns nothing if there is no such link that can be.
+  /// Makes a link anew. Returns nothing if the link does not exist, has retired, or is in a domain of the
+  /// program.
   std::optional<Renewal> renew(LinkId link, const std::string& why);
   void close(LinkId link);
   void close_all();
-  /// Reads what others have of that role on all links, also on those that are opened later.
+  /// Starts to read, on all links, what other participants announce for that role. Links that are opened
+  /// later are included.
   Result<void> hear(Role role);
-  /// Reads or writes reports on all links, also on those that are opened later.
+  /// Reads or writes reports on all links. Links that are opened later are included.
   Result<void> use_reports(bool reads, bool writes);
-  /// Reads and writes what could not be read or written before. The error is the last one.
+  /// Opens the readers and writes the records for which this failed before. Returns the last error.
   Result<void> try_again();
 
   bool empty() const { return links_.empty(); }
-  /// Of the links that did not retire.
+  /// Returns the specs of the links that have not retired.
   std::vector<LinkSpec> specs() const;
   ControlLink* find(LinkId link) const;
   /// Links that could not be opened, and why.
   const std::vector<std::string>& failures() const { return failures_; }
-  /// Complaints of Cyclone about the configuration.
+  /// Returns what Cyclone complains of in the configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Calls use(id, link) for each link.

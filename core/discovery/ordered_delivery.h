@@ -12,9 +12,9 @@ template <class Item>
 class OrderedDelivery {
  public:
   /// All calls hold the same mutex, which gives items their order. `give(item)` is called without the lock:
-  /// on this thread, or on another one that is giving items at that moment and then gives these, too. The
-  /// lock is held again when this returns. Clang does not follow a lock through a reference, so it does not
-  /// check this function.
+  /// on this thread, or on another one that is delivering at that moment, which then delivers these items,
+  /// too. The lock is held again when this returns. Clang does not follow a lock through a reference, so it
+  /// does not check this function.
   template <class Give>
   void deliver(Lock& lock, std::vector<Item> items, Give give) SFT_NO_THREAD_SAFETY_ANALYSIS {
     for (Item& item : items) queue_.push_back(std::move(item));

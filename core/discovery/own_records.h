@@ -1,5 +1,5 @@
-// The records of this process, the slots that they have, and when a heartbeat is due. Pure. One thread at a
-// time.
+// The records of this process, their slots, and when a heartbeat is due. Uses no clock, thread or I/O. One
+// thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -23,24 +23,23 @@ class OwnRecords {
     RecordKey key{};
     Record record{};
   };
-  /// Enters a record of an endpoint, or of whatever else `owner` names. Returns nothing if the record says
-  /// what it said before.
+  /// Enters a record of `owner`, an endpoint or an inquiry. Returns nothing if the record has not changed.
   std::optional<Change> put(Role role, std::uint64_t owner, RecordKind kind, std::vector<std::byte> body,
                             Time now);
   /// Withdraws all records of the owner, whose slot is used again.
   std::vector<Change> withdraw(Role role, std::uint64_t owner, Time now);
-  /// All that others should know, also what was withdrawn.
+  /// Returns all records that other processes should have, also withdrawn ones.
   const Records& records(Role role) const { return of_role_[role].records; }
 
   ProcessId process() const { return process_; }
   PerRole<std::uint64_t> digests() const {
     return {of_role_.writer.records.digest(), of_role_.reader.records.digest()};
   }
-  /// A heartbeat follows each change, and another one confirms it: who has read two heartbeats that count
-  /// what did not arrive knows that it is missing.
+  /// Returns when the next heartbeat is due. One follows each change, and another one confirms it: a process
+  /// whose table disagrees with two heartbeats knows that a record is missing.
   Time heartbeat_due() const;
-  /// True also a little earlier unless something has changed: an agent that looks nearly once a second does
-  /// not have to wake up for the heartbeat besides.
+  /// Returns true also a little earlier unless a record has changed. So an agent that looks nearly once a
+  /// second need not wake up once more for the heartbeat.
   bool is_heartbeat_due(Time now) const;
   void heartbeat_given(Time now);
 

@@ -17,7 +17,7 @@ std::string prefix_of_this_release() {
   return std::string(release_prefix) + std::to_string(control_protocol_version()) + "/";
 }
 
-/// Nothing unless all of the text is a number.
+/// Returns nothing unless the whole text is a number.
 template <class Number>
 std::optional<Number> number_in(std::string_view text, int base) {
   Number number = 0;

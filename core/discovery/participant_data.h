@@ -1,6 +1,6 @@
-// The user data of our DDS participants: which process the participant belongs to, and how it wants to be
-// heard. Cyclone tells everybody at once when they change. Also the participants of other releases that a
-// node sees and cannot understand. Pure.
+// The user data of our DDS participants: the process that the participant belongs to, and how its heartbeats
+// go. Cyclone announces a change of them at once. Also the participants of other releases, which a node sees
+// but cannot understand. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -19,28 +19,29 @@ namespace sft::core {
 
 struct ParticipantData {
   ProcessId process = 0;
-  bool is_secured = false;  ///< by DDS Security: it does not understand those that are not
-  bool uses_topic = false;  ///< its heartbeats go and come by the topic sft_heartbeat, too
-  bool asks = false;        ///< whoever hears that announces itself once more
-  unsigned count = 0;       ///< from 0 to 9: makes a change, so that Cyclone says it again
+  bool is_secured = false;  ///< uses DDS Security, and does not understand others that do not
+  bool uses_topic = false;  ///< sends and receives heartbeats by the topic sft_heartbeat, too
+  bool asks = false;        ///< asks other participants to announce themselves once more
+  unsigned count = 0;       ///< from 0 to 9; a change makes Cyclone send the user data again
   friend bool operator==(const ParticipantData&, const ParticipantData&) = default;
 };
 
-/// "sft/15/3sta/0123456789abcdef": the version, the count, the letters of what is true, the process.
+/// Returns "sft/15/3sta/0123456789abcdef": the version, the count, a letter for each flag that is true, the
+/// process.
 std::string to_text(const ParticipantData& data);
-/// Nothing if the user data are not those of a participant of this version.
+/// Returns nothing if the user data are not those of a participant of this version.
 std::optional<ParticipantData> parse_participant_data(std::string_view user_data);
-/// The version of the control protocol if it is another one than ours. The user data of all versions begin
+/// Returns the version of the control protocol if it differs from ours. The user data of all versions begin
 /// with "sft/", the version and "/".
 std::optional<std::uint32_t> other_release(std::string_view user_data);
 
-/// Decides when the log names participants of other releases. However many of them somebody makes up, people
-/// read one line in a while.
+/// Decides when the log names participants of other releases. However many of them an attacker makes up, the
+/// log gets only a line now and then.
 class ReleaseMonitor {
  public:
   explicit ReleaseMonitor(const Timing& timing) : timing_(timing) {}
 
-  /// A participant has another version, each time that this is heard.
+  /// Records that a participant with another version was seen, for the first time or again.
   void seen(const RemoteParticipant& participant, std::uint32_t version);
   void gone(const RemoteParticipant& participant) { known_.erase(participant); }
   void link_gone(LinkId link) {
@@ -52,7 +53,8 @@ class ReleaseMonitor {
     std::uint32_t version = 0;
     std::uint64_t others = 0;  ///< further participants since the last report
   };
-  /// The report that is due now, if any. Each participant counts once, and no more than `known_max` count.
+  /// Returns the report that is due now, if any. Each participant counts once, and no more than `known_max`
+  /// count.
   std::optional<Report> take_report(Time now);
 
  private:

@@ -28,7 +28,7 @@ void Peer::join(const RemoteParticipant& id, Participant& participant) {
   refresh_all();
 }
 
-/// A participant that never agreed does not become the first one while another one has agreed.
+/// Participants that have agreed move to the front, so that no other one becomes the first.
 void Peer::leave(const RemoteParticipant& id) {
   std::erase_if(members_, [&](const Member& one) { return one.id == id; });
   std::ranges::stable_partition(members_, [](const Member& one) { return one.participant->has_agreed; });
@@ -102,8 +102,8 @@ bool Peer::is_complete(const Participant& participant) const {
          });
 }
 
-/// That tables are empty where they have to be proves nothing. Returns true if it changes which participants
-/// count.
+/// Notes that the tables match the digests. Empty tables prove nothing, so they do not count as agreement.
+/// Returns true if this changes which participants count.
 bool Peer::note_as_complete(Participant& participant) {
   const bool was_suspect = std::exchange(participant.is_suspect, false);
   const bool has_any = std::ranges::any_of(
@@ -112,8 +112,8 @@ bool Peer::note_as_complete(Participant& participant) {
   return was_suspect || is_new;
 }
 
-/// The first of those that agreed gives the heartbeats that count, unless it is late. The one that was there
-/// first need not have agreed.
+/// Only the heartbeats of one participant count: of the first one that is not late and has agreed, or is the
+/// first of all. If there is none, it is the first one that is not late.
 bool Peer::speaks_for_all(const RemoteParticipant& id, Time now) const {
   const auto is_in_time = [&](const Member& one) { return !one.participant->is_late(timing_, now); };
   const auto may_speak = [&](const Member& one) {

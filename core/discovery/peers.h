@@ -1,6 +1,6 @@
-// The other processes, and the participants by which they are heard: which of them live, when something of
-// them is missing, and what follows for our links. Pure: events and times go in, actions come out. One thread
-// at a time.
+// The other processes, and the participants by which they are heard: which processes live, when records of
+// them are missing, and what has to be done with our links. Pure: events and times go in, actions come out.
+// One thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +21,7 @@
 
 namespace sft::core {
 
-/// A process is there, for the first time or again. Its records follow.
+/// A process was found, for the first time or again. Its records follow.
 struct PeerFound {
   ProcessId process = 0;
 };
@@ -36,15 +36,15 @@ struct RecordChanged {
   RecordKey key{};
   Record record{};
 };
-/// The process is heard by other links, but no longer by these: the way there is cut. Both are empty once
-/// no way is cut any more.
+/// The process is heard by other links, but no longer by these: the path there is cut. Both are empty once no
+/// path is cut any more.
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
-  std::vector<LinkId> heard{};  ///< the other ones; two links may lead to the same network
+  std::vector<LinkId> heard{};  ///< the other links; two links may lead to the same network
 };
-/// Heartbeats of a participant that is there do not arrive on the link: a firewall may know the ports of DDS
-/// only. They have to go by Cyclone.
+/// Heartbeats of a participant that Cyclone has found do not arrive on the link. A firewall may let only the
+/// ports of DDS pass. So heartbeats have to go by Cyclone.
 struct HeartbeatsMissing {
   LinkId link = 0;
 };
@@ -58,9 +58,9 @@ using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, He
                                 Announce, EndLink>;
 
 struct PeerLimits {
-  /// A participant that is heard may have this number of records and bytes while all together have
-  /// fewer bytes than bytes_of_all(). Any may have more while all together have fewer records than `full`,
-  /// of fewer bytes than `full_bytes`.
+  /// While all participants together have fewer records than `full`, of fewer bytes than `full_bytes`, each
+  /// may have any number. Beyond that, a participant that is heard may have `records` of `bytes` in all,
+  /// while all together have fewer bytes than bytes_of_all().
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
   std::size_t full = 16'384;
@@ -85,25 +85,25 @@ class Peers {
 
   // Events.
 
-  /// Records of that role are listened to from now on.
+  /// Records of that role are read from now on.
   void listen(Role role, Time now);
-  /// Before it is opened.
+  /// Must be called before the link is opened.
   void link_made(LinkId link, Time now) { care_.made(link, now); }
   void link_replaced(LinkId link, LinkId by, Time now);
   void link_retired(LinkId link, Time now) { care_.retire(link, now); }
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now) { care_.network_changed(now); }
-  /// Cyclone has found a participant, which says that it belongs to the process. It keeps its process.
+  /// Cyclone has found a participant that claims to belong to the process. Later claims of it are ignored.
   void participant_found(const RemoteParticipant& id, ProcessId process, Time now);
-  /// A participant that was found before asks who is there.
+  /// A participant that was found before asks all others to announce themselves.
   void participant_asks(const RemoteParticipant& id);
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if there is no room for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
   /// `age`: the time for which it has waited to be read.
   void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {});
-  /// To be called after all heartbeats that have come.
+  /// Must be called after heartbeat_came() for all heartbeats that were read.
   void look(Time now);
 
   // Answers.
@@ -113,9 +113,9 @@ class Peers {
   Time next() const;
   /// Null if the process is not there.
   const Peer* find(ProcessId process) const;
-  /// The process that the participant speaks for; nothing if it counts for nothing.
+  /// Returns the process of the participant; nothing if the participant is ignored or silent.
   std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
-  /// When a participant was found last; Time{} if none was. What it has may be yet to come.
+  /// Returns when a participant was last found; Time{} if none was. Its records may still be on their way.
   Time newcomer_at() const { return newcomer_at_; }
 
  private:
@@ -141,8 +141,8 @@ class Peers {
   Peer::Listened listened_{};
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
-  std::map<ProcessId, Peer::Paths> cut_;  ///< as it was told
-  std::set<LinkId> unheard_;              ///< links on which HeartbeatsMissing was told
+  std::map<ProcessId, Peer::Paths> cut_;  ///< as reported by PathsCut
+  std::set<LinkId> unheard_;              ///< links for which HeartbeatsMissing was reported
   std::size_t records_ = 0;               ///< of all participants
   std::size_t bytes_ = 0;                 ///< of all these records
   Time newcomer_at_{};

@@ -1,5 +1,6 @@
 // Records: what a process has and asks for. A record is bytes under a key, with a revision. Each process owns
-// its records; others hold copies of them, which they compare with the process by a digest. Pure.
+// its records. Other processes hold copies, which they compare with the owner's by a digest. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <array>
@@ -14,7 +15,7 @@
 
 namespace sft::core {
 
-using LinkId = std::uint32_t;  ///< a link that is made anew has a greater one
+using LinkId = std::uint32_t;  ///< a link that is made anew gets a greater id
 
 /// A random number for each start of a process, never 0.
 using ProcessId = std::uint64_t;
@@ -42,11 +43,11 @@ inline constexpr std::array both_roles{Role::writer, Role::reader};
 enum class RecordKind : std::uint8_t {
   announcement,  ///< the record announces an endpoint
   request,       ///< what a subscriber asks for
-  inquiry        ///< a topic whose progress or accounts the process wants to be told
+  inquiry        ///< a topic of whose progress or accounts the process wants reports
 };
 
-/// A slot is a number within its process. It belongs to one endpoint, and to another one once that is
-/// withdrawn: Cyclone keeps some 2 kB for each key that was ever written.
+/// A slot is a number within its process. It belongs to one endpoint. Once that is withdrawn, another
+/// endpoint gets the slot, because Cyclone keeps some 2 kB for each key that was ever written.
 struct RecordKey {
   std::uint32_t slot = 0;
   RecordKind kind{};
@@ -65,7 +66,7 @@ struct Record {
 /// The records of one role of one process, and their digest.
 class Records {
  public:
-  /// The record that had this key before does not hold any more.
+  /// Enters a record. It replaces the one that had this key before.
   void put(const RecordKey& key, Record record);
   void erase(const RecordKey& key);
   /// Null if there is none.
@@ -73,8 +74,8 @@ class Records {
   const std::map<RecordKey, Record>& all() const { return all_; }
   std::size_t bytes() const { return bytes_; }  ///< of all bodies
 
-  /// The same for equal records, in whichever order they came; 0 if there are none. Withdrawn records count,
-  /// so that a withdrawal that does not arrive is noticed.
+  /// Returns a number that is the same for equal records, in whichever order they came; 0 if there are none.
+  /// Withdrawn records count, so that a withdrawal that does not arrive is noticed.
   std::uint64_t digest() const { return digest_; }
 
  private:

@@ -30,7 +30,7 @@ bool RemoteTable::expect(std::uint64_t digest, Time::duration apart, Time now) {
     return false;
   }
   expected_.push_back({digest, now});
-  // The first two count. Of the others the newest are the ones that the table may come to.
+  // The first two are those that behind_since() needs. Of the others, the table may yet reach the newest.
   if (expected_.size() > expected_max) expected_.erase(expected_.begin() + 2);
   return false;
 }

@@ -1,7 +1,8 @@
-// What one participant has written of one role, compared with the digests that its process gives in
-// heartbeats. A heartbeat may be older than the records that have come, or newer. So one digest that differs
-// proves nothing. Two heartbeats in turn whose digests the table has had neither before nor since do: then a
-// record is missing, or one is not the process's own. Pure. One thread at a time.
+// The records of one role that one participant has written, compared with the digests in the heartbeats of
+// its process. A heartbeat may be older or newer than the records that have come, so a single digest that
+// differs proves nothing. But if the table has had the digests of two successive heartbeats neither before
+// nor since, a record is missing, or one is not the process's own. Uses no clock, thread or I/O. One thread
+// at a time.
 #pragma once
 
 #include <cstddef>
@@ -16,16 +17,17 @@ namespace sft::core {
 
 class RemoteTable {
  public:
-  /// A record has come.
+  /// Stores a record that has come.
   void put(const RecordKey& key, Record record);
   const Records& records() const { return records_; }
 
-  /// A heartbeat counts records with this digest. Heartbeats that are not `apart` count as one. Returns true
-  /// if the table has had that digest since the last one that it has had.
+  /// A heartbeat with this digest has come. Heartbeats less than `apart` from each other count as one.
+  /// Returns true if the table has this digest, or has had it since it last had the digest of a heartbeat.
   bool expect(std::uint64_t digest, Time::duration apart, Time now);
-  /// Returns the time of the second of two such heartbeats; nothing if all has come as far as is known.
+  /// Returns the time of the second of two heartbeats whose digests the table has not had; nothing if no
+  /// record is known to be missing.
   std::optional<Time> behind_since() const;
-  /// Forgets what heartbeats have said. The records stay.
+  /// Discards the digests of heartbeats. The records stay.
   void expect_nothing() { expected_.clear(); }
 
  private:
@@ -33,14 +35,13 @@ class RemoteTable {
     std::uint64_t digest = 0;
     Time since{};
   };
-  static constexpr std::size_t passed_max = 1024;  ///< changes between two heartbeats that are told apart
+  static constexpr std::size_t passed_max = 1024;  ///< remembered changes between two heartbeats
   static constexpr std::size_t expected_max = 16;
 
   Records records_;
-  /// The digests that the table has had since the last one that a heartbeat has given; the present one is the
-  /// last.
+  /// The digests that the table has had since it last had that of a heartbeat; the present one is the last.
   std::deque<std::uint64_t> passed_;
-  /// What heartbeats have given and the table has not had since; the oldest is the first.
+  /// The digests of heartbeats that the table has not had since; the oldest is the first.
   std::deque<Expected> expected_;
 };
 

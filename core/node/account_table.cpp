@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// All accounts are of topics that the program asks about, so that no topic has a share of its own.
+/// All accounts are of topics that the program asks about, so no topic needs a share of its own.
 AccountTable::AccountTable(const Limits& limits)
     : limits_(limits),
       shares_({.entries = limits.accounts,

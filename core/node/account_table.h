@@ -1,6 +1,6 @@
-// The accounts of pairs that other nodes have reported. Accounts that are not renewed are forgotten. The
-// limits say how many there are: a process that reports without end loses its own newest accounts, and no
-// other process loses any (table_shares.h). Pure.
+// The accounts of pairs that other nodes have reported. Accounts that are not reported again are dropped.
+// Limits bound their number: a process that reports without end loses its own newest accounts, and no other
+// process loses any (table_shares.h). Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -22,7 +22,7 @@ class AccountTable {
   struct Limits {
     std::size_t accounts = 4096;
     std::size_t of_announcer = 1024;
-    /// In that time a node can report 300 accounts, if no report gets lost.
+    /// Within this time a node can report 300 accounts, if no report gets lost.
     std::chrono::milliseconds kept_for{10'000};
   };
   AccountTable() : AccountTable(Limits{}) {}
@@ -31,14 +31,14 @@ class AccountTable {
   /// `by` has announced the endpoint whose account it is.
   void enter(const Account& account, AnnouncerId by, Time now);
   void clear();
-  /// All accounts that were reported lately, with their ages.
+  /// Returns all accounts that were reported within `kept_for`, with their ages.
   PairAccounts accounts(Time now);
 
  private:
   struct Entry {
     Account account;
     AnnouncerId by = 0;
-    std::uint64_t number = 0;  ///< names this entry in shares_
+    std::uint64_t number = 0;  ///< identifies this entry in shares_
     Time at{};
   };
   using Entries = std::map<AccountId, Entry>;
@@ -51,7 +51,7 @@ class AccountTable {
   std::uint64_t numbered_ = 0;
 };
 
-/// Adds what one side counts of a pair to what is known of it.
+/// Adds the counts of one side of a pair to the account of the pair.
 void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanoseconds age);
 
 }  // namespace sft::core

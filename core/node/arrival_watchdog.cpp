@@ -49,7 +49,7 @@ void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Time n
   latest_ = progress;
 }
 
-/// True if so many samples were sent that not all of them can be missing on a connection that works.
+/// Returns true if so many samples were sent that not all of them can be missing on a connection that works.
 bool ArrivalWatchdog::is_missed(const Pair& pair) const {
   const std::uint64_t enough = pair.reliable ? missing_where_reliable : missing_where_lossy;
   const bool was_let_through = pair.min_period_us == 0 || periods_ >= enough;

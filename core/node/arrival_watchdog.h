@@ -1,12 +1,12 @@
-// Finds a connection by which nothing arrives, although its writer says that it sends: the connection has to
-// be set up anew. One watchdog watches one writer for one of our readers. Pure: the progress that the
-// writer's node tells, what has arrived, and times go in, answers come out.
+// Detects a connection by which nothing arrives although its writer reports that it sends. Such a connection
+// has to be set up anew. One watchdog watches one writer for one of our readers. Pure: the progress that the
+// writer's node reports, arrivals and times go in, answers come out.
 //
 // The watchdog never complains about a pair that works, however quiet, slow, lossy or limited that is:
-// - samples that were sent are counted since the last arrival, if they went out whole to all readers;
-// - where samples may get lost, so many have to be missing that not all of them can have been lost by chance;
+// - only samples count that were sent after the last arrival, and whole to all readers;
+// - where samples may get lost, more of them must be missing than can get lost by chance;
 // - the samples that were sent last have time to arrive, and large samples have more time;
-// - with a maximum rate only samples count that were told of at least a period apart: samples in between may
+// - with a maximum rate only samples count that were reported at least a period apart: those in between may
 //   be withheld, also at the end of a burst that nothing follows.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace sft::core {
 
 class ArrivalWatchdog {
  public:
-  /// If a fifth of all samples gets lost, so many in a row do not get lost within the age of the universe.
+  /// If a fifth of all samples gets lost, this many in a row do not get lost within the age of the universe.
   static constexpr std::uint64_t missing_where_lossy = 32;
   static constexpr std::uint64_t missing_where_reliable = 2;
   /// Added to the time that a sample takes on a link with `slowest_bytes_per_s`.
@@ -35,21 +35,21 @@ class ArrivalWatchdog {
   static constexpr std::chrono::seconds pause_longest{60};
 
   struct Pair {
-    bool reliable = false;  ///< nothing gets lost on the way, or is sent again
+    bool reliable = false;  ///< samples do not get lost on the way, or are sent again
     std::uint32_t min_period_us = 0;
     bool awaits_history = false;
   };
 
-  /// To be called when the writer's node has just told its progress, and about once a second without it
-  /// (null): a progress that was told before something arrived must not be given after that. `signs` changes
-  /// whenever something of the writer arrives. Returns true if the connection has to be set up anew, which
-  /// then counts as done.
+  /// Must be called when the writer's node has just reported its progress, and about once a second without
+  /// progress (null). A progress that was reported before something arrived must not be passed after that.
+  /// `signs` changes whenever something from the writer arrives. Returns true if the connection has to be set
+  /// up anew. The watchdog then counts as if that was done.
   bool look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now);
-  /// There is no connection, or something else explains why nothing arrives: counting begins again.
+  /// Counting begins again, because there is no connection, or something else explains why nothing arrives.
   void excuse();
 
-  /// True if nothing has arrived for some time, so that the progress of the writer is needed, and for a while
-  /// longer: a writer that sends now and then does not make its reader ask each time.
+  /// Returns true if nothing has arrived for some time, so that the progress of the writer is needed, and for
+  /// a while after that. So the reader need not ask each time if a writer sends only now and then.
   bool needs_progress(Time now);
   std::uint64_t restarts() const { return restarts_; }
 
@@ -61,13 +61,13 @@ class ArrivalWatchdog {
   std::optional<std::uint64_t> signs_;
   Time arrived_at_{};  ///< when signs_ changed
   Time needs_progress_until_{};
-  std::optional<Progress> base_;  ///< the progress that was told when something arrived last
+  std::optional<Progress> base_;  ///< the first progress since something arrived
   Progress latest_{};
-  std::uint64_t periods_ = 0;  ///< of the maximum rate in which something was sent since base_
+  std::uint64_t periods_ = 0;  ///< of the maximum rate in which samples were sent since base_
   Time period_at_{};           ///< the end of the last of these periods, or else the time of base_
   std::optional<Time> missed_since_;
   std::chrono::nanoseconds pause_{0};
-  Time next_{};  ///< no restart before
+  Time next_{};  ///< no restart before this
   std::uint64_t restarts_ = 0;
 };
 

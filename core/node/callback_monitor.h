@@ -1,5 +1,5 @@
 // Watches whether the callback of one subscriber takes long, or waits long for those of other subscribers of
-// the node. The agent's.
+// the node. Used by the agent only.
 #pragma once
 
 #include <memory>
@@ -19,17 +19,17 @@ class CallbackMonitor {
     std::optional<Time::duration> of_sample;    ///< a sample has waited for its callback
     std::optional<Time::duration> of_receiver;  ///< the thread that receives has waited for a callback
   };
-  /// Returns waits that have become long, each once. Those of samples are counted.
+  /// Returns each wait once, when it has become long. Long waits of samples are counted.
   LongWaits look(Time now);
-  /// A sample waits for the callback, which may take long.
+  /// Returns true if a sample waits for the callback. That may take long.
   bool has_waiting_sample() const { return of_sample_.is_under_way(); }
-  /// True while a callback runs that has run at several looks in a row.
+  /// Returns true if this and several earlier looks in a row have found a callback running.
   bool is_in_long_callback();
 
  private:
   const std::shared_ptr<SubscriberCore> core_;
   LongWait of_sample_, of_receiver_;
-  int looks_in_callback_ = 0;  ///< in a row
+  int looks_in_callback_ = 0;  ///< how many of the latest looks in a row found a callback running
 };
 
 }  // namespace sft::core

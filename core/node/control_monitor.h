@@ -1,5 +1,5 @@
-// Watches the table of endpoints for what the log has to name: others announce more than there is room for,
-// or a topic of ours may be misspelt. Writes to the log no faster than is of use. The agent's.
+// Logs what is wrong in the table of endpoints: other nodes announce more than there is room for, or the name
+// of one of our topics may be misspelt. Limits how often it writes to the log. Used by the agent only.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace sft::core {
 
 class ControlMonitor {
  public:
-  /// Both outlive it.
+  /// Both arguments outlive this object.
   ControlMonitor(Negotiation& negotiation, NodeLog& log) : negotiation_(negotiation), log_(log) {}
 
   void log_refusals(Time now);

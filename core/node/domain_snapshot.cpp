@@ -16,7 +16,7 @@ namespace sft::core {
 
 namespace {
 
-/// The types that endpoints describe, each read once.
+/// Knows the types that endpoints describe. Reads each description once.
 class Types {
  public:
   const std::optional<DynamicType>& of(const Endpoint& endpoint) {

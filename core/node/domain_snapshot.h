@@ -1,4 +1,4 @@
-// Makes a DomainSnapshot from a table of endpoints. Pure.
+// Makes a DomainSnapshot from a table of endpoints. A pure function.
 #pragma once
 
 #include <optional>
@@ -12,10 +12,10 @@ namespace sft::core {
 
 struct KnownEndpoint {
   Endpoint endpoint;
-  std::optional<Progress> progress{};  ///< of a writer, as it was told last
+  std::optional<Progress> progress{};  ///< of a writer, as last reported
 };
 
-/// `id` and `network` are those of the node that is asked.
+/// `id` and `network` are those of the node that makes the snapshot.
 DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
                                std::uint64_t network);
 

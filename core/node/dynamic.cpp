@@ -9,7 +9,7 @@ namespace sft {
 
 namespace {
 
-/// Encapsulation and body. Empty if the bytes are not what they claim to be.
+/// Returns encapsulation and body of the fields in `mask`. Empty if the sample is malformed.
 std::vector<std::byte> projected(const detail::SampleState& state, const StructType& type,
                                  const FieldMask& mask) {
   detail::Projection projection;

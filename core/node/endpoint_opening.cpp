@@ -13,7 +13,7 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::seconds max_spin{1};  // of the thread that calls back: then it looks after the rest
+constexpr std::chrono::seconds max_spin{1};  // of the thread that calls back, which has other work, too
 }  // namespace
 
 bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
@@ -22,7 +22,7 @@ bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const 
   return exists && choice != other && node_.options.transport != other;
 }
 
-/// Later lines of the log have the name that others see.
+/// Logs the new name of a renamed topic, because later lines of the log use that name.
 void EndpointOpening::tell_of(const TopicName& name) const {
   if (name.given.empty()) return;
   const std::string by = name.rules.empty() ? "" : ", by the remapping rule " + in_quotes(name.rules.front());
@@ -80,8 +80,8 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   return endpoint;
 }
 
-/// Excludes the ways that cannot carry the largest sample of a writer, except that samples which shared
-/// memory cannot take go by UDP.
+/// Excludes the transports that cannot carry the largest sample of a writer. Shared memory is not excluded if
+/// UDP can carry it: samples that are too large for shared memory go by UDP.
 Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) const {
   const auto most = [](bool may_use, const Transport* transport) {
     return may_use ? transport->max_sample_bytes() : std::size_t{0};
@@ -149,7 +149,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
   return Writer{std::move(endpoint), std::move(core)};
 }
 
-/// Null if the writer may not use UDP.
+/// Returns null if the writer must not use UDP.
 Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
     const Endpoint& writer, const TypeSupport& type, const PublisherOptions& options,
     std::shared_ptr<DeliveryBook> book) const {
@@ -192,7 +192,7 @@ Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) c
   std::vector<Endpoint> endpoints;
   for (const Selection& selection : *selections) {
     Qos of_selection = *qos;
-    if (!endpoints.empty()) of_selection.deadline = {};  // a deadline is for the first one
+    if (!endpoints.empty()) of_selection.deadline = {};  // only the first selection has a deadline
     endpoints.push_back(describe_reader(order, selection, of_selection, *slot));
   }
   Reader reader{.core = make_core(endpoints, *slot, *selections, order, std::move(*poll_handle)),
@@ -210,14 +210,14 @@ Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) c
   return reader;
 }
 
-/// Nobody rings the doorbell any more when its slot is given back.
+/// Closes the ports before the slot is given back, so that no transport rings its doorbell after that.
 void EndpointOpening::give_up(Reader reader) const {
   for (std::size_t i = 0; i < reader.core->selections(); ++i) reader.core->ports(i).set_network(nullptr);
   reader.endpoints.clear();
   node_.slots.give_back(reader.slot);
 }
 
-/// The first one and the further ones, closed, each with its rate.
+/// Returns the first selection and the further ones, checked and closed, each with its rate.
 Result<std::vector<Selection>> EndpointOpening::all_selections(const ReaderOrder& order) {
   if (order.requirement.recorded && !order.options.further_selections.empty()) {
     return fail(
@@ -309,7 +309,7 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
       node_.slots.at(slot), std::move(recorder));
 }
 
-/// Null if the reader may not use UDP.
+/// Returns null if the reader must not use UDP.
 Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpoint& reader,
                                                                      SubscriberCore& core,
                                                                      std::size_t selection) const {
@@ -326,8 +326,8 @@ Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpo
   return network;
 }
 
-/// The part of a reader's depth that shared memory keeps. The log says so if the reader asks for more: with a
-/// warning if the reader relies on that.
+/// Returns how many samples of a writer shared memory keeps for the reader. If this is less than the reader's
+/// depth, the log says so: with a warning if the reader is reliable.
 std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t depth = reader.qos.history_depth;
   const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();

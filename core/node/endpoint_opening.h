@@ -1,6 +1,6 @@
 // Opens the publishers and subscribers of a node, as far as that needs no agent: checks what the program asks
-// for, describes the endpoint to others, opens its UDP port and makes its core. The agent then adds them to
-// the reconciler. Any thread.
+// for, describes the endpoint for other nodes, opens its UDP port and makes its core. The agent then adds
+// them to the reconciler. Any thread.
 #pragma once
 
 #include <chrono>

@@ -1,4 +1,4 @@
-// The publishers and subscribers that a node's program holds, to be looked at all at once. Any thread.
+// The publishers and subscribers that the program of a node holds, for a snapshot of all of them. Any thread.
 #pragma once
 
 #include <vector>
@@ -11,7 +11,7 @@
 
 namespace sft::core {
 
-/// Keeps nobody alive: whoever was entered is struck off before it goes.
+/// Does not own the endpoints. Each must be struck off before it is destroyed.
 class EndpointRegistry {
  public:
   void enter(const PublisherCore& publisher);
@@ -19,7 +19,7 @@ class EndpointRegistry {
   void strike_off(const PublisherCore& publisher);
   void strike_off(const SubscriberCore& subscriber);
 
-  /// Adds what they know of themselves, in the order in which they were entered.
+  /// Adds the status of all endpoints, in the order in which they were entered.
   void describe(NodeSnapshot& snapshot);
 
  private:

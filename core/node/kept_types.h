@@ -1,5 +1,5 @@
-// Types that are known only at run time, kept as long as the node: what publishes, sends and remembers refers
-// to them. Any thread.
+// Types that are known only at run time, kept as long as the node, because publishers, their jobs and their
+// histories refer to them. Any thread.
 #pragma once
 
 #include <map>
@@ -12,7 +12,7 @@ namespace sft::core {
 
 class KeptTypes {
  public:
-  /// The same type for the same description, always.
+  /// Returns the same type for equal descriptions.
   const TypeSupport& keep(const DynamicType& type) {
     const std::span<const std::byte> bytes = type.description();
     const std::string description(reinterpret_cast<const char*>(bytes.data()), bytes.size());

@@ -1,4 +1,4 @@
-// The writers and readers of one node, by id. The agent's.
+// The writers and readers of one node, by id. Used by the agent only.
 #pragma once
 
 #include <map>

@@ -10,18 +10,19 @@ namespace sft::core {
 
 namespace {
 
-/// A host's daemon has 1,024 ports for all readers. Publishers that are made up must not take all of them.
+/// A host's daemon has 1,024 ports for all readers. Forged publishers must not take all of them.
 constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
-constexpr std::chrono::milliseconds restart_pause{500};  // for the other side to see that nobody listens
-/// Lost memory is not free for the next daemon while samples in it can be taken. sftd waits for that when it
-/// starts afresh, for 1.2 s at most, of which a node may take 1 s to notice.
+constexpr std::chrono::milliseconds restart_pause{500};  // lets the writer's node notice the disconnection
+/// The next daemon cannot use lost memory while samples in it can be taken. When sftd starts afresh, it waits
+/// 1.2 s at most until the memory is released. A node may take 1 s of that to notice the loss.
 constexpr std::chrono::milliseconds lost_memory_kept{200};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
-/// The first announcement of a writer that is heard may be somebody else's: a later one corrects it.
+/// Returns true if the writer's announcement has changed. The first one may have been forged: a later one
+/// corrects it.
 bool says_otherwise(Source wanted, const Source& before) {
-  wanted.history_first = before.history_first;  // it counts when a connection begins
+  wanted.history_first = before.history_first;  // it matters only when a connection begins
   return wanted != before;
 }
 
@@ -62,13 +63,13 @@ void LocalReader::reconcile(std::size_t& unattached) {
   std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
   std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
   ports().hears(wanted);
-  // A writer that was killed between handing over its last sample and waking us did not wake us.
+  // A writer may have been killed after it handed over its last sample and before it rang the doorbell.
   core_->wake();
   has_changes_ = true;
   watch_matching();
 }
 
-/// Connects to and disconnects from one writer as wanted; returns what is in force then.
+/// Connects to and disconnects from one writer as wanted. Returns the connections that are in force then.
 Hearing LocalReader::connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached) {
   Connecting& connecting = connecting_[wanted.source.writer];
   if (!wanted.memory) connecting.memory = {};
@@ -91,8 +92,8 @@ bool LocalReader::connect_network(const Hearing& wanted, const Hearing& before, 
   return false;
 }
 
-/// A connection is made anew if its writer begins or ceases to wait for the reader: its queue depends on
-/// that.
+/// A connection is set up anew if its writer starts or stops waiting for the reader, because the queue
+/// depends on that.
 bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry,
                                  std::size_t& unattached) {
   const auto attempt = [&] {
@@ -171,7 +172,7 @@ LocalReader::Connections LocalReader::look_after_connections() {
   return connections;
 }
 
-/// True if retained samples have begun to come, which the request has to tell.
+/// Returns true if retained samples have begun to come. The request has to say so.
 bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections) {
   const HistoryProgress progress = port.history(writer);
   if (progress == HistoryProgress::awaited) return false;
@@ -195,7 +196,7 @@ bool LocalReader::may_try_again(Time now) const {
 }
 
 bool LocalReader::requirement_changed() {
-  has_changes_ = true;  // status() says it already
+  has_changes_ = true;  // status() shows it already
   const Wanted wanted{feed_.required(), ports().min_period_us()};
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
@@ -237,7 +238,7 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   });
 }
 
-/// Watches the writers that match, if the subscriber has asked for anything that can be watched.
+/// Watches the writers that match, if the subscriber has asked for a promise that can be watched.
 void LocalReader::watch_matching() {
   std::erase_if(watched_, [&](const auto& item) {
     const auto heard = heard_.find(item.first);
@@ -293,9 +294,9 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   const bool attached = holds(request.attached);
   ArrivalWatchdog& watchdog = watchdogs_[writer];
   const bool connected = attached || holds(request.listening);
-  // A publisher that waits for its readers has nothing to send while nobody takes what has come.
+  // A publisher that waits for its readers sends nothing while the program does not take what has come.
   const bool waits = hearing.source.waits && ports().available();
-  // Conditions may not be fulfilled for long.
+  // It may take long until a sample fulfils the conditions.
   const bool has_conditions = !accepted_.latest().selection.gate().is_open();
   if (!connected || waits || held_up || has_conditions) {
     watchdog.excuse();
@@ -315,8 +316,9 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
 
-/// The request tells that the reader listens no more, and a moment later that it does: both sides begin anew.
-/// Shared memory that was deaf has its turn again after a while in which UDP is used.
+/// The request says that the reader has stopped listening, and a moment later that it listens. So both sides
+/// begin anew. If nothing arrived by shared memory, UDP is used for a while before shared memory is tried
+/// again.
 void LocalReader::restart(Hearing& hearing, Time now) {
   const EndpointId writer = hearing.source.writer;
   const bool attached = memory_ != nullptr && hearing.memory && memory_->connected(writer);
@@ -348,7 +350,7 @@ void LocalReader::restart(Hearing& hearing, Time now) {
                                          std::to_string(watchdogs_.at(writer).restarts()) + ")");
 }
 
-/// States are copied and compared only if something can have happened.
+/// States are copied and compared only if something may have changed.
 void LocalReader::report_events() {
   const std::uint64_t losses = ports().losses();
   has_changes_ |= std::exchange(losses_reported_, losses) != losses;

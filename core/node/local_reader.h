@@ -1,6 +1,6 @@
 // One reader of this node, for one selection of a subscriber: connects its ports to the writers that the
-// negotiation wants it to hear, tells these writers what it asks for, and looks after promises and after
-// connections by which nothing arrives. The agent's.
+// negotiation wants it to receive from, sends them its requests, watches their deadlines and leases, and
+// restarts connections by which nothing arrives. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -38,60 +38,62 @@ class LocalReader {
 
   // Connections.
 
-  /// Connects to the writers that the reader should hear, and disconnects from others. `unattached` counts
-  /// the connections in shared memory, of all readers, whose writers have not shown up there.
+  /// Connects to the writers that the reader should receive from, and disconnects from others. `unattached`
+  /// counts the connections in shared memory, of all readers, that are not attached to their writers yet.
   void reconcile(std::size_t& unattached);
-  /// Connections of this reader in shared memory whose writers have not shown up there.
+  /// Returns how many connections of this reader in shared memory are not attached to their writers yet.
   std::size_t unattached() const;
   struct Connections {
-    bool changed = false;        ///< the desired states are to be asked for again
+    bool changed = false;        ///< the negotiation must be asked for the desired states again
     bool waiting = false;        ///< some connection in shared memory is not complete yet
-    std::uint64_t arrivals = 0;  ///< differs from what it was if samples have come by shared memory meanwhile
+    std::uint64_t arrivals = 0;  ///< changes when samples come by shared memory
   };
-  /// Sends the writers a request that says which of them the reader hears by now.
+  /// Sends the writers a new request if the connections have changed, which the request lists.
   Connections look_after_connections();
-  /// The memory of the port is gone, or another daemon's. What has come by the port can be taken for a while.
+  /// Gives up the port in shared memory, because the memory is gone, or is another daemon's. Samples that
+  /// have come by the port can be taken for a while.
   void drop_memory();
-  /// True if a connection failed that may be tried again.
+  /// Returns true if a connection has failed and may be tried again now.
   bool may_try_again(Time now) const;
 
   // Requests.
 
-  /// Other fields, parts of them, conditions or another maximum rate may be needed: the program has said so,
-  /// or the recorder has found it. True if the desired states are to be asked for again.
+  /// The program or the recorder may need other fields, parts of them, conditions or another maximum rate.
+  /// Returns true if the negotiation must be asked for the desired states again.
   bool requirement_changed();
-  /// Tells others the request as it is now.
+  /// Sends the present request to other nodes.
   void send_request();
-  /// Accepts no more samples under earlier requests, from writers that have gone, and by lost memory, once
-  /// none can be in flight.
+  /// Stops accepting samples under earlier requests, from writers that have gone, and by lost memory, once
+  /// none of them can be in flight any more.
   void forget_what_was_in_flight(Time now);
 
   // Life.
 
   void watch_promises(Time now);
   void asserted(const std::vector<EndpointId>& writers);
-  /// How long the next look can wait, no longer than `longest`.
+  /// Returns how long the next look can wait, `longest` at most.
   std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
-  /// Watches the callback, which is for all selections of the subscriber. Null but for the first one.
+  /// Returns the monitor of the callback. Only the reader of the first selection has one, because all
+  /// selections share the callback; null for others.
   CallbackMonitor* callback() const { return callback_.get(); }
-  /// Sets connections up anew by which nothing arrives, although their writer sends, as its node says.
-  /// `reported`: the progress of writers that has just been told. `held_up`: a callback of this node may hold
-  /// up what arrives. True if any was.
+  /// Sets up connections anew by which nothing arrives although the writer's node reports that it sends.
+  /// `reported`: progress of writers that has just been reported. `held_up`: a callback of this node may hold
+  /// up what arrives. Returns true if a connection was set up anew.
   bool restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now);
-  /// True if others have to report on the topic: nothing has arrived from some writer for a while, or the
-  /// reader has asked for a lease.
+  /// Returns true if other nodes have to report on the topic: nothing has arrived from some writer for a
+  /// while, or the reader has asked for a lease.
   bool awaits_reports(Time now);
 
-  /// Tells the user what has happened.
+  /// Reports events to the user.
   void report_events();
-  /// The writers that match, each with an account.
+  /// Returns the writers that match. Each has an account.
   std::vector<EndpointId> matching_writers() const;
 
  private:
   struct Connecting {
     Retry memory;
     Retry network;
-    std::chrono::seconds network_preferred{0};  ///< the pause of shared memory after it was deaf last
+    std::chrono::seconds network_preferred{0};  ///< the last pause of shared memory after it failed
   };
 
   Hearing connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached);
@@ -109,23 +111,22 @@ class LocalReader {
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::size_t selection_;
-  Feed& feed_;  ///< of the core
+  Feed& feed_;  ///< belongs to `core_`
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
-  // By writer:
-  std::map<EndpointId, Hearing> heard_;  ///< what is in force
+  // The keys of these maps are writers:
+  std::map<EndpointId, Hearing> heard_;  ///< the connections in force
   std::map<EndpointId, Connecting> connecting_;
   std::map<EndpointId, RequestMonitor> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
-  std::map<EndpointId, Time>
-      departed_;                        ///< writers of which datagrams may still be in flight, and since when
-  Time memory_lost_at_ = Time::max();   ///< while what came by it can be taken; max: long ago
-  Time others_asked_at_ = Time::max();  ///< when other samples were asked for last; max: long ago
+  std::map<EndpointId, Time> departed_;  ///< when writers departed; datagrams may be in flight
+  Time memory_lost_at_ = Time::max();    ///< while its samples can be taken; max: long ago
+  Time others_asked_at_ = Time::max();   ///< when other samples were asked for last; max: long ago
   const std::unique_ptr<CallbackMonitor> callback_;
   Qos requested_;
   AcceptedRequests accepted_;
-  SubscriberStatus reported_;  ///< the state up to which events were told
-  bool has_changes_ = false;   ///< the state may differ from told_
+  SubscriberStatus reported_;  ///< the state up to which events were reported
+  bool has_changes_ = false;   ///< the state may differ from reported_
   std::uint64_t losses_reported_ = 0;
 };
 

@@ -29,7 +29,7 @@ void LocalWriter::reconcile() {
   as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
 }
 
-/// Returns true if the desired state has changed: readers that were unreached without the port are no more.
+/// Returns true if the desired state has changed: with the port, further readers may be reached.
 bool LocalWriter::open_memory(bool wanted) {
   if (!wanted || memory_ != nullptr) {
     opening_memory_ = {};
@@ -46,7 +46,7 @@ bool LocalWriter::open_memory(bool wanted) {
   return opened && reach_all_again();
 }
 
-/// A reader is served in shared memory only if it can be told of samples there. Returns what can be served.
+/// A reader is served in shared memory only if its doorbell can be rung. Returns what can be served.
 Serving LocalWriter::reachable(Serving wanted) {
   forget_unreached_but(wanted);
   bool changed = false;
@@ -63,12 +63,13 @@ Serving LocalWriter::reachable(Serving wanted) {
   return changed ? node_.negotiation.serving(id_) : wanted;
 }
 
-/// A reader can be attached to a port that is not open here: the daemon made it, and answered too late.
+/// A reader can be attached to a port that is not open here: the daemon created it, but answered too late.
 std::string LocalWriter::why_not_open() const {
   return "the publisher's port in shared memory is not open: " + opening_memory_.reason();
 }
 
-/// Readers that are not attached any more may be reached when they are attached again.
+/// Discards failures to reach readers that are not attached any more: they may be reached when they attach
+/// again.
 void LocalWriter::forget_unreached_but(const Serving& wanted) {
   std::erase_if(reaching_, [&](const auto& item) {
     const auto is_it = [&](const Route& route) { return route.reader == item.first; };
@@ -87,7 +88,7 @@ bool LocalWriter::is_served_already(const Route& route) const {
 
 void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
   if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
-  if (memory_ == nullptr) return;  // whoever tried to open the port has told it
+  if (memory_ == nullptr) return;  // the failure to open the port is logged already
   const Endpoint* reader = node_.negotiation.table().known(route.reader);
   node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
                                          (reader == nullptr ? "" : reader->node) +
@@ -95,7 +96,7 @@ void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
 }
 
 bool LocalWriter::look_after_reach(Time now) {
-  if (memory_ == nullptr) return false;  // once the port is open
+  if (memory_ == nullptr) return false;  // they are tried once the port is open
   bool changed = false;
   for (const auto& [reader, retry] : reaching_) {
     if (retry.due_again(now)) changed |= node_.negotiation.reach_changed(id_, reader, {});
@@ -157,7 +158,7 @@ std::uint64_t LocalWriter::sent_in_memory() const {
   return in_force_ && !in_force_->memory.empty() ? core_->signs().published : 0;
 }
 
-/// States are copied and compared only if something can have happened.
+/// States are copied and compared only if something may have changed.
 void LocalWriter::report_events() {
   has_changes_ |= core_->diverted() != reported_.diverted;
   if (!std::exchange(has_changes_, false)) return;

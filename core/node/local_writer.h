@@ -1,5 +1,6 @@
 // One writer of this node: brings its ports to the state that the negotiation wants, opens its port in shared
-// memory and tries again where that fails, looks after its late readers and its promises. The agent's.
+// memory and tries again if that fails, gives retained samples to late readers, and watches its promises.
+// Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -19,43 +20,44 @@ namespace sft::core {
 
 class LocalWriter {
  public:
-  /// `node` outlives this object. `endpoint` as it is added to the negotiation.
+  /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
   LocalWriter(NodeContext& node, const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
 
   const PublisherCore& core() const { return *core_; }
 
-  // Functions that return true have changed the negotiation's table: the desired states are to be asked for
+  // Functions that return true have changed the negotiation's table: it must be asked for the desired states
   // again.
 
   /// Brings the writer to its desired state.
   void reconcile();
-  /// Asks again for readers that could not be told of samples in shared memory: what stood in the way may be
+  /// Tries again to serve readers in shared memory whose doorbells could not be rung: the obstacle may be
   /// gone.
   bool look_after_reach(Time now);
-  /// Gives retained samples to late readers. A reader may change over to shared memory one tick after all
-  /// that it was sent by UDP has left.
+  /// Gives retained samples to late readers. A reader may change over to shared memory one tick after all its
+  /// samples by UDP have left.
   bool look_after_history();
-  /// The memory of the port is gone, or another daemon's.
+  /// Gives up the port in shared memory, because the memory is gone, or is another daemon's.
   bool drop_memory();
-  /// Differs from what it was if samples have gone by shared memory meanwhile.
+  /// Returns a number that changes when samples are sent in shared memory.
   std::uint64_t sent_in_memory() const;
-  /// True if some reader is still being given retained samples.
+  /// Returns true if a late reader has not got all retained samples yet.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
-  /// True if the port could not be opened and may be tried again.
+  /// Returns true if the port could not be opened and may be tried again.
   bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
 
-  /// Looks at what the publisher has promised. True if its readers have to be told now that it lives.
+  /// Watches the promises of the publisher. Returns true if its readers must be told now that it is alive.
   bool watch_promises(Time now);
-  /// How long the next look can wait; nothing if there is nothing to look at.
+  /// Returns how long the next look can wait; nothing if no promise has to be watched.
   std::optional<std::chrono::nanoseconds> pace() const { return monitor_.pace(); }
-  /// How far the writer is, a few times, since what tells it may get lost; nothing if it has no readers, or
-  /// has sent nothing since. `again`: some reader may not have heard it.
+  /// Returns the progress of the writer: each progress a few times, because reports may get lost. Returns
+  /// nothing after that, or if the writer has no readers. `again`: some reader may not have received the last
+  /// progress.
   std::optional<Progress> take_progress(bool again);
 
-  /// Tells the user what has happened.
+  /// Reports events to the user.
   void report_events();
 
-  /// The readers that match, each with an account.
+  /// Returns the readers that match. Each has an account.
   std::vector<EndpointId> matching_readers() const;
   Account::OfWriter account_of(EndpointId reader) const;
 
@@ -79,11 +81,11 @@ class LocalWriter {
   std::optional<Serving> in_force_;
   OfferMonitor monitor_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick
-  std::uint64_t progress_reported_ = 0;   ///< samples published when others were told of the progress last
-  int progress_left_ = 0;                 ///< how often that has to be told yet
-  PublisherStatus reported_;              ///< the state up to which events were told
-  bool has_changes_ = false;              ///< the state may differ from told_
-  std::map<EndpointId, Retry> reaching_;  ///< readers in memory that could not be told of samples
+  std::uint64_t progress_reported_ = 0;   ///< samples published at the last new progress
+  int progress_left_ = 0;                 ///< how often that must still be reported
+  PublisherStatus reported_;              ///< the state up to which events were reported
+  bool has_changes_ = false;              ///< the state may differ from reported_
+  std::map<EndpointId, Retry> reaching_;  ///< readers whose doorbells could not be rung
 };
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// Notices that something waits long for a callback: a sample of one subscriber for its turn, or the thread
-// that receives for the callback that it runs. Pure: what looks have found and times go in, answers come out.
+// Detects long waits for a callback: of a sample of one subscriber for its turn, or of the receiving thread
+// for the callback that it runs. Pure: observations and times go in, answers come out.
 #pragma once
 
 #include <chrono>
@@ -15,8 +15,8 @@ class LongWait {
  public:
   static constexpr std::chrono::seconds is_long{1};
 
-  /// `turns` differs from before if the subscriber was called back meanwhile, so that an earlier wait is
-  /// over. Returns how long this one has taken, once for each wait that is long.
+  /// `turns` has changed if the subscriber was called back since the last look. An earlier wait is over then.
+  /// Returns how long the present wait has taken, once for each long wait.
   std::optional<Time::duration> look(bool waits, std::uint64_t turns, Time now) {
     const bool had_turn = std::exchange(turns_, turns) != turns;
     if (!waits || had_turn || !since_) {

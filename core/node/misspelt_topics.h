@@ -1,5 +1,5 @@
-// Finds subscribers whose topic nobody publishes, while a topic of a similar name and of the same type is
-// published: the name may be misspelt, or lack its namespace. Pure.
+// Finds subscribers whose topic has no publisher, while a topic with a similar name and the same type has
+// one: the name may be misspelt, or lack its namespace. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -16,22 +16,22 @@
 namespace sft::core {
 
 /// Returns whether a person may have meant the one topic and written the other: few letters differ, or one is
-/// the end of the other, as "points" is of "lidar/points". Topics that differ only in their digits are
-/// meant, as "camera1" and "camera2" are.
+/// the end of the other, as "points" is of "lidar/points". Topics that differ only in their digits, as
+/// "camera1" and "camera2", are not similar: both are usual.
 bool is_similar_topic(std::string_view a, std::string_view b);
 
 class MisspeltTopics {
  public:
-  /// A publisher that is there is known by then. A topic is looked for again after twice that time, and so
-  /// on, since its publisher and the one of the similar topic may come later.
+  /// By then, each publisher that exists is known. A topic is looked up again after twice that time, and so
+  /// on, because its publisher and that of a similar topic may come later.
   static constexpr std::chrono::seconds first_look{3};
 
   /// A subscriber of ours was opened.
   void added(EndpointId reader, Time now) { unpublished_[reader] = {now + first_look, first_look}; }
   using PublishersOf = std::function<std::vector<Discovery::KnownPublisher>(const std::string& type_name)>;
-  /// Returns a sentence for each subscriber that was found by this look. `publishers_of`: see Discovery. It
-  /// is called for subscribers that are looked at. Subscribers of which the topic was published are not
-  /// looked at again.
+  /// Returns a sentence for each subscriber whose topic may be misspelt, and whose next look is due.
+  /// `publishers_of`: see Discovery. Once the topic has had a publisher, the subscriber is not looked at
+  /// again.
   std::vector<std::string> look(const EndpointTable& table, const PublishersOf& publishers_of, Time now);
 
  private:

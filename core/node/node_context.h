@@ -1,5 +1,5 @@
-// Shared by the endpoints of one node: the table of all endpoints, the transports, and ways to tell others
-// and the user. The agent's.
+// What the endpoints of one node share: the table of all endpoints, discovery, the transports, and the log.
+// Used by the agent only.
 #pragma once
 
 #include "core/discovery/discovery.h"
@@ -19,8 +19,9 @@ struct NodeContext {
   Network* network = nullptr;      ///< null if the node must not use the network
 };
 
-/// Tells the user what differs between the states that the user could have polled. `reported`: the state that
-/// was told last. `read_status` returns the present one, and `differences` turns two states into events.
+/// Reports to the user, as events, how the present state differs from the last reported one. `reported`: that
+/// state, which is updated. `read_status` returns the present one, and `differences` turns two states into
+/// events.
 template <class Core, class Status, class ReadStatus, class Differences>
 void report_events(Core& core, Status& reported, NodeLog& log, ReadStatus read_status,
                    Differences differences) {

@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
-/// A signal handler, which may interrupt a search for a type, cannot wake it.
+/// A signal handler may interrupt a search for a type, but cannot wake it. So the search looks this often.
 constexpr std::chrono::milliseconds interrupt_look_period{100};
 
 /// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
@@ -139,13 +139,14 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
 
 NodeCore::~NodeCore() {
   if (opening_) agent_.post([this] { log_unfit(opening_->names().leave(), log_); });
-  agent_.stop();  // runs the endpoints' withdrawals first, which were posted before the last handle went
+  agent_.stop();  // first withdraws endpoints, as was posted before the last handle was released
   discovery_.reset();
   callbacks_.stop();
 }
 
-/// A callback is not the agent's work: it may take long, or wait for the agent. So may the standard error,
-/// whose reader may have stopped. The thread begins with the first line, where the program has no sink.
+/// The agent does not call the sink itself: a callback may take long, or wait for the agent. So may standard
+/// error, whose reader may have stopped. If the program has no sink of its own, the thread starts with the
+/// first line.
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
@@ -153,7 +154,7 @@ NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   };
 }
 
-/// The last handle may go within a callback, on a thread that the destructor would wait for.
+/// The last handle may be released within a callback, on a thread that the destructor would wait for.
 void NodeCore::dispose(NodeCore* node) {
   if (is_forked_copy()) return;  // its threads are not there, and its sockets and files are the parent's
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
@@ -195,7 +196,8 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
     reconciler_->add_writer(writer.endpoint, writer.core);
     endpoints_changed_.raise();
   });
-  // The end of the handle withdraws the endpoint; the agent gives up the rest.
+  // The release of the last handle closes the publisher. The agent withdraws the endpoint and closes its
+  // ports.
   const auto close = [self, core, id](PublisherCore*) {
     if (is_forked_copy()) return;
     core->close();
@@ -208,7 +210,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  // Endpoints that other threads have closed give their doorbells back on the agent.
+  // The agent gives back the doorbells of subscribers that other threads have closed.
   if (agent_.is_behind()) ask_agent([] {});
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
@@ -258,7 +260,7 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-/// Only a lease is urgent.
+/// Only the publishers that are alive are urgent, because of their leases.
 void NodeCore::report_received(NodeReport report) {
   const bool has_time = report.living.empty();
   Agent::Task task = [this, report = std::move(report)] { reconciler_->report_received(report); };
@@ -278,7 +280,7 @@ void NodeCore::warned(const std::string& what) { log_.write(LogLevel::warning, "
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;
-  // Whoever floods us must not fill the agent's queue: one complaint in a while is enough.
+  // A flood must not fill the agent's queue: a line now and then is enough.
   const auto now = std::chrono::steady_clock::now();
   if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
   next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
@@ -317,7 +319,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   const Result<TopicName> name = opening_->names().topic(topic);
   if (!name) return tl::unexpected(name.error());
-  // The agent cannot wait for what it would itself bring about.
+  // The agent cannot wait for what it has to do itself.
   const bool may_wait = !agent_.is_current_thread();
   const Time begun = std::chrono::steady_clock::now();
   TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
@@ -327,7 +329,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
-    // Everything that discovery knows already has come to the agent meanwhile.
+    // What discovery knew already was posted to the agent before this question.
     Result<DynamicType> type = ask_agent(
         [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;

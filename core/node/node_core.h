@@ -45,14 +45,14 @@ class NodeCore final : private DiscoveryListener {
     Remapping names{};
   };
 
-  /// `options` with its defaults resolved (domain, configuration), and the full name of the node.
+  /// `options` must have its defaults resolved (domain, configuration), and the full name of the node.
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 
   Result<detail::untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self,
                                                     std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options);
-  /// The type, which then lives as long as the node.
+  /// Returns the type, which is kept as long as the node lives.
   const TypeSupport& kept(const DynamicType& type) { return kept_types_.keep(type); }
   Result<detail::untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                       EndpointOpening::ReaderOrder order);
@@ -83,7 +83,8 @@ class NodeCore final : private DiscoveryListener {
   void link_was_renewed(const std::string& what) override;  // called by the agent
   void warned(const std::string& what) override;
 
-  /// Publishers, or subscribers, of all nodes are known soon after that. To be called by the agent.
+  /// Makes discovery report the publishers, or subscribers, of all nodes from now on. Only the agent calls
+  /// it.
   void hear(Role role);
   void hear_everybody();
   /// Calls `question` on the agent's thread, the only one that may look at the reconciler; returns its
@@ -104,16 +105,16 @@ class NodeCore final : private DiscoveryListener {
     std::atomic<std::uint64_t> malformed{0}, links_renewed{0};
   };
   DiscoveryCounts counts_;
-  std::atomic<Time> next_complaint_{};  ///< about malformed control traffic; not before
+  std::atomic<Time> next_complaint_{};  ///< no line on malformed control traffic before this
   CallbackThread callbacks_;            ///< for events, readers and the log
-  NodeLog log_;                         ///< the agent's; it posts to the thread for callbacks
+  NodeLog log_;                         ///< posts its lines to callbacks_
   EventCount endpoints_changed_;
   mutable EndpointRegistry registry_;
 
   Dispatcher dispatcher_;
   Dispatcher poller_;                       ///< makes file descriptors readable for samples in shared memory
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent
-  std::unique_ptr<Reconciler> reconciler_;  ///< the agent's own; set before that starts
+  std::unique_ptr<Reconciler> reconciler_;  ///< only the agent changes it; set before that starts
   std::optional<EndpointOpening> opening_;  ///< set once discovery is open
   Agent agent_;
 };

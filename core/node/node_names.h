@@ -1,4 +1,4 @@
-// Gives the topics of one node their names, and says which of the remapping rules have fitted nothing.
+// Applies the remapping rules of one node to its topics, and returns the rules that have matched nothing.
 #pragma once
 
 #include <memory>
@@ -31,11 +31,11 @@ class NodeNames {
     if (name && !name->rules.empty()) use_->fit(name->rules);
     return name;
   }
-  /// See RuleUse. For the agent, and for the thread that destroys the node once the agent has ended.
+  /// See RuleUse. Called by the agent, and by the thread that destroys the node after the agent has ended.
   std::vector<std::string> take_unfit_rules(Time now) const {
     return use_ == nullptr ? std::vector<std::string>() : use_->take_unfit(now);
   }
-  /// The node closes; topics have no names any more.
+  /// The node closes. topic() must not be called after that.
   std::vector<std::string> leave() {
     const std::shared_ptr<RuleUse> use = std::exchange(use_, nullptr);
     return use == nullptr ? std::vector<std::string>() : use->leave();

@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// True if it did not fail before, or failed for another reason.
+/// Notes the outcome in `retry`. Returns true if it is a failure, and the first one with this reason.
 bool PortAttempts::is_new_failure(Retry& retry, const Result<void>& outcome) {
   if (!outcome) return retry.failed(outcome.error().message, std::chrono::steady_clock::now());
   retry.succeeded();
@@ -22,7 +22,7 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   const Time now = std::chrono::steady_clock::now();
   if (!retry.due(now)) return false;
   if (!asking_daemon_.due(now)) {
-    retry.hold_with(asking_daemon_);  // else nobody would try this one again
+    retry.hold_with(asking_daemon_);  // otherwise this attempt would not be repeated
     return false;
   }
   next_piece_of_work();

@@ -1,5 +1,5 @@
 // Attempts to open ports and to connect them: what has failed is tried again after a pause, and each reason
-// is written to the log once. Used by the agent's thread.
+// is written to the log once. Used by the agent only.
 #pragma once
 
 #include <functional>
@@ -21,12 +21,12 @@ class PortAttempts {
 
   /// Returns true if open() was called and has succeeded. Does not call it while `retry` pauses.
   bool over_network(Retry& retry, const Open& open);
-  /// The same where the daemon of shared memory is asked. A daemon that did not answer is not asked again for
-  /// a while, on behalf of any endpoint: the agent waits a moment for each answer. An answer that is still to
-  /// come is no failure, and open() is called again with the next look.
+  /// The same for ports that need the daemon of shared memory. A daemon that did not answer is not asked
+  /// again for a while, for any endpoint, because the agent waits a moment for each answer. An answer that is
+  /// still to come is no failure: open() is called again with the next look.
   bool in_memory(Retry& retry, const Open& open);
 
-  /// True if something failed that was tried by in_memory(), and may be tried again.
+  /// Returns true if an attempt of in_memory() has failed and may be repeated now.
   bool may_retry_in_memory(const Retry& retry, Time now) const {
     return retry.due_again(now) && asking_daemon_.due(now);
   }

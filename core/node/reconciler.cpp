@@ -14,10 +14,10 @@ constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
     "open a node of its own for a long callback, or give its work to another thread";
-constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is not worth the looking
+constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is looked at less often
 
-/// True if only looks show what comes of it: an endpoint is missing, a late reader still gets retained
-/// samples, or a callback may take long.
+/// Returns true if frequent looks are needed, because no event will report a change: an endpoint is missing,
+/// a late reader still gets retained samples, or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_peer() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
@@ -63,8 +63,9 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
   if (is_first) control_monitor_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
 
-/// Ports wait for the call of their listener to return. The agent must not wait for that: the callback in
-/// which a subscriber was destroyed may take long, or itself ask the agent for something.
+/// The destructors of ports wait for calls of their listener to return. The agent must not wait for that: the
+/// callback in which a subscriber was destroyed may take long, or itself ask the agent for something. So such
+/// a reader is kept until its callback has returned.
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
@@ -83,7 +84,7 @@ void Reconciler::requirement_changed(EndpointId id) {
   if (reader != ours_.readers.end()) dirty_ |= reader->second.requirement_changed();
 }
 
-/// Tells others at once, so that what the program does in time is in time for them.
+/// Reports the assertion at once, so that one that the program makes in time reaches other nodes in time.
 void Reconciler::program_asserts(EndpointId id) {
   const auto writer = ours_.writers.find(id);
   if (writer == ours_.writers.end()) return;
@@ -110,7 +111,7 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
-/// `reported`: the progress of writers that has just been told.
+/// `reported`: the progress of writers that has just been reported.
 void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
   arrivals_looked_at_ = now;
   const bool held_up = now - held_up_at_ < held_up_for;
@@ -152,7 +153,7 @@ void Reconciler::look_after_memory(Time now) {
   const TransportMonitor::MemoryChange change = transports_.look_at_memory(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
-  if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which is to be asked at once
+  if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which may be asked at once
     attempts_.forget_daemon();
     for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_memory();
     for (auto& [id, reader] : ours_.readers) reader.drop_memory();
@@ -164,7 +165,7 @@ void Reconciler::look_after_memory(Time now) {
   for (auto& [id, reader] : ours_.readers) reader.send_request();
 }
 
-/// Interfaces come and go: the addresses at which we are reached are then announced anew.
+/// When interfaces come or go, the addresses at which this node is reached are announced anew.
 void Reconciler::look_after_addresses(Time now) {
   const TransportMonitor::NetworkChange change = transports_.look_at_network(now);
   if (change == TransportMonitor::NetworkChange::none) return;
@@ -217,7 +218,8 @@ void Reconciler::log_long_waits(const LocalReader& reader, const CallbackMonitor
                                     remedy_of_long_callbacks);
 }
 
-/// True if some reader still waits for its connection in shared memory. Notes whether samples go there.
+/// Returns true if some reader still waits for its connection in shared memory. Notes whether samples are
+/// sent or received there.
 bool Reconciler::look_after_connections(Time now) {
   bool waiting = false;
   std::uint64_t samples = 0;
@@ -249,7 +251,7 @@ void Reconciler::report(std::vector<EndpointId> living, Time now) {
   report_received(report, now);  // our own readers
 }
 
-/// The time until the next tick: not longer than a deadline, a lease or the network can wait.
+/// Returns the time until the next tick. It is no longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   std::chrono::nanoseconds pace = tick_pace_.next(now);
   for (const Time next : {transports_.next_look(now), discovery_looks_at_}) {
@@ -268,7 +270,8 @@ std::chrono::milliseconds Reconciler::reconcile() {
   return pace(now);
 }
 
-/// Goes on until nothing changes any more: what our readers are connected to is news to our own writers.
+/// Repeats this until nothing changes any more, because new connections of our readers concern our own
+/// writers.
 void Reconciler::settle() {
   if (dirty_) tick_pace_.stirred(std::chrono::steady_clock::now());
   while (std::exchange(dirty_, false)) {

@@ -1,6 +1,6 @@
 // The loop of a node: takes events from discovery and from the program, gives them to the negotiation, brings
-// the node's endpoints to the states that the negotiation wants, and tells others and the user what has
-// changed. The agent's, except what is marked.
+// the node's endpoints to the states that the negotiation wants, and reports changes to other nodes and to
+// the user. Used by the agent only, except what is marked.
 #pragma once
 
 #include <atomic>
@@ -29,7 +29,7 @@ namespace sft::core {
 
 class Reconciler {
  public:
-  /// All that it is given outlives it; a transport is null if the node must not use it.
+  /// All arguments outlive this object; a transport is null if the node must not use it.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
              Dispatcher& dispatcher, NodeLog& log);
 
@@ -37,7 +37,7 @@ class Reconciler {
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
   /// Withdraws an endpoint and gives up its ports.
   void remove(EndpointId id);
-  /// One of our readers may ask for something else: the program has said so, or its recorder has found it.
+  /// The program or the recorder may have changed what one of our readers asks for.
   void requirement_changed(EndpointId id);
   /// The program has asserted the liveliness of one of our writers.
   void program_asserts(EndpointId writer);
@@ -49,20 +49,20 @@ class Reconciler {
   void request_received(const Request& request);
   void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
 
-  /// Looks after the transports and after what changes with time; returns when to be called again.
+  /// Does what is due in transports, discovery and endpoints. Returns the time until the next call.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
-  /// To be called after any of the above: makes what has changed come true.
-  /// Returns the time until tick() must be called, like tick().
+  /// Must be called after any of the above: brings the endpoints to the states that are desired now. Returns
+  /// the time until tick() must be called, like tick().
   std::chrono::milliseconds reconcile();
 
   /// All endpoints that are known and not lost, ours too. Valid until the next event.
   std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
-  /// The same, with how far the writers are.
+  /// Returns the same endpoints, with the progress of writers.
   std::vector<KnownEndpoint> known_endpoints() const;
   Reports& reports() { return reports_; }
 
   // Any thread.
-  /// Only what any thread may ask of it.
+  /// Other threads may call only those functions of the result that are marked (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
@@ -92,10 +92,10 @@ class Reconciler {
   std::map<EndpointId, LocalReader> departing_;  ///< removed within callbacks that have not returned yet
   Reports reports_;
   TickPace tick_pace_;
-  Time discovery_looks_at_{};  ///< the next time, at the latest
+  Time discovery_looks_at_{};  ///< when look_after() must be called at the latest
   Time arrivals_looked_at_{};
   Time held_up_at_{};      ///< when a callback that takes long was seen last
-  bool dirty_ = false;     ///< something changed that reconcile() has not seen
+  bool dirty_ = false;     ///< something changed since the last reconcile()
   int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
   std::atomic<std::uint64_t> control_ignored_{0};
 };

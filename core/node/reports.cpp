@@ -33,7 +33,8 @@ void Reports::inquire(Time now) {
   discovery_.inquire(inquired_);
 }
 
-/// Whose endpoints they are has been checked. The other side of the pair has to be known as well.
+/// Discovery has checked that the reporting process owns the endpoints. The other side of a pair must be
+/// known as well.
 void Reports::received(const NodeReport& report, Time now) {
   for (const Account& account : report.accounts) {
     const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
@@ -56,8 +57,8 @@ NodeReport Reports::take(Time now) {
   return report;
 }
 
-/// The progress of writers that have sent something since they were named last, in turns. `again`: that of
-/// all, since another node has begun to ask.
+/// Returns the progress of writers that have sent something since their last report, in turns. `again`: of
+/// all writers, because another node has begun to ask.
 std::vector<Progress> Reports::take_progress(const std::set<Inquiry>& asked, bool again) {
   const bool of_all_topics = asked.contains({});
   std::vector<Progress> all;
@@ -81,7 +82,8 @@ std::vector<Account> Reports::take_accounts(const std::set<Inquiry>& asked) {
   return accounts;
 }
 
-/// The pairs that our endpoints of such topics match: of other pairs there is nothing to count.
+/// Returns the accounts of the pairs that our endpoints of such topics match. Other pairs have nothing to
+/// count.
 template <class IsOf>
 std::set<AccountId> Reports::accounts_of_ours(IsOf is_of) const {
   std::set<AccountId> accounts;
@@ -107,7 +109,7 @@ Account Reports::account(const AccountId& id) const {
   return account;
 }
 
-/// Joins what others have reported with the present accounts of our own endpoints.
+/// Returns what other nodes have reported, and the present accounts of our own endpoints.
 PairAccounts Reports::accounts(Time now) {
   PairAccounts known = table_.accounts(now);
   for (const AccountId& id : accounts_of_ours([this](const std::string& topic) { return asks_about(topic); }))

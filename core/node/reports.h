@@ -1,7 +1,7 @@
 // The inquiries of this node, its reports to nodes that inquire, and the accounts that other nodes have
-// reported. A report tells how far publishers are, what both sides of pairs have counted, and which
-// publishers live although nothing else tells so. Reports are best effort, so that each of them is repeated.
-// The agent's.
+// reported. A report says how far publishers are, what both sides of pairs have counted, and which publishers
+// are alive although nothing else shows it. Reports are best effort, so each of them is repeated. Only the
+// agent uses it.
 #pragma once
 
 #include <chrono>
@@ -27,26 +27,26 @@ class Reports {
 
   // Questions of the program.
 
-  /// The accounts of all pairs on that topic, until the program has said as often that it does not any more.
+  /// Asks for the accounts of all pairs on that topic, until ask_no_more() is called as often as ask().
   void ask(const std::string& topic);
   void ask_no_more(const std::string& topic);
-  /// How far all publishers are, for a while.
+  /// Asks for the progress of all publishers, for a while.
   void ask_for_progress(Time now);
-  /// The accounts that are known of the pairs that the program asks about.
+  /// Returns the known accounts of the pairs that the program asks about.
   PairAccounts accounts(Time now = std::chrono::steady_clock::now());
 
-  /// Tells others what this node asks for, if that has changed.
+  /// Announces what this node asks for, if that has changed.
   void inquire(Time now);
-  /// Another node has reported of its own endpoints.
+  /// Another node has reported on its own endpoints.
   void received(const NodeReport& report, Time now);
 
   bool is_due(Time now) const { return now >= reported_at_ + pause; }
-  /// Returns the report that is due, without the publishers that live. It then counts as reported, and may be
-  /// nothing.
+  /// Returns the report that is due, without the publishers that are alive. It may be empty, and counts as
+  /// sent.
   NodeReport take(Time now);
 
  private:
-  static constexpr std::chrono::milliseconds pause{900};  // at each look of a node that is idle
+  static constexpr std::chrono::milliseconds pause{900};  // so that an idle node reports at each look
   static constexpr std::chrono::seconds asks_for_progress{10};
 
   bool asks_about(const std::string& topic) const { return topics_.contains(topic); }
@@ -61,7 +61,7 @@ class Reports {
   Discovery& discovery_;
   std::map<std::string, std::size_t> topics_;  ///< with the number of times that the program asks about each
   Time progress_until_{};
-  std::set<Inquiry> inquired_;        ///< by this node, as others know it
+  std::set<Inquiry> inquired_;        ///< by this node, as announced
   std::uint64_t inquiries_made_ = 0;  ///< as of the last report
   Time reported_at_{};
   Turns<EndpointId> progress_turns_;

@@ -1,6 +1,6 @@
-// Remembers which remapping rules of the nodes of this process have fitted something. A rule is often meant
-// for one of several nodes. So only a rule that has fitted nothing in any of them is told to the user, once,
-// by one of them.
+// Remembers which remapping rules of the nodes of this process have matched a name. A rule is often meant for
+// one of several nodes. So the user is told of a rule only if it has matched nothing in any of them. One of
+// the nodes does that, once.
 #pragma once
 
 #include <chrono>
@@ -17,23 +17,23 @@ namespace sft::core {
 
 class RuleUse {
  public:
-  /// Within this time after its last node has opened, a program has opened its first publishers and
+  /// The time that a program needs, after it has opened its last node, to open its first publishers and
   /// subscribers.
   static constexpr std::chrono::seconds time_to_open{5};
 
-  /// The one that all nodes of the process share. It lives as long as one of them has it.
+  /// Returns the object that all nodes of the process share. It lives as long as one of them holds it.
   static std::shared_ptr<RuleUse> of_process();
 
   using Rules = std::vector<std::string>;
   // Any thread.
 
-  /// A node has opened, with these rules.
+  /// Notes that a node with these rules has opened.
   void enter(const Rules& rules, Time now);
-  /// These rules have fitted something.
+  /// Notes that these rules have matched a name.
   void fit(const Rules& rules);
-  /// Returns those that have fitted nothing yet, each once; none before the time is over.
+  /// Returns the rules that have matched nothing so far, each once; none before `time_to_open` is over.
   Rules take_unfit(Time now);
-  /// A node closes. Returns what take_unfit() would, whatever the time, if this was the last node.
+  /// A node closes. If it was the last node, this returns what take_unfit() would return, whatever the time.
   Rules leave();
 
  private:
@@ -41,8 +41,8 @@ class RuleUse {
 
   Mutex mutex_;
   std::size_t nodes_ SFT_GUARDED_BY(mutex_) = 0;
-  Time opened_ SFT_GUARDED_BY(mutex_){};                        ///< the last node
-  std::map<std::string, bool> is_done_ SFT_GUARDED_BY(mutex_);  ///< true: it has fitted, or was told
+  Time opened_ SFT_GUARDED_BY(mutex_){};                        ///< when the last node opened
+  std::map<std::string, bool> is_done_ SFT_GUARDED_BY(mutex_);  ///< by rule; true: matched or reported
 };
 
 }  // namespace sft::core

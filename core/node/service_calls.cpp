@@ -38,8 +38,8 @@ bool in_sample_callback() { return core::SubscriberCore::in_callback(); }
 std::vector<SeenServer> seen_servers(const PublisherStatus& calls, const SubscriberStatus& replies) {
   std::vector<SeenServer> seen;
   for (const SubscriberStatus::Writer& writer : replies.writers) {
-    // Other programs may listen to the calls, such as `sft echo`. Where one of them has a node of the same
-    // name, a call may be sent too early, and is repeated.
+    // Other programs, such as `sft echo`, may receive the calls, too. If such a program has a node of the
+    // same name, a call may be sent too early. It is repeated later.
     const auto hears = [&](const PublisherStatus::Reader& r) { return r.served && r.node == writer.node; };
     const bool is_heard = std::ranges::any_of(calls.readers, hears);
     seen.push_back({.id = writer.id,
@@ -72,7 +72,7 @@ ClientCall::Step ClientCall::next(ServiceTime now, const std::vector<SeenServer>
                     "', has gone; whether it has carried out the call is not known");
     }
   }
-  // A server that is there gets the call once, however late this thread runs.
+  // A server that exists gets the call at least once, however late this thread runs.
   const SeenServer* const only = was_sent ? nullptr : only_server(seen);
   if (now >= deadline_ && only == nullptr) return failed(why_late(seen));
   if (only != nullptr) {

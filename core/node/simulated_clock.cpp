@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// In a forked process another thread may have held the lock for ever.
+/// In a forked process, a thread that does not exist there may hold the lock for ever.
 std::chrono::nanoseconds SimulatedClock::now() {
   if (is_forked_copy()) return std::chrono::nanoseconds(now_ns_.load());
   const Lock lock(mutex_);

@@ -29,7 +29,7 @@ class SimulatedClock {
 
   explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}
 
-  /// 0 until the first sample has come.
+  /// Returns the time of the newest sample; 0 until the first one has come.
   std::chrono::nanoseconds now();
 
  private:

@@ -1,7 +1,7 @@
-// Decides how often a node looks after what does not tell of itself, like connections in shared memory and
-// calls that were tried in vain. A look costs a wake-up and some calls of the system, which is most of what
-// an idle node costs. So looks are frequent while something happens that they may be needed for, and become
-// rarer afterwards. Discovery and transports say themselves when they have to be looked after earlier. Pure.
+// Decides how often a node checks what raises no event, like connections in shared memory and calls that have
+// failed. A look costs a wake-up and some system calls, which is most of the cost of an idle node. So looks
+// are frequent while something happens for which they may be needed, and become rarer afterwards. Discovery
+// and transports say if they need an earlier look. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,15 @@ namespace sft::core {
 class TickPace {
  public:
   static constexpr std::chrono::milliseconds pause{50};
-  /// So a look goes together with a heartbeat, which is given each second.
+  /// With this pause, a look coincides with a heartbeat, which is sent each second.
   static constexpr std::chrono::milliseconds pause_when_quiet{932};
   static_assert(pause_when_quiet <= Transport::poll_pause_max);
 
-  /// Something happens that has to be looked after.
+  /// Something happens that requires frequent looks.
   void stirred(Time now) { stirred_ = now; }
-  /// `samples` differs from what it was if samples have gone by shared memory meanwhile. Nothing else tells
-  /// that a daemon has ended, or that a sample is held back for another one that was sent by UDP.
+  /// `samples` has changed if samples went by shared memory since the last call. Frequent looks are needed
+  /// then: nothing else shows that a daemon has ended, or that a sample is held back for another one that was
+  /// sent by UDP.
   void note_traffic(std::uint64_t samples, Time now) {
     if (std::exchange(samples_, samples) != samples) stirred(now);
   }

@@ -33,7 +33,7 @@ Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& 
   return {Errc::unavailable, message};
 }
 
-/// The first that describes its type, unless another one contradicts it.
+/// Returns the first type that an endpoint describes, unless another endpoint contradicts it.
 Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
   std::optional<DynamicType> type;
   const Endpoint* first = nullptr;

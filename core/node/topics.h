@@ -12,11 +12,11 @@
 
 namespace sft::core {
 
-/// Ordered by name.
+/// Returns the topics, ordered by name.
 std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints);
 
-/// The type that a topic is published with, or, without a publisher, subscribed with. Errc::unavailable,
-/// with what was seen in that domain, if it is not known (yet); Errc::type_mismatch if there are several
+/// Returns the type with which a topic is published, or else subscribed. The error is Errc::unavailable, with
+/// what was seen in that domain, if the type is not known (yet); Errc::type_mismatch if there are several
 /// definitions.
 Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
                             std::uint32_t domain);

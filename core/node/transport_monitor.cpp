@@ -8,7 +8,7 @@ namespace sft::core {
 namespace {
 constexpr const char* ruled_out = "the node rules it out";
 constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while nothing changes
-/// While shared memory may come: something that is in its way may go at any time.
+/// Used while shared memory may become available: an obstacle may go away at any time.
 constexpr std::chrono::milliseconds look_for_memory_every{200};
 }  // namespace
 
@@ -44,8 +44,8 @@ TransportMonitor::MemoryChange TransportMonitor::look_at_memory(Time now) {
   return change;
 }
 
-/// An attempt that follows a failed one is no news, only its outcome is. The first failure is a warning,
-/// since whole samples go by UDP from then on. It is none if there is no daemon because the user wants none.
+/// An attempt after a failed one is not logged, but its outcome is. The first failure is a warning, since
+/// whole samples go by UDP from then on, unless there is no daemon because the user wants none.
 void TransportMonitor::log_memory() {
   const bool unavailable = memory_availability_ == Availability::unavailable;
   if (memory_availability_ == Availability::starting && !self_.memory_failure.empty()) return;

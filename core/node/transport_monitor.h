@@ -1,5 +1,5 @@
 // The state of a node's two transports: whether shared memory is available, on which host, where the node is
-// reached by UDP, and what of this is written to the log. The agent's, except what is marked.
+// reached by UDP, and what of this is written to the log. Used by the agent only, except what is marked.
 #pragma once
 
 #include <atomic>
@@ -25,13 +25,13 @@ class TransportMonitor {
   const std::vector<Link>& links() const { return links_; }
 
   struct MemoryChange {
-    bool any = false;         ///< self() differs
-    bool of_host = false;     ///< the ports of before are dead, and other ones may be opened
-    bool of_state = false;    ///< for people
-    bool of_failure = false;  ///< other nodes are told why there is no shared memory
+    bool any = false;         ///< self() has changed
+    bool of_host = false;     ///< former ports are dead, and new ones may be opened
+    bool of_state = false;    ///< the description for people
+    bool of_failure = false;  ///< the reason that other nodes are told
   };
   MemoryChange look_at_memory(Time now);
-  /// Writes the change that look_at_memory() has found last to the log.
+  /// Logs the change that look_at_memory() found last.
   void log_memory();
 
   enum class NetworkChange : std::uint8_t {
@@ -39,9 +39,9 @@ class TransportMonitor {
     links,      ///< of links()
     addresses,  ///< of addresses(), and maybe of links()
   };
-  /// Writes to the log if the transport has failed.
+  /// Logs a failure of the transport.
   NetworkChange look_at_network(Time now);
-  /// Returns when a transport wants to be looked at again. Asked after both were looked at.
+  /// Returns when a transport must be looked at again. Must be called after both were looked at.
   Time next_look(Time now) const;
 
   // Any thread.
@@ -56,7 +56,7 @@ class TransportMonitor {
   NodeLog& log_;
   Self self_;
   Availability memory_availability_ = Availability::starting;
-  std::string logged_failure_;  ///< of shared memory, as the log has it; empty while that may come up
+  std::string logged_failure_;  ///< the last one of shared memory in the log; empty while that may come up
   bool memory_warned_ = false;
   bool network_failed_ = false;
   std::vector<UdpAddress> addresses_;

@@ -1,6 +1,7 @@
-// Decides from when on a node that looks for the type of a topic listens to readers, too. Publishers tell the
-// type as well, and a node that has begun to hear all readers never stops: if all nodes that look for types
-// did so, they would have to tell each other of all their subscribers. Pure.
+// Decides when a node that searches for the type of a topic begins to read the announcements of readers, too.
+// Publishers announce the type as well, and a node that has begun to read those of all readers never stops.
+// If all nodes that search for types did so, they would have to announce all their subscribers to each other.
+// Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +13,10 @@ namespace sft::core {
 
 class TypeSearch {
  public:
-  /// A publisher that is there has been heard by then.
+  /// By then, the announcement of each publisher that exists has come.
   static constexpr std::chrono::seconds publishers_first{1};
-  /// However many processes start, readers are heard after this time, or half of the time that there is.
+  /// However many processes start, readers are included after this time, or after half of the time for the
+  /// search.
   static constexpr std::chrono::seconds readers_after{5};
 
   TypeSearch(Time now, Time deadline)
@@ -25,10 +27,10 @@ class TypeSearch {
             std::max(readers_at_, now + std::min<Time::duration>(readers_after, (deadline - now) / 2))) {}
 
   bool hears_readers() const { return hears_readers_; }
-  /// The time until which the next news are waited for.
+  /// Returns the time until which to wait for announcements.
   Time waits_until() const { return hears_readers_ ? deadline_ : readers_at_; }
-  /// Nothing came until then. `newcomer_at`: when another process was discovered last; while processes start,
-  /// a publisher may still come. Returns false if the search is over.
+  /// Must be called if the type was not found until then. `newcomer_at`: when another process was discovered
+  /// last; while processes start, a publisher may still come. Returns false if the search is over.
   bool goes_on(Time now, Time newcomer_at) {
     if (hears_readers_) return false;
     readers_at_ = std::clamp(newcomer_at + publishers_first, readers_at_, readers_at_last_);

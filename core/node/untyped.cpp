@@ -60,7 +60,7 @@ SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
   return state;
 }
 
-constexpr std::size_t slots_max = core::leaves_max;  // types of more have no subscribers
+constexpr std::size_t slots_max = core::leaves_max;  // types with more leaves have no subscribers
 
 constexpr std::array<std::uint32_t, slots_max> absent_slots = [] {
   std::array<std::uint32_t, slots_max> slots{};
@@ -92,7 +92,7 @@ std::vector<std::string> Sample::missing_channels(const TypeSupport& type) const
   std::vector<std::string> missing;
   if (selection_ == nullptr) return missing;
   SampleState state = state_;
-  state.log = nullptr;  // the program reads no field
+  state.log = nullptr;  // this is no read of the program
   const DynamicView view(state, type.type(), *state.mask);
   for (const Selection::Part& part : selection_->parts()) {
     const Layout* const layout = type.layout_of(part.leaf);
@@ -143,7 +143,7 @@ Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* b
 
 Loan::~Loan() {
   if (core::is_forked_copy()) {
-    // Not even the publisher, of which this may be the last handle.
+    // Leaks the handle: it may be the last one, and not even the publisher must be destroyed here.
     static_cast<void>(new std::shared_ptr<core::PublisherCore>(std::move(publisher_)));
     return;
   }
@@ -187,8 +187,8 @@ PublishStatus Loan::publish() && {
   return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
 }
 
-// A forked copy of a process may not even look at what other threads held at that time: no function waits for
-// a lock there.
+// A forked copy of a process must not even read what other threads were using when it was forked. No function
+// waits for a lock there.
 
 PublishStatus Publisher::publish(const void* value) {
   if (core::is_forked_copy()) [[unlikely]]
@@ -234,7 +234,8 @@ Sample Subscriber::take() { return core::is_forked_copy() ? Sample() : core_->ta
 
 Sample Subscriber::take_latest() { return core::is_forked_copy() ? Sample() : core_->take_latest(); }
 
-/// The thread that calls back for samples may be the one that receives: while it waited, none would come.
+/// Does not wait within a callback: its thread may be the one that receives, so no sample would come
+/// meanwhile.
 bool Subscriber::wait(std::chrono::nanoseconds timeout) {
   if (core::is_forked_copy()) return false;
   return core_->wait(core::SubscriberCore::in_callback() ? std::chrono::nanoseconds(0) : timeout);
@@ -243,7 +244,7 @@ bool Subscriber::wait(std::chrono::nanoseconds timeout) {
 int Subscriber::file_descriptor() const { return core_->file_descriptor(); }
 
 namespace {
-/// The part of the subscriber that delivers one selection.
+/// Returns the part of the subscriber that delivers one selection.
 Result<core::Feed*> feed_of(core::SubscriberCore& subscriber, std::size_t selection) {
   if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
   return subscriber.find(selection);

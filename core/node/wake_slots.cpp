@@ -30,8 +30,7 @@ void WakeSlots::give_back(std::uint32_t slot) {
   free_.push_back(slot);
 }
 
-/// The slots that no subscriber has are rung as well: the list of the others has a lock, which a signal
-/// handler cannot take.
+/// Rings free slots as well: the list of these has a lock, which a signal handler cannot take.
 void WakeSlots::interrupt() noexcept {
   interrupted_.store(true, std::memory_order_seq_cst);
   for (std::uint32_t slot = 0; slot < DoorbellPage::slots; ++slot) page_->at(slot).ring();

@@ -1,6 +1,6 @@
-// The doorbells of a node's subscribers: one for each subscriber that waits itself, and two that are shared,
-// because one thread sleeps for all subscribers with a callback, and one for all with a file descriptor. Any
-// thread.
+// The doorbells of a node's subscribers. Each subscriber that waits itself has one of its own. All
+// subscribers with a callback share one, because one thread sleeps for them, and so do all with a file
+// descriptor. Any thread.
 #pragma once
 
 #include <atomic>
@@ -30,7 +30,7 @@ class WakeSlots {
   const std::atomic<bool>& interrupted() const { return interrupted_; }
 
   Doorbell& at(std::uint32_t slot) { return page_->at(slot); }
-  /// Names the page to other processes; 0: no other process can ring.
+  /// Returns the id by which other processes find the page; 0: no other process can ring.
   std::uint64_t page_id() const { return page_->id(); }
 
  private:

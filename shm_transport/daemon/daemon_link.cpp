@@ -19,8 +19,8 @@ using core::Availability;
 // The pause after a successful start of a daemon. The daemon may be killed, or end by itself, as soon as it
 // is ready. This pause does not grow, because nothing was in the way of the start.
 constexpr std::chrono::milliseconds pause_after_a_start{500};
-// The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause
-// which makes and removes such files again and again.
+// The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause by
+// creating and removing such files again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
 // The longest pause between attempts to register. They cost little, and a daemon that was stopped may go on
 // at any moment.
@@ -122,8 +122,7 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
   }
 }
 
-/// A daemon is started when the pause is over, or as soon as something that was in the way of the last
-/// attempt is gone.
+/// Returns whether to start a daemon: if the pause is over, or if an obstacle to the last attempt is gone.
 bool DaemonLink::may_launch(Clock::time_point now) const {
   if (launching_.due(now)) return true;
   return launch_failed_at_ && now >= *launch_failed_at_ + shortest_pause_of_launches &&
@@ -158,7 +157,8 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   look(options, now);
 }
 
-/// What came in the way while sftd started counts as an obstacle, too, because it may have stopped sftd.
+/// What has come into the way since sftd was started counts as an obstacle, too, because it may have stopped
+/// sftd.
 void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
   obstacles_.add(LaunchObstacles::look(files_of_daemon_));
   launch_failed_at_ = now;
@@ -223,7 +223,7 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
     session->collect();
     return session;
   }
-  // If there is no session, its last user has released it, and it has said goodbye to the daemon.
+  // If there is no session, its last user has released it, and its destructor has said goodbye to the daemon.
   phase_ = Phase::looking;
   if (session != nullptr) session->lose();
   publish(Availability::starting,

@@ -30,14 +30,15 @@ class DaemonLink {
     std::shared_ptr<Session> session{};  ///< set exactly while shared memory is ready
   };
 
-  /// Any thread. If another thread is inside at the moment, this call only returns the state of the last
-  /// step. Sessions share the ownership of `runtime`, and with it of the object that owns this link.
+  /// Carries out the next step, and returns the state. Any thread. While another thread is in this function,
+  /// a call only returns the state after the last step. Sessions share the ownership of `runtime`, and so of
+  /// the object that owns this link.
   State advance(const ShmOptions& options, const std::shared_ptr<IceoryxRuntime>& runtime,
                 Clock::time_point now);
 
   /// Describes the state in one sentence.
   std::string description() const;
-  /// Returns whether no daemon is running and the options forbid to start one. Any thread.
+  /// Returns whether no daemon is running and the options forbid starting one. Any thread.
   bool lacks_daemon() const;
 
  private:
@@ -62,9 +63,10 @@ class DaemonLink {
 
   // The thread that has set this flag uses the members up to the mutex.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
-  // Found when the first node opens: the loader may hold its lock for long while the link is advanced.
+  // Found when the first node opens, because the search calls the loader, which may hold its lock for long.
+  // advance() must not wait for that.
   const DaemonPlaces places_ = DaemonPlaces::of_this_process();
-  const bool functions_are_replaced_ = functions_are_replaced();  ///< as long as this process runs
+  const bool functions_are_replaced_ = functions_are_replaced();  ///< never changes while the process runs
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;
   std::optional<HostMonitor> monitor_;

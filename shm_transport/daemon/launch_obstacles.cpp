@@ -15,8 +15,8 @@ namespace sft::shm {
 
 namespace {
 
-/// Other programs take and give back space all the time. Only a growth by so much, and by this part of what
-/// was free, is a reason for a new attempt.
+/// Other programs take and give back space all the time. Only a growth by these numbers, and by the
+/// `divisor`-th part of the former free space, is a reason for a new attempt.
 struct LeastGrowth {
   std::uint64_t bytes;
   std::uint64_t files = 16;

@@ -20,8 +20,8 @@ std::vector<std::string> daemon_files(const std::string& segment_name);
 std::vector<std::string> files_of_own_daemon();
 
 struct LaunchObstacles {
-  /// A file that an sftd of this account does not simply replace. A file that has replaced it compares
-  /// unequal.
+  /// A file that an sftd of this account does not just replace. Another file that has taken its path since
+  /// then compares unequal.
   struct File {
     std::string path{};
     dev_t device = 0;
@@ -30,10 +30,10 @@ struct LaunchObstacles {
     mode_t type = 0;
     friend bool operator==(const File&, const File&) = default;
   };
-  /// What is free in a directory. 0 if it is not known.
+  /// The free space in a directory; 0 if it is not known.
   struct Space {
     std::uint64_t bytes = 0;
-    std::uint64_t files = 0;  ///< so many more can be made
+    std::uint64_t files = 0;  ///< how many more can be created
     friend bool operator==(const Space&, const Space&) = default;
   };
   std::vector<File> files{};
@@ -46,13 +46,12 @@ struct LaunchObstacles {
   static LaunchObstacles look(const std::vector<std::string>& names, const char* shm = "/dev/shm",
                               const char* tmp = "/tmp");
 
-  /// Adds what was found later, when the attempt had failed: files, and that there is less space in /tmp. The
-  /// space in /dev/shm stays as it is, because an attempt that fails takes much of it for a moment.
+  /// Adds obstacles that were found after the attempt had failed: further files, and less space in /tmp. The
+  /// space in /dev/shm is not updated, because a failing attempt takes much of it for a moment.
   void add(const LaunchObstacles& later);
 
-  /// Returns whether something that was in the way `before` is not in the way any more: a file is gone or was
-  /// replaced, or there is considerably more space. New obstacles do not count, because with them an attempt
-  /// could only fail.
+  /// Returns whether an obstacle of `before` has gone: a file is gone or was replaced, or there is
+  /// considerably more space. New obstacles do not count, because with them an attempt could only fail.
   bool have_eased_since(const LaunchObstacles& before) const;
 };
 

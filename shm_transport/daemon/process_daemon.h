@@ -14,7 +14,7 @@ namespace sft::shm {
 
 class ProcessDaemon : public std::enable_shared_from_this<ProcessDaemon> {
  public:
-  /// Returns the object of this process, and makes it if nobody holds it now. Any thread.
+  /// Returns the object of this process. Creates it if no node and no session holds it now. Any thread.
   static std::shared_ptr<ProcessDaemon> shared();
 
   /// Advances the link, as DaemonLink::advance() describes. A session in the result keeps this object alive.

@@ -1,6 +1,6 @@
-// A process has a chunk in hand while it takes the chunk through a port, delivers it or gives it back. In
-// these moments the chunk can be in no list, or its references can be counted too high. If the process is
-// killed then, the chunk stays so. sftd looks for such chunks while no process has one in hand
+// A process has a chunk in hand while it takes the chunk through a port, delivers it or gives it back.
+// Meanwhile the chunk can be in no list, or its count of references can be too high. If the process is killed
+// then, the chunk stays in that state. sftd looks for such chunks while no process has one in hand
 // (sftd/chunk_auditor.h).
 //
 // The mark is a count in the port itself. An odd count means that the owner of the port has a chunk in hand.

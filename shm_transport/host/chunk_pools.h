@@ -32,18 +32,18 @@ class ChunkPools {
     std::uint32_t payload_bytes = 0;  ///< the size to ask for, with which iceoryx takes this pool
   };
   /// Returns the smallest pool whose chunks are large enough, or the next larger pool if that one is used up.
-  /// Still larger pools are never chosen, so that a flood of small samples leaves the large chunks alone.
+  /// Still larger pools are never chosen, so that a flood of small samples does not use up the large chunks.
   std::optional<Choice> choose(std::size_t bytes) const noexcept;
 
   /// Returns how many bytes a chunk of the largest pool holds.
   std::size_t largest_bytes() const noexcept;
 
   /// Notes that the chosen pool was empty although it counts free chunks. A process that is killed while it
-  /// takes a chunk leaves a chunk that counts as free and cannot be had. Such chunks are not counted for one
-  /// second; by then sftd has found them.
+  /// takes a chunk leaves a chunk that counts as free but cannot be taken. Such chunks are not counted as
+  /// free for one second; by then sftd has found them.
   void note_empty(const Choice& choice) noexcept;
 
-  /// Notes that a writer got a chunk from the chosen pool, for so many bytes.
+  /// Notes that a writer got a chunk from the chosen pool, for a sample of `bytes`.
   void note_taken(const Choice& choice, std::size_t bytes) noexcept {
     prepared_.note(choice.pool, bytes + sizeof(iox::mepoo::ChunkHeader));
   }
@@ -57,10 +57,10 @@ class ChunkPools {
  private:
   const iox::mepoo::MemoryManager& pools_;
   using Clock = std::chrono::steady_clock;
-  /// Chunks of one pool that count as free and cannot be had.
+  /// Chunks of one pool that count as free but cannot be taken.
   struct Vanished {
     std::atomic<std::uint32_t> chunks{0};
-    std::atomic<Clock::time_point> until{};  ///< the time until which `chunks` is believed
+    std::atomic<Clock::time_point> until{};  ///< the time until which `chunks` is valid
     std::uint32_t count() const noexcept;
   };
   std::array<Vanished, iox::MAX_NUMBER_OF_MEMPOOLS> vanished_{};

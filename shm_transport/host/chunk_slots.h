@@ -1,5 +1,5 @@
-// The sample buffers of a port, one for each chunk that the port can have out at a time. They are made once,
-// so that lending a chunk allocates no memory.
+// The sample buffers of a port, one for each chunk that can be in use at a time. They are made once, so that
+// lending a chunk allocates no memory.
 #pragma once
 
 #include <atomic>

@@ -97,8 +97,8 @@ Result<FileLock> FileLock::take(const std::string& path) {
       if (auto cleared = clear_path(path, leftover.error()); !cleared) return tl::unexpected(cleared.error());
       continue;
     }
-    // If several processes come here at the same time, only the one that gets the lock removes the file.
-    // Nobody gets the lock while another account has locked the file for reading. Then the file is removed
+    // If several processes come here at the same time, only the one that gets the lock removes the file. No
+    // process gets the lock while another account has locked the file for reading. Then the file is removed
     // without the lock, if the path still names it.
     const bool locked = lock(*leftover);
     if (!locked && is_locked(leftover->get())) return is_taken(path);

@@ -1,4 +1,4 @@
-// An exclusive lock on a file, which its holder keeps as long as it lives. With such locks an sftd knows of
+// An exclusive lock on a file, which its holder keeps as long as it lives. By such locks, an sftd detects
 // another sftd, and nodes notice that their sftd is gone.
 //
 // The lock is an open-file-description lock of fcntl. Unlike a lock of flock, it can be queried without being
@@ -36,8 +36,8 @@ class FileLock {
   void unlock() noexcept;
   /// Returns whether the path still names the file that is locked.
   bool is_named() const noexcept;
-  /// Unlinks the file, unless the path names another file by now. The file stays locked until this object
-  /// goes.
+  /// Unlinks the file, unless the path names another file by now. The file stays locked until this object is
+  /// destroyed.
   void remove() noexcept;
 
  private:

@@ -32,14 +32,14 @@ inline constexpr const char* runtime_name_stem = "sft_";  ///< the names of our 
 /// memory, and of how they take chunks and places in queues. It is raised when an older program or daemon
 /// would misunderstand a newer one, or would damage what a newer one keeps whole (replaced_functions.h).
 inline constexpr std::uint32_t host_protocol = 4;
-/// The error with which sftd answers a registration when it serves as many processes as it may.
+/// The error with which sftd refuses a registration once it serves the greatest number of processes allowed.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 
 /// Returns whether a process may have this name. The name is also that of a socket: it must lie in /tmp
 /// itself, and must not be that of a file of the daemon.
 bool is_runtime_name(std::string_view name) noexcept;
-/// The end of the names of all processes in this pid namespace, whose ids mean the same to each other. Empty
-/// if the system does not tell the namespace.
+/// Returns the end of the names of all processes in this pid namespace, within which process ids are
+/// comparable. Empty if the system does not tell the namespace.
 std::string pid_namespace_mark();
 
 struct HostFile {
@@ -60,10 +60,10 @@ std::optional<HostFile> parse_host_file(std::string_view text);
 class HostMonitor {
  public:
   enum class Finding {
-    absent,    ///< there is no file that somebody has locked
+    absent,    ///< there is no file, or it is not locked
     starting,  ///< the file is locked and not yet complete
     alive,
-    foreign,  ///< the file is locked by an account that is not accepted, and is not believed
+    foreign,  ///< the file is ignored: the account that has locked it is not accepted
   };
   struct Look;
   /// Looks for the daemon, and never waits. `accepted`: the accounts whose daemon is used.
@@ -91,8 +91,8 @@ struct HostMonitor::Look {
   uid_t user = 0;                        ///< the owner of the file, if the finding is `foreign`
 };
 
-/// The contents of the lock file of a living daemon in /tmp. They tell of a daemon also where its host file
-/// cannot be seen, because it has another /dev/shm than this process.
+/// The contents of the lock file of a living daemon in /tmp. They show that a daemon runs even if this
+/// process cannot see its host file, because the daemon has another /dev/shm.
 struct DaemonLock {
   pid_t pid = 0;         ///< 0: the daemon has not written it yet
   dev_t shm_device = 0;  ///< the device number of the daemon's /dev/shm, unique at present
@@ -110,8 +110,8 @@ std::string names_are_gone(pid_t daemon);
 core::HostToken host_token(const HostFile& file);
 
 enum class SocketState { alive, gone, unknown };
-/// Tells whether a process listens on this socket; `unknown` if this process may not ask. The listener
-/// notices nothing.
+/// Returns whether a process listens on this socket; `unknown` if this process lacks the right to ask. The
+/// listener does not notice the question.
 SocketState socket_state_at(const char* path) noexcept;
 
 }  // namespace sft::shm

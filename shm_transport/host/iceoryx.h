@@ -26,18 +26,18 @@
 
 namespace sft::shm {
 
-/// The places of each queue between a writer and a reader.
+/// The number of places in each queue between a writer and a reader.
 inline constexpr std::uint64_t queue_places_max = iox::MAX_SUBSCRIBER_QUEUE_CAPACITY;
 
-// The room that iceoryx has, as it was built.
+// The limits with which iceoryx was built.
 inline constexpr std::uint32_t processes_max = iox::MAX_PROCESS_NUMBER;
 inline constexpr std::uint32_t writers_max = iox::MAX_PUBLISHERS - iox::NUMBER_OF_INTERNAL_PUBLISHERS;
 inline constexpr std::uint32_t readers_max = iox::MAX_SUBSCRIBERS;
 
 }  // namespace sft::shm
 
-// These functions are defined in replaced_functions.cpp. Declared here, they are not made from iceoryx's
-// templates.
+// These functions are defined in replaced_functions.cpp. The declarations keep the compiler from
+// instantiating iceoryx's templates.
 namespace iox::concurrent {
 
 template <>

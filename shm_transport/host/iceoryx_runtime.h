@@ -13,7 +13,7 @@ namespace sft::shm {
 
 class IceoryxRuntime {
  public:
-  /// Only one may exist at a time; ProcessDaemon sees to that.
+  /// Only one object may exist at a time; ProcessDaemon ensures that.
   IceoryxRuntime();
   IceoryxRuntime(const IceoryxRuntime&) = delete;
   IceoryxRuntime& operator=(const IceoryxRuntime&) = delete;

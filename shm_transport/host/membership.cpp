@@ -25,7 +25,7 @@ std::string name_of_group(gid_t id) {
 bool is_listed_in(gid_t group, const passwd& user) {
   std::vector<gid_t> groups(16);
   int count = static_cast<int>(groups.size());
-  // The first call tells how many there are, if these are too few.
+  // If `groups` is too small, the call returns how many groups there are.
   while (getgrouplist(user.pw_name, user.pw_gid, groups.data(), &count) < 0)
     groups.resize(std::max(groups.size() + 1, static_cast<std::size_t>(count)));
   groups.resize(static_cast<std::size_t>(count));

@@ -7,13 +7,12 @@
 
 namespace sft::shm {
 
-/// Where a program stands with regard to a group: what the kernel has given to this process, and what the
-/// files of groups say of its user.
+/// A group, the user of this process, and whether the host's files of groups list that user as a member.
 struct Membership {
   std::string group{};  ///< empty: the group has no name here (a container may have other files)
   gid_t group_id = 0;
   std::string user{};      ///< empty: the user has no name here
-  bool is_listed = false;  ///< the files name the user as a member, whether or not this process has the group
+  bool is_listed = false;  ///< the files list the user, whether or not this process has the group
 
   static Membership of_this_process(gid_t group);
 };

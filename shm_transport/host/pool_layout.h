@@ -28,18 +28,19 @@ class PoolLayout {
   std::optional<std::uint32_t> index_of(const void* address) const;
 
   /// Returns for each index whether the chunk is free, or nothing if the list of free chunks is damaged: if
-  /// it leads to a chunk that is not there or taken, or twice to the same one. Both are only right if nobody
-  /// takes or frees a chunk meanwhile.
+  /// it leads to a chunk that does not exist or is taken, or twice to the same one. Both results are valid
+  /// only if no process takes or frees a chunk meanwhile.
   std::optional<std::vector<bool>> free_chunks() const;
-  /// Writes the chunks that are lent next into `chunks`, the first one first, and returns how many there are.
-  /// The result is only right if nobody takes or frees a chunk meanwhile; the chunks exist in any case.
+  /// Writes the indices of the chunks that are lent next into `chunks`, in order, and returns how many there
+  /// are. If a process takes or frees a chunk meanwhile, the chunks may be others, but they exist in any
+  /// case.
   std::size_t next_free(std::span<std::uint32_t> chunks) const;
   /// Returns by how much the pool's count of taken chunks exceeds the chunks that are really taken.
   std::int64_t overcount(const std::vector<bool>& free) const;
 
   /// Lowers the pool's count of taken chunks. Programs may use the pool meanwhile.
   void correct_count(std::int64_t too_many);
-  /// Frees a chunk that is taken and that nobody has.
+  /// Frees a chunk that is taken, but that no process has.
   void free(std::uint32_t index);
 
  private:

@@ -13,11 +13,12 @@ namespace sft::shm {
 
 namespace {
 
-/// The mappings of the process are locked for so much at a time: a page fault of another thread may wait.
+/// Bytes mapped in one call. It locks the mappings of the process, so page faults of other threads may wait
+/// for it.
 constexpr std::size_t mapped_in_a_call = std::size_t{1} << 20;
 
-/// False if the system refuses it: before Linux 5.14, or without memory. The pages are mapped when they are
-/// used then.
+/// Returns false if the system refuses it: before Linux 5.14, or without memory. Then the pages are mapped
+/// when they are used.
 bool map(const std::byte* begin, const std::byte* end) noexcept {
   static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   auto at = reinterpret_cast<std::uintptr_t>(begin) / page * page;
@@ -31,7 +32,7 @@ bool map(const std::byte* begin, const std::byte* end) noexcept {
 
 }  // namespace
 
-/// PoolLayout could change pools, too, which this class does not.
+/// Casts the constness away, because PoolLayout could change pools. This class does not.
 PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
                                std::span<const std::byte> management, int samples_file)
     : samples_(samples.data()), file_(samples_file) {
@@ -40,7 +41,7 @@ PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span
 }
 
 void PreparedChunks::note(std::uint32_t pool, std::size_t bytes) noexcept {
-  if (pool >= pools_.size()) return;  // another program has written another number of pools
+  if (pool >= pools_.size()) return;  // another program has changed the number of pools
   std::atomic<std::size_t>& most = pools_[pool].bytes;
   for (std::size_t known = most.load(std::memory_order_relaxed); known < bytes;)
     if (most.compare_exchange_weak(known, bytes, std::memory_order_relaxed)) return;
@@ -66,7 +67,7 @@ bool PreparedChunks::set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t
   return true;
 }
 
-/// Also true of memory that this process has not asked for: the daemon, or another writer, has.
+/// Returns whether the first `bytes` of the chunk have memory, no matter which process has asked for it.
 bool PreparedChunks::has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t bytes) noexcept {
   if (file_ < 0 || pool.layout.chunk_bytes() < on_demand_bytes) return true;
   std::atomic<std::uint32_t>& known = pool.set_aside[chunk];
@@ -77,8 +78,9 @@ bool PreparedChunks::has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t b
   return true;
 }
 
-/// Asks for a part at a time: a signal ends a call, and the system then takes back all that this call has set
-/// aside. Asks for nothing if the host has too little for all of it, which would only take it from others.
+/// Asks for one part at a time, because a signal ends a call, and the system then takes back all memory of
+/// that call. Asks for nothing if the host has too little for all parts: that would only take memory from
+/// others.
 bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
   constexpr std::uint32_t part_bytes = 1 << 20;
   const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
@@ -102,7 +104,7 @@ bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t byte
   return true;
 }
 
-/// Returns how many of so many chunks there are.
+/// Maps up to `chunks` free chunks of the pool. Returns how many there are.
 std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
                                      std::size_t& budget) noexcept {
   if (pool.mapped.empty()) return chunks;

@@ -1,14 +1,14 @@
 // The places of a queue between a writer and a reader.
 //
-// A queue of iceoryx hands out its places by number. A reader that takes a chunk has the number of its place
-// in hand for some instructions. If it stands still there, or is killed, the queue has one place less. A push
-// into a full queue is then never done: it waits for a free place, or until all places have a chunk, and
-// neither comes. So a queue has one place more than samples may wait in it, and a writer makes room itself
-// before it pushes into a queue in which so many wait. At most one place is in the hand of the reader, which
-// takes one chunk at a time, and none in that of another writer, because each queue has one writer.
+// The places of a queue of iceoryx have numbers. A reader that takes a chunk has the number of its place in
+// hand for some instructions. If it stops there, or is killed, the queue has one place less. A push into a
+// full queue would then never end: it waits for a free place, or until all places have a chunk, and neither
+// happens. So a queue has one place more than samples may wait in it, and a writer makes room itself before
+// it pushes into a queue with that number of samples. The reader has at most one place in hand, because it
+// takes one chunk at a time. No other writer has one, because each queue has one writer.
 //
-// The deepest queue has no place to spare: iceoryx has no larger one. The last place is used in it only while
-// the reader has no chunk in hand (chunk_hand.h).
+// The deepest queue has no spare place, because iceoryx has no larger queue. Its last place is used only
+// while the reader has no chunk in hand (chunk_hand.h).
 #pragma once
 
 #include <algorithm>
@@ -25,9 +25,9 @@ class QueuePlaces {
  public:
   using Queue = iox::popo::SubscriberPortData::ChunkQueueData_t;
 
-  /// The most samples that can wait in a queue. A queue in which so many can wait is a deepest one.
+  /// The greatest number of samples that can wait in a queue. A queue of this depth is a deepest one.
   static constexpr std::uint32_t depth_max = iox::MAX_SUBSCRIBER_QUEUE_CAPACITY;
-  /// Returns the capacity of a queue in which so many samples can wait.
+  /// Returns the capacity of a queue in which `depth` samples can wait.
   static constexpr std::uint64_t capacity_for(std::uint32_t depth) noexcept {
     return std::clamp(depth, 1U, depth_max - 1) + 1;
   }
@@ -35,7 +35,7 @@ class QueuePlaces {
   /// `port` has the queue, and outlives this object. `is_deepest`: its reader says so (QueueWishes).
   QueuePlaces(iox::popo::SubscriberPortData& port, bool is_deepest) noexcept
       : port_(&port), is_deepest_(is_deepest) {}
-  /// Without a queue. Nothing else than to assign to it is allowed.
+  /// Makes an object without a queue. It can only be assigned to.
   QueuePlaces() noexcept = default;
 
   const iox::popo::SubscriberPortData& port() const noexcept { return *port_; }
@@ -46,19 +46,20 @@ class QueuePlaces {
     return is_deepest_ || capacity < 2 ? capacity : capacity - 1;
   }
 
-  /// The writer asks whether another sample can wait without one being lost. Room that was found stays until
-  /// the writer pushes: the reader only takes chunks, and the place of the chunk that it takes next is
-  /// another one. So the queue is not looked at again before, since the words of the queue would cross from
-  /// the reader's processor once more.
+  /// Returns whether another sample can wait without a loss. The writer calls it. Room that was found stays
+  /// until the writer pushes, because the reader only takes chunks, and the place of the chunk that it takes
+  /// next is another one. So the queue is not read again until then, because its words would have to cross
+  /// from the reader's processor once more.
   ///
-  /// `beside`: no more chunks may wait beside the next one, since their bytes are limited (waiting_bytes.h).
+  /// `beside`: the most chunks that may wait beside the next one, because their bytes are limited
+  /// (waiting_bytes.h).
   bool has_room(std::uint64_t beside = WaitingBytes::any_number) noexcept {
     if (free_ == 0) free_ = free_places();
     return free_ != 0 && !waits_more_than(beside);
   }
 
-  /// The writer calls it before it pushes one chunk. Gives back the oldest chunks if the queue has no room;
-  /// the reader sees then that its queue has overflowed.
+  /// The writer calls it before it pushes one chunk. Gives back the oldest chunks if the queue has no room.
+  /// The reader sees then that its queue has overflowed.
   void make_room(std::uint64_t beside = WaitingBytes::any_number) noexcept {
     if (has_room()) {
       --free_;
@@ -70,12 +71,12 @@ class QueuePlaces {
   }
 
  private:
-  /// The words of the queue are left alone where any number may wait.
+  /// Returns whether more than `beside` chunks wait. Does not read the queue if any number may wait.
   bool waits_more_than(std::uint64_t beside) const noexcept {
     return beside < depth_max && queue().m_queue.size() > beside;
   }
 
-  /// False if the reader has taken all meanwhile.
+  /// Gives back the oldest chunk. Returns false if the reader has taken all meanwhile.
   bool drop_oldest() noexcept {
     if (!iox::popo::ChunkQueuePopper<Queue>(&queue()).tryPop()) return false;
     iox::popo::ChunkQueuePusher<Queue>(&queue()).lostAChunk();
@@ -89,7 +90,7 @@ class QueuePlaces {
     const std::uint64_t places = std::min<std::uint64_t>(queue().m_queue.capacity(), depth_max);
     if (waiting + 1 < places) return places - 1 - waiting;
     if (!is_deepest_ || waiting >= places) return 0;
-    full_fence();  // a reader that had nothing in hand after `waiting` was counted has left a place free
+    full_fence();  // if the reader has nothing in hand after `waiting` was counted, a place is free
     return is_in_hand(*port_) ? 0 : 1;
   }
 

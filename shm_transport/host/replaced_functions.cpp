@@ -9,8 +9,8 @@
 
 #include "shm_transport/host/iceoryx.h"
 
-// An exchange counts from the head that it replaces, and whoever gets a chunk sees what was written about it
-// before it was given back.
+// An exchange counts on from the head that it replaces. A thread that gets a chunk sees what was written
+// about it before it was given back.
 namespace iox::concurrent {
 
 bool LoFFLi::pop(Index_t& index) noexcept {
@@ -19,8 +19,8 @@ bool LoFFLi::pop(Index_t& index) noexcept {
   Node next{};
   do {
     if (head.indexToNextFreeIndex >= m_size) return false;
-    // Others may take this chunk and give it back meanwhile. Then the count has changed, and the exchange
-    // fails.
+    // Other threads may take this chunk and give it back meanwhile. Then the count has changed, and the
+    // exchange fails.
     next.indexToNextFreeIndex = __atomic_load_n(&next_free[head.indexToNextFreeIndex], __ATOMIC_RELAXED);
     next.abaCounter = head.abaCounter + 1;
   } while (!m_head.compare_exchange_weak(head, next, std::memory_order_acq_rel, std::memory_order_acquire));
@@ -45,7 +45,7 @@ bool LoFFLi::push(const Index_t index) noexcept {
 
 using Places = IndexQueue<sft::shm::queue_places_max, std::uint64_t>;
 
-/// What was written before, as the element in the place, is seen by whoever pops this place.
+/// A thread that pops this place sees what was written before, such as the element in the place.
 template <>
 void Places::push(const std::uint64_t place) noexcept {
   Index at = m_writePosition.load(std::memory_order_relaxed);
@@ -93,7 +93,7 @@ bool Places::popIfSizeIsAtLeast(const std::uint64_t size, std::uint64_t& place) 
   // Acquired, because this function does not see by the cell whether the cell was filled.
   const Index end = m_writePosition.load(std::memory_order_acquire);
   Index at = m_readPosition.load(std::memory_order_relaxed);
-  const std::int64_t waiting = end - at;  // less than none, if others have gone on meanwhile
+  const std::int64_t waiting = end - at;  // negative if other threads have gone on meanwhile
   if (waiting < 0 || static_cast<std::uint64_t>(waiting) < size) return false;
   const Index value = m_cells[at.getIndex()].load(std::memory_order_acquire);
   if (!m_readPosition.compare_exchange_strong(at, at + 1, std::memory_order_relaxed,

@@ -260,8 +260,8 @@ Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDe
                       make, take_port, timeouts);
 }
 
-/// The daemon is asked one question at a time, since an error names no port: so it answers a known question.
-/// The label of `next` is a remark. The number of the request comes before it.
+/// Asks the daemon one question at a time, because an error names no port: so it is known which question an
+/// error answers. `next.label` is a remark at first. The number of the request is put before it.
 Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make,
                                                 const TakePort& take_port, const Timeouts& timeouts) {
   const auto begun = Clock::now();
@@ -305,9 +305,9 @@ Result<void> RoudiChannel::take_answers(const TakePort& take_port, Clock::time_p
   }
 }
 
-/// The daemon answers in the order of the questions. A port has the label of its question as well, an error
-/// has nothing: as long as answers are overdue, it is one of these. A port that was answered too late is
-/// given back.
+/// The daemon answers in the order of the questions. A port also has the label of its question. An error has
+/// no label: while answers are overdue, it counts as one of these. A port whose answer came too late is given
+/// back.
 void RoudiChannel::note(const IpcMessage& message, const TakePort& take_port) {
   const std::optional<Question> asked = question();
   const auto answer = [&](Result<PortLocation> location) {

@@ -1,9 +1,9 @@
 // Asks the daemon for ports, with the messages of iceoryx's own protocol.
 //
-// The client of iceoryx (PoshRuntimeImpl) waits for answers without end, and aborts the process if there is
-// an error. This class sends the same messages, but each call waits for a moment only. An answer that comes
-// later is kept for the call that asks for the same port again. If the answer is overdue, or if no call asks
-// for the port again, the port is given back.
+// The client of iceoryx (PoshRuntimeImpl) waits for answers without a limit, and aborts the process if there
+// is an error. This class sends the same messages, but each call waits for a moment only. An answer that
+// comes later is kept for the call that asks for the same port again. If the answer is overdue, or if no call
+// asks for the port again, the port is given back.
 #pragma once
 
 #include <atomic>
@@ -112,7 +112,7 @@ class RoudiChannel {
   std::uint64_t requests_ = 0;
   std::size_t overdue_ = 0;  ///< questions that were given up, and whose answers come before all others
   std::map<std::string, Answer> answers_;  ///< the answers that no call has taken yet, by the port
-  /// The number of questions of which the port was neither taken nor given back. Any thread reads it.
+  /// The number of questions whose port was neither taken nor given back. Any thread reads it.
   std::atomic<std::size_t> unsettled_{0};
 };
 

@@ -177,8 +177,9 @@ void Session::admit_writers(std::uint64_t doorbell_page) const {
   if (!page) return;  // a writer that cannot open the page says why
   const gid_t writers = segments_.front().mapping.group();
   if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
-  // Only a member of a group can give a file to the group. A process that may only read is in the group of
-  // readers.
+  // This process is no member of the writers' group, so it cannot give the page to that group. It gives the
+  // page to the group of readers instead, by which writers see that the daemon serves this process, and adds
+  // the right of the writers' group to open the page.
   if (const auto readers = monitor_.file().readers)
     std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
   std::ignore = grant_to_group(path, writers);
@@ -209,8 +210,8 @@ void Session::prepare_chunks() noexcept {
 }
 
 /// Looks in the daemon's table of ports, because iceoryx does not tell a subscriber whether it is connected:
-/// in its N:M build a port is SUBSCRIBED as soon as it asks. The table may change meanwhile. Then the answer
-/// is that of a moment ago, or null.
+/// in its N:M build a port is SUBSCRIBED as soon as it asks. The table may change meanwhile. Then the result
+/// is out of date, or null.
 const PublisherPortData* Session::feeder_of(const SubscriberPortData& port) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_publisherPortMembers;
   const auto publishers = table.content();
@@ -236,7 +237,7 @@ void Session::collect() {
   std::erase_if(retired_, [this](SubscriberPortData* port) {
     const bool unsubscribed = port->m_subscriptionState.load() == iox::SubscribeState::NOT_SUBSCRIBED;
     // A writer that was killed while it delivered leaves the queue locked until sftd has opened the lock.
-    // sftd must not destroy the port before.
+    // sftd must not destroy the port before that.
     if (!unsubscribed || feeder_of(*port) != nullptr || is_closed(port->m_chunkReceiverData)) return false;
     port->m_toBeDestroyed.store(true, std::memory_order_release);
     return true;

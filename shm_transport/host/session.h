@@ -1,7 +1,7 @@
 // One registration of this process with one daemon. A session has the mappings of the daemon's memory and the
 // channel to ask the daemon for ports. It also undoes what depends on the daemon when the daemon is gone.
 //
-// Lifetime: everything that uses a session shares it, down to the single sample. The mappings go with the
+// Lifetime: everything that uses a session shares it, down to the single sample. The mappings end with the
 // last user. So a sample can be read until its last handle is gone, whatever happened to the daemon, the node
 // or the transport.
 //
@@ -81,14 +81,13 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Takes over a port that nobody uses any more, to give it back. The port must have been told to
   /// unsubscribe.
   void retire(iox::popo::SubscriberPortData* port);
-  /// Gives the retired ports back that no writer feeds any more. Returns at once, and is called at each poll.
+  /// Gives back the retired ports that no writer feeds any more. Returns at once, and is called at each poll.
   void collect();
 
   /// Returns whether these bytes lie within the segments of samples.
   bool holds(const void* data, std::size_t size) const;
 
-  /// Notes a member, which is told when the session is lost. If the session is lost already, it is told at
-  /// once.
+  /// Adds a member, whose lose() is called when the session is lost, or at once if it is lost already.
   void enlist(const std::shared_ptr<SessionMember>& member);
   void lose() noexcept;
 

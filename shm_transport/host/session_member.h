@@ -1,4 +1,4 @@
-// A part of a session, which is told when the session is lost.
+// A part of a session, which is notified when the session is lost.
 #pragma once
 
 #include <cstdint>
@@ -14,8 +14,8 @@ class SessionMember {
   };
   /// Returns when no other thread is using iceoryx through this member any more.
   virtual void lose(Loss loss) noexcept = 0;
-  /// Returns whether other members of this process may get samples from this one. It is told of the loss
-  /// before them, so that they know by then what has arrived.
+  /// Returns whether other members of this process may get samples from this one. Its lose() is called first,
+  /// so that the others then know what has arrived.
   virtual bool sends() const noexcept = 0;
 
  protected:

@@ -16,7 +16,7 @@ struct ShmOptions {
   /// The option or variable that set daemon_path, named in error messages.
   std::string daemon_named_by = "NodeOptions::shm.daemon_path";
   bool start_daemon = true;  ///< start sftd if none runs
-  /// An sftd that this node starts ends when it has had no clients for so long; 0: never.
+  /// An sftd that this node starts ends when it has had no clients for this time; 0: never.
   std::chrono::seconds daemon_idle_exit = ShmSettings{}.daemon_idle_exit;
 
   /// Accounts, by name or number, whose daemon is used in addition to the daemons of root, of this account,
@@ -31,14 +31,14 @@ struct ShmOptions {
   std::chrono::milliseconds connect_deadline{1'000};  ///< until the daemon has registered this process
   std::chrono::milliseconds port_deadline{500};       ///< until the daemon has made a port
   /// The time for which a call waits for its port. The answer usually comes within 0.2 ms. If it comes after
-  /// that time, a later call has the port.
+  /// that time, a later call gets the port.
   std::chrono::milliseconds port_wait{20};
 
   core::ThreadSpec wake_thread = "sft-wake";  ///< the thread that wakes readers if several sleep
 
   static constexpr std::uint32_t samples_max = SubscriberOptions::max_held_most;
-  std::uint32_t queue_limit = samples_max;  ///< samples that wait, for each reader of each writer
-  /// Samples that are held, for each writer, and for each reader of each writer.
+  std::uint32_t queue_limit = samples_max;  ///< the most samples that wait, for each reader of each writer
+  /// The most samples that are held: by each writer, and by each reader of each writer.
   std::uint32_t held_limit = samples_max;
 };
 

@@ -11,7 +11,7 @@
 
 namespace sft::shm {
 
-/// The lock of the writer's port guards it.
+/// The lock of the writer's port guards each object.
 class WaitingBytes {
  public:
   static constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
@@ -51,7 +51,7 @@ class WaitingBytes {
   std::uint64_t bytes_max_ = 0;
   /// A ring: the bytes of all samples before each of the last ones. Empty: there is no limit.
   std::vector<std::uint64_t> sent_before_;
-  std::uint64_t samples_ = 0, sent_ = 0;  ///< in all
+  std::uint64_t samples_ = 0, sent_ = 0;  ///< samples and bytes that were sent
 };
 
 }  // namespace sft::shm

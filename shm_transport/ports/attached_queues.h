@@ -1,7 +1,7 @@
-// The queues to which a writer delivers. The name of a queue's port tells the reader and what that requests
+// The queues to which a writer delivers. The name of a queue's port has the id of the reader and its requests
 // (queue_wishes.h). Two requests are served here:
 //
-// A late reader wants the samples that the writer has retained before all others. The daemon connects its
+// A late reader asks for the samples that the writer has retained, before all others. The daemon connects its
 // queue first. From then on the writer puts nothing into this queue until it has put in the retained samples.
 // Samples that are sent meanwhile are held back from this one queue, and counted. They are in the history as
 // well. So a caller that has read the history sees by the count whether another sample was sent since. In the
@@ -12,9 +12,9 @@
 // writer waits for those of these readers that it serves in shared memory at present.
 //
 // Only the readers that the writer serves in shared memory at present get samples. The daemon connects a
-// queue before the writer serves it, and until then the reader gets what is for it over the network. If some
-// of that came here as well, a gap in it would look like a loss. A reader with conditions gets only the
-// samples that pass its gate: what was withheld takes no place in its queue.
+// queue before the writer serves it. Until the writer does, the reader gets its samples over the network. If
+// some of these came here as well, a gap between them would look like a loss. A reader with conditions gets
+// only the samples that pass its gate: what was withheld takes no place in its queue.
 //
 // The caller holds the lock of the port. The daemon holds the same lock when it changes the list of queues.
 #pragma once
@@ -45,11 +45,11 @@ class AttachedQueues {
     core::EndpointId awaited = 0;   ///< the reader that asks the writer to wait for room; 0: none does
     core::EndpointId reader = 0;    ///< whose queue it is; 0: unknown, and there are no places
     QueuePlaces places{};
-    WaitingBytes bytes{};                      ///< that wait there
+    WaitingBytes bytes{};                      ///< the bytes that wait there
     bool is_served = false;                    ///< the writer serves the reader here
     std::shared_ptr<const core::Gate> gate{};  ///< the reader's, if that has conditions
 
-    /// The present sample is to be put into the queue.
+    /// Returns whether the current sample has to be put into the queue.
     bool wants_sample() const { return is_served && waits_as == 0 && (gate == nullptr || gate->passes()); }
   };
   /// The readers that are served, and their gates. Null: the reader has no conditions.
@@ -71,7 +71,7 @@ class AttachedQueues {
   void owe_nothing(std::set<core::EndpointId> readers);
 
   void serve(Served served);
-  /// Returns whether each sample is for every queue there is.
+  /// Returns whether every queue gets every sample.
   bool all_want_all() const { return all_want_all_; }
 
   /// Sets the readers for which the writer waits, if they ask for it.
@@ -80,8 +80,8 @@ class AttachedQueues {
   /// sample of `bytes`; null if there is none.
   const Listener* without_room(std::uint64_t bytes);
 
-  /// Makes room for one more chunk in each queue, with a sample of `bytes`, which is put there next
-  /// (queue_places.h, waiting_bytes.h). All listeners are served.
+  /// Makes room in each queue for one more chunk, with a sample of `bytes`, which must be put there next
+  /// (queue_places.h, waiting_bytes.h). All listeners must be served here.
   void make_room(std::uint64_t bytes);
   /// Makes room in the queue of this listener, which is one of listeners(), and puts the chunk into it,
   /// unless the queue is gone.

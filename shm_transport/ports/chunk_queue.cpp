@@ -84,7 +84,7 @@ bool ChunkQueue::drained() const noexcept {
 void ChunkQueue::close() noexcept {
   const core::Lock lock(mutex_);
   if (!std::exchange(open_, false)) return;
-  // The writer goes on delivering until the daemon has disconnected it, so only the samples of now are
+  // The writer goes on delivering until the daemon has disconnected it, so only the samples that wait now are
   // counted.
   arrived_ = waiting();
   port_.unsubscribe();

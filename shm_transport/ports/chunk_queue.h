@@ -1,6 +1,6 @@
-// The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from it. No more
-// than a limited number of chunks is borrowed at a time. After the queue is closed or lost, the samples that
-// have arrived before can still be taken. After it is lost, iceoryx is not used any more.
+// The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from it. The
+// number of chunks that are borrowed at a time is limited. After the queue is closed or lost, the samples
+// that have arrived before can still be taken. After it is lost, iceoryx is not used any more.
 #pragma once
 
 #include <algorithm>
@@ -32,7 +32,7 @@ class ChunkQueue {
   struct Taken {
     ChunkSlot* slot = nullptr;   ///< null: there is no chunk, or the limit is reached
     bool overflowed = false;     ///< samples before this one were lost since the last one was taken
-    bool limit_reached = false;  ///< a chunk waits, and none could be borrowed; told once until one is back
+    bool limit_reached = false;  ///< a chunk waits, but none can be borrowed; reported once until one is back
     std::uint64_t popped = 0;    ///< chunks taken so far
   };
   /// Borrows the oldest chunk if a slot is free for it. Otherwise the chunk stays in the queue, which may
@@ -48,12 +48,12 @@ class ChunkQueue {
   bool open() const noexcept;     ///< neither closed nor lost
   bool drained() const noexcept;  ///< not open, and no sample remains to be taken
   void close() noexcept;
-  /// Returns how many samples remain to be taken after close() or lose().
+  /// Returns how many samples remain to be taken after close() or lose(); 0 before.
   std::uint64_t left() const noexcept;
   /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
   bool drop_oldest() noexcept;
-  /// The session is lost. The samples that have arrived stay mapped, and nobody lends their memory anew,
-  /// since this reader never gives it back.
+  /// The session is lost. The samples that have arrived stay mapped, and their memory is not lent anew,
+  /// because this reader never gives it back.
   void lose(SessionMember::Loss loss) noexcept;
 
  private:
@@ -75,9 +75,9 @@ class ChunkQueue {
   std::size_t kept_taken_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
   std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
-  /// An overflow was noticed, and take() has not told of it.
+  /// An overflow was noticed, and take() has not reported it.
   bool overflow_is_unreported_ SFT_GUARDED_BY(mutex_) = false;
-  /// As many chunks are borrowed as may be, and take() has told of it.
+  /// The limit of borrowed chunks is reached, and take() has reported it.
   bool at_limit_ SFT_GUARDED_BY(mutex_) = false;
 };
 

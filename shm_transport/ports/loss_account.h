@@ -1,8 +1,8 @@
-// Counts the samples of one writer that a reader in shared memory has lost. iceoryx tells that the queue has
-// overflowed, but not how many samples were lost. The gaps in the sequence numbers tell how many, but gaps
-// have other reasons, too (samples that took another way). Both together give the number. A writer reports an
-// overflow after it has pushed a sample out, and by then the reader may have taken a whole queue of other
-// samples.
+// Counts the samples of one writer that a reader in shared memory has lost. iceoryx reports that the queue
+// has overflowed, but not how many samples were lost. Gaps in the sequence numbers show how many are missing,
+// but may have other reasons (samples that took another path). Both together give the number. A writer
+// reports an overflow after it has pushed a sample out, and by then the reader may have taken a whole queue
+// of other samples.
 //
 // The class is not thread-safe: the thread that takes or drops samples uses it.
 #pragma once
@@ -22,7 +22,7 @@ class LossAccount {
   /// Returns true if the next sample is the first one of all that the writer has sent to this reader.
   bool nothing_came_before() const noexcept { return last_sequence_ == 0 && !overflowed_; }
 
-  /// A sample was taken. `popped`: so many chunks were taken out of the queue so far. `depth()` tells how
+  /// A sample was taken. `popped`: the number of chunks taken out of the queue so far. `depth()` returns how
   /// many can wait in the queue. Returns how many samples turned out to be lost in the queue before this one.
   template <class Depth>
   std::uint64_t enter(std::uint64_t sequence, std::uint64_t popped, Depth depth) noexcept {

@@ -72,15 +72,15 @@ void ChunkBorrower::wake_writer() noexcept {
   if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(queue_.port()).wake();
 }
 
-/// A chunk waits, but the most samples are held that may be.
+/// Counts that a chunk waits, but the limit of held samples is reached.
 void ChunkBorrower::count_held_too_many() noexcept {
   held_too_many_.fetch_add(1, std::memory_order_relaxed);
   statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// Copies the checked values into the buffer, which lies in the memory of this process. The header in the
-/// chunk must not be read again, because a hostile writer can still change it. `popped`: so many chunks were
-/// taken out of the queue so far.
+/// Checks the sample, and copies the checked values into the buffer, which lies in the memory of this
+/// process. The header in the chunk must not be read again, because a hostile writer can still change it.
+/// `popped`: the number of chunks taken out of the queue so far.
 bool ChunkBorrower::check(ChunkSlot& slot, std::uint64_t popped) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
@@ -177,7 +177,7 @@ void ShmReaderPort::drop_excess() noexcept {
   }
 }
 
-/// Forgets the writers that have gone and whose samples were all taken or dropped, and returns them.
+/// Removes the departed writers whose samples were all taken or dropped, and returns these writers.
 ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   Writers drained;
   std::erase_if(departed_, [&drained](const auto& writer) {

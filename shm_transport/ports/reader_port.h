@@ -59,9 +59,9 @@ class ChunkBorrower final : public core::BufferOwner,
   void wake_writer() noexcept;
   /// Ends the connection. The samples that have arrived before can still be taken.
   void close() noexcept { queue_.close(); }
-  /// Returns how many samples remain to be taken once it is not open.
+  /// Returns how many samples remain to be taken once open() is false; 0 until then.
   std::uint64_t left() const noexcept { return queue_.left(); }
-  /// Drops the oldest of the samples that remain once it is not open.
+  /// Drops the oldest of the samples that remain once open() is false. Does nothing until then.
   void drop_oldest() noexcept;
   /// Returns how many samples are missing without a gap in the sequence numbers that shows them.
   std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }

@@ -29,8 +29,8 @@ constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 constexpr int lock_attempts = 20;
 constexpr std::chrono::microseconds lock_pause{50};
 
-// A writer that waits for room spins for the first time before it sleeps. It sleeps at most for the second
-// time before it looks whether the reader still exists, because a reader that was killed does not wake it.
+// A writer that waits for room first spins for `room_spin`. Then it sleeps for `room_sleep_longest` at most
+// before it checks whether the reader still exists, because a reader that was killed does not wake it.
 constexpr std::chrono::microseconds room_spin{20};
 constexpr std::chrono::milliseconds room_sleep_longest{10};
 
@@ -59,7 +59,7 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
       pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
       slots_(held_limit, full_mask_) {}
 
-/// All samples are back when this runs. To mark the ports only writes to mapped memory, so it is allowed even
+/// All samples are back when this runs. Marking the ports only writes to mapped memory, so it is allowed even
 /// if the daemon is gone.
 ChunkLender::~ChunkLender() {
   if (session_ == nullptr) return;
@@ -70,7 +70,7 @@ ChunkLender::~ChunkLender() {
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
-  ChunkPools* pools = nullptr;  // of the session, which stays as long as the slot is out
+  ChunkPools* pools = nullptr;  // of the session, which stays as long as the slot is in use
   {
     const core::Lock lock(mutex_);
     pools = &pools_;
@@ -288,9 +288,10 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
 }
 
-/// Readers may have changed their conditions since the doorbells were looked at, and have got the sample by
-/// new ones. Together with set_routes() it is certain that one of the two lists has the gate that let the
-/// sample into a queue. A reader that is rung for twice finds nothing the second time.
+/// Rings for the list of doorbells that send() has loaded, and for a new list if there is one: readers may
+/// have changed their conditions meanwhile, and got the sample by new ones. set_routes() ensures that one of
+/// the two lists has the gate that let the sample into a queue. A reader that is woken twice finds nothing
+/// the second time.
 void ShmWriterPort::ring() noexcept {
   const Doorbells* before = doorbells_.loaded().get();
   pages_->ring(doorbells_.loaded());
@@ -342,8 +343,9 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
   return {};
 }
 
-/// Whoever may get a sample is woken. A reader is rung for before it is served, and until it is not served
-/// any more. While gates change, those of before and those of now ring.
+/// Ensures that each reader that may get a sample is woken. The doorbell of a reader is in the list before
+/// the reader is served, and until it is not served any more. While gates change, the list has the former and
+/// the new ones.
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
   AttachedQueues::Served served;

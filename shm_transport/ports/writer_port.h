@@ -1,8 +1,8 @@
 // The writer's end of a topic in shared memory. A writer has one publisher port of iceoryx, to which only
 // readers of this writer subscribe.
 //
-// Chunks: iceoryx itself keeps account of at most 8 chunks on loan. It uses a chunk that was sent for the
-// next loan as soon as all readers have released it. But other parts of this process may have a handle to the
+// Chunks: iceoryx itself keeps account of at most 8 chunks on loan. As soon as all readers have released a
+// sent chunk, iceoryx uses it for the next loan. But other parts of this process may have a handle to the
 // chunk and still read it: the history, or a transmission to another host. So each chunk is in a list of held
 // chunks from the loan until its last handle is gone. The list is that of a subscriber port that belongs to
 // this writer alone and is never subscribed (the keeper). If this process is killed, the daemon finds the
@@ -49,19 +49,19 @@ class ChunkLender final : public core::BufferOwner,
                                            const core::WriterSpec& spec, std::uint32_t held_limit);
   ~ChunkLender() override;
 
-  /// Returns a chunk with a new header; empty if no chunk is free, or none is so large. Any thread.
+  /// Returns a chunk with a new header; empty if no chunk is free, or none is large enough. Any thread.
   core::SampleHandle lend(std::size_t bytes) noexcept;
   /// Returns how many bytes the largest chunk holds. Any thread.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
   enum class Commit { done, displaced, busy, full, lost };
   /// Delivers a lent sample to all readers that are served and want it, or to none. `busy`: the daemon holds
-  /// the lock of the port. It holds it for microseconds, unless it was stopped or killed meanwhile. `full`:
-  /// `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait` is
-  /// false, and such a reader has lost its oldest sample.
+  /// the lock of the port. The daemon holds it for microseconds, unless it was stopped or killed meanwhile.
+  /// `full`: `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait`
+  /// is false, and such a reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Sleeps, after commit() of that sample has returned `full`, until that reader has room, but at most until
-  /// `until`, and never long. Then the caller tries commit() again.
+  /// Sleeps until the reader whose queue made commit() of the sample return `full` has room, but at most
+  /// until `until`, and never long. The caller then tries commit() again.
   void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
 
   /// Returns whether the sample was lent here and not yet committed. Only such a sample can be committed.

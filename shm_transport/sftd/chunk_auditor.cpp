@@ -52,7 +52,7 @@ ChunkAuditor::Audit ChunkAuditor::audit() {
   return {Finding::busy};
 }
 
-/// Programs go on during a look. If one of them has had a chunk in hand meanwhile, the result means nothing.
+/// Programs go on during a look. If one of them has had a chunk in hand meanwhile, the result is invalid.
 ChunkAuditor::Look ChunkAuditor::look() const {
   const InHandCounts before = in_hand_counts();
   if (std::ranges::any_of(before, is_odd)) return {Finding::busy};
@@ -93,8 +93,8 @@ ChunkAuditor::Look ChunkAuditor::find_lost() const {
   return {Finding::audited, std::move(lost)};
 }
 
-/// Marks, besides the free chunks, each header that counts references together with its chunk, if a writer
-/// that is known took the chunk.
+/// Marks each header that counts references, and its chunk, if a known writer took the chunk. The free chunks
+/// are marked already.
 void ChunkAuditor::mark_owned(ChunkMarks& accounted) const {
   for (std::uint32_t i = 0; i < pools_.back().chunk_count(); ++i) {
     const auto& header = *reinterpret_cast<const ChunkManagement*>(pools_.back().at(i));

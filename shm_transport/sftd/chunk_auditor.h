@@ -1,11 +1,11 @@
 // Finds the chunks that killed programs left taken, and frees them.
 //
 // A program that is killed while it has a chunk in hand (chunk_hand.h) can leave references that are counted
-// and that nobody has, a chunk without a header, or a wrong count of free chunks. No single place tells which
-// chunks are lost. So the auditor looks at the whole memory, at a moment at which no living program has a
-// chunk in hand. A chunk that is rightly taken then has a header with references, and the writer that took it
-// still exists or still has readers, because only these can have references to it. Every other chunk that is
-// taken is lost.
+// but that no process has, a chunk without a header, or a wrong count of free chunks. No single place tells
+// which chunks are lost. So the auditor looks at the whole memory, at a moment at which no living program has
+// a chunk in hand. A chunk that is rightly taken then has a header with references, and the writer that took
+// it still exists or still has readers, because only these can have references to it. Every other chunk that
+// is taken is lost.
 #pragma once
 
 #include <cstddef>

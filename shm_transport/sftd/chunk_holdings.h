@@ -19,7 +19,7 @@ class ChunkHoldings {
   /// `pools`: the pools of the segment of samples.
   ChunkHoldings(std::span<const std::byte> management, const iox::mepoo::MemoryManager& pools);
 
-  /// The result has no peak, because a peak takes more than one look.
+  /// The result has no peak, because finding a peak takes several looks.
   Holding of(const iox::popo::SubscriberPortData& port) const;
   /// `keeper`: the port whose list has the chunks of the writer (writer_port.h); may be null.
   Holding of(const iox::popo::PublisherPortData& port, const iox::popo::SubscriberPortData* keeper) const;

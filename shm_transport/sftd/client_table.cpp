@@ -26,7 +26,7 @@ bool ClientTable::is_dead(const std::string& name, const Process& process, bool 
   const SocketState state = socket_state_at(path.c_str());
   if (state != SocketState::gone) return state == SocketState::unknown && exited;
   // A process that is killed leaves its socket, and a process that ends says goodbye before it removes its
-  // socket. So if there is no socket, somebody else has removed it.
+  // socket. So if there is no socket, another process has removed it.
   struct stat socket {};
   const bool removed = lstat(path.c_str(), &socket) != 0 && errno == ENOENT;
   return !removed || exited || !*process.life;

@@ -1,10 +1,11 @@
 // The processes that have registered with the daemon, and which of them are dead.
 //
-// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name tells
-// that the process has the daemon's pid namespace, it is dead when its pid is: a forked copy of it may still
-// have the socket. The pid of a process in another container can belong to another process here, and only
-// tells when to look at the socket: that process is dead when no process listens there any more. The pid
-// decides then only if this user may not ask the socket, or if another process has removed the socket.
+// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name shows
+// that the process is in the daemon's pid namespace, it is dead when the process with its pid is dead: a
+// forked copy of it may still have the socket. The pid of a process in another container can belong to
+// another process here, so it only shows when to check the socket: the process is dead when no process
+// listens there any more. The pid then decides only if this user lacks the right to query the socket, or if
+// another process has removed the socket.
 #pragma once
 
 #include <chrono>
@@ -39,12 +40,12 @@ class ClientTable {
   /// once in a second one more for each process.
   std::vector<std::string> find_dead(Clock::time_point now);
 
-  /// Returns whether this process can do nothing any more: it is dead, or is not registered.
+  /// Returns whether the process is dead, or is not registered.
   bool is_gone(const std::string& name) const;
 
  private:
-  /// `life`: a pidfd, which becomes readable when the process is gone, unless no process here has that pid.
-  /// `has_own_pids`: its pid is one of the daemon's pid namespace.
+  /// `life`: a pidfd, which becomes readable when the process is gone; invalid if no process here has that
+  /// pid. `has_own_pids`: its pid is one of the daemon's pid namespace.
   struct Process {
     pid_t pid = 0;
     bool has_own_pids = false;

@@ -1,7 +1,7 @@
 // Reads the configuration file of sftd. A complete file looks like this:
 //
 //   total_mib = 1024       # memory for samples, which sftd divides into chunks; instead, give [[pool]]
-//   idle_exit_s = 0        # sftd ends when it has had no programs for so long; 0: never
+//   idle_exit_s = 0        # sftd ends after this time without programs; 0: never
 //   log_level = "info"     # error, warning, info or debug
 //
 //   [[pool]]               # chunks of one size; the file can have several such sections

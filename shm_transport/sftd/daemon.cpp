@@ -39,7 +39,8 @@ constexpr auto youngest_to_renew = 1s;
 // memory does so at once. This time is enough for all nodes.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
-/// sftd watches a process by one descriptor, and answers it by another one; its own are fewer than these.
+/// For each process sftd has one descriptor to watch it, and another one to answer it. For itself it has
+/// fewer than `own_descriptors`.
 constexpr std::size_t descriptors_per_process = 2, own_descriptors = 40;
 
 ExitCode exit_code_of_start(const Error& error) {
@@ -57,7 +58,7 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, G
       errors_(log) {}
 
 /// The order matters: this daemon takes its locks before it touches anything of iceoryx, because iceoryx
-/// aborts if it finds another daemon. Only locks and sockets tell whether a daemon lives. All other files are
+/// aborts if it finds another daemon. Only locks and sockets show whether a daemon lives. All other files are
 /// leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   if (!functions_are_replaced()) return refuse(ExitCode::failed, not_replaced);
@@ -107,9 +108,9 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   return daemon;
 }
 
-/// Another daemon may start once the files are gone. If iceoryx were ended only then, it would remove the
-/// socket and the memory of that one, which it knows by the names that both have. No program knows this
-/// daemon yet.
+/// Ends iceoryx before the files are removed. Another daemon may start once they are gone. If iceoryx were
+/// ended only then, it would remove the socket and the memory of that daemon, because they have the same
+/// names. No program knows this daemon yet.
 void Daemon::end_hosting() {
   roudi_.reset();
   ports_.reset();
@@ -219,7 +220,7 @@ Daemon::End Daemon::serve() {
 }
 
 std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
-  // A young daemon waits before it starts afresh, because somebody may remove its files again and again.
+  // A young daemon waits before it starts afresh, because its files may be removed again and again.
   if (files_removed_ && now - began_ >= youngest_to_renew) return End::renew;
   if (!roudi_->is_idle()) {
     idle_since_.reset();

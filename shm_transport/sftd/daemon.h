@@ -32,8 +32,8 @@ class Daemon {
   enum class End {
     stopped,  ///< a signal stopped the daemon
     idle,     ///< the daemon had no clients for as long as the settings say
-    /// The daemon must start afresh: no program can join, because somebody has removed its files; or it has
-    /// no clients, and the lost chunks of killed clients cannot be found.
+    /// The daemon must start afresh: no program can join, because the daemon's files have been removed; or it
+    /// has no clients, and the lost chunks of killed clients cannot be found.
     renew,
   };
   /// Describes in one sentence how much memory the daemon has taken.
@@ -44,8 +44,8 @@ class Daemon {
   End serve();
 
   /// Removes the files of this daemon (OwnFiles::remove_all()). The memory itself stays for the processes
-  /// that still have it mapped, and goes with the last of them. After this call the process must exit without
-  /// destroying anything.
+  /// that still have it mapped, and is freed with the last of them. After this call the process must exit
+  /// without destroying anything.
   void remove_files(bool starts_again) { files_.remove_all(starts_again); }
   /// Waits until the programs that still use this daemon have noticed that it is gone. It is called after
   /// remove_files(), if the daemon starts afresh.
@@ -69,7 +69,7 @@ class Daemon {
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   PoolPlan plan_;
   bool status_was_written_ = true;  ///< at the last attempt
-  bool files_removed_ = false;      ///< somebody has removed files of this daemon, so nobody can join
+  bool files_removed_ = false;      ///< files of this daemon were removed, so no program can join
 
   IceoryxErrors errors_;
   std::optional<iox::posix::FileLock> roudi_lock_;  ///< keeps an iox-roudi from replacing the segments

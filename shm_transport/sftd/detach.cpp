@@ -41,7 +41,7 @@ int keep_only(int descriptor) {
 
 void leave_terminal() {
   setsid();
-  if (const pid_t child = fork(); child != 0) _exit(0);  // only its leader can get a terminal
+  if (const pid_t child = fork(); child != 0) _exit(0);  // only the leader of a session can get a terminal
   if (chdir("/") != 0) return;
   const int null = open("/dev/null", O_RDWR | O_CLOEXEC);
   for (int stream = 0; stream < 3 && null >= 0; ++stream) dup2(null, stream);

@@ -7,7 +7,7 @@ enum class ExitCode : unsigned char {
   done = 0,      ///< the daemon is ready, or another one already was; the command status or stop is done
   no_space = 1,  ///< /dev/shm has too little space
   foreign_daemon = 2,  ///< another iceoryx daemon runs
-  failed = 3,          ///< any other failure, which the message tells
+  failed = 3,          ///< any other failure; the message says which
   not_running = 4,     ///< status and stop: no sftd is running
   no_answer = 5,       ///< status and stop: the daemon does not answer, or does not end
   not_permitted = 6,   ///< stop: the daemon is another user's

@@ -1,6 +1,6 @@
-// The groups whose members may use the shared memory. Wherever it is possible the kernel decides who is a
-// member, because it also knows the groups that a service manager or a container has given to a process.
-// These are in no file.
+// The groups whose members may use the shared memory. Where possible, the kernel decides which processes are
+// members, because it also knows the groups that a service manager or a container has given to a process,
+// which are in no file.
 //
 // sftd runs as the group of the writers, so that the files that it creates belong to this group. Readers get
 // rights by access control lists: they may read the samples, and may read and write the management segment,

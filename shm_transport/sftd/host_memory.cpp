@@ -55,14 +55,15 @@ Result<std::unique_ptr<HostMemory>> HostMemory::make(const PoolPlan& plan, const
   memory->files_.push_back(std::move(*samples));
   if (memory->createAndAnnounceMemory().has_error() || !memory->find_samples(groups.member))
     return fail(Errc::out_of_memory, "the segments in /dev/shm could not be mapped");
-  // Nobody has used a chunk yet.
+  // No program has used a chunk yet.
   SegmentFile& of_samples = memory->files_.back();
   of_samples.on_demand = memory->parts_on_demand(plan);
   if (auto done = set_aside(of_samples, groups.writers); !done) return tl::unexpected(done.error());
   return memory;
 }
 
-/// iceoryx writes the header of a chunk when it lends the chunk, so the pages of headers have memory.
+/// Returns the parts of the file that get memory on demand. Pages with headers of chunks are left out,
+/// because iceoryx writes the header when it lends the chunk.
 std::vector<FilePart> HostMemory::parts_on_demand(const PoolPlan& plan) const {
   const auto page = static_cast<std::size_t>(sysconf(_SC_PAGESIZE));
   const std::vector<PoolLayout> layouts = pools_of(*samples_.pools);

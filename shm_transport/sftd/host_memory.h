@@ -1,6 +1,6 @@
 // The shared memory of the daemon: iceoryx's management segment, and one segment with the pools of samples.
-// The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, makes the files in a
-// moment, and knows the position of the table of ports. Readers look in that table whether they are
+// The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, creates the files
+// quickly, and knows the position of the table of ports. Readers look in that table whether they are
 // connected.
 #pragma once
 
@@ -42,9 +42,9 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   /// Returns the size of the management segment for these pools.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments, for which no file may exist. /dev/shm has really given the memory, except that of
-  /// chunks on demand. The files remain when the object is destroyed, and after a failure: OwnFiles removes
-  /// them. Core dumps of this process leave the segments out.
+  /// Creates the segments, whose files must not exist yet. Their memory is set aside in /dev/shm, except that
+  /// of chunks on demand. The files remain when the object is destroyed, and after a failure: OwnFiles
+  /// removes them. Core dumps of this process leave the segments out.
   static Result<std::unique_ptr<HostMemory>> make(const PoolPlan& plan, const Groups& groups);
 
   const SampleSegment& samples() const { return samples_; }

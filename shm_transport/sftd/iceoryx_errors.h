@@ -14,7 +14,7 @@
 
 namespace sft::shm {
 
-/// Only one may exist at a time, because iceoryx has one error handler for each process.
+/// Only one object may exist at a time, because iceoryx has one error handler for each process.
 class IceoryxErrors {
  public:
   using EndProcess = std::function<void(const std::string& error)>;

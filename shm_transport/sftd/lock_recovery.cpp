@@ -78,9 +78,9 @@ LockRecovery::Finding LockRecovery::look_at(const KnownPort& known, Clock::time_
 /// enough in three cases. First, a closed lock has no holder between two instructions that take or release
 /// it. Either the holder was killed right there, or a living thread of the daemon is there and has moved on a
 /// moment later. Second, the id of a holder that died in another pid namespace can be the id of a thread of
-/// the daemon here. Third, a queue has a writer that was not noted yet if the writer's port is only just
-/// made. But whoever lives releases the lock after microseconds. Looks are counted instead of time, because
-/// the daemon may have been stopped meanwhile.
+/// the daemon here. Third, a queue has a writer that was not noted yet if the writer's port was created only
+/// just now. But a living holder releases the lock after microseconds. Looks are counted instead of time,
+/// because the daemon may have been stopped meanwhile.
 bool LockRecovery::is_confirmed(const KnownPort& known, Clock::time_point now) {
   const int holder = holder_of(*known.lock);
   const int looks_needed = is_own_thread(holder) || !has_known_writer(known) ? 6 : holder == 0 ? 2 : 1;

@@ -76,7 +76,7 @@ class LockRecovery {
   // Held for a whole recover(), in which no call blocks.
   core::Mutex mutex_;
   std::vector<KnownPort> known_ SFT_GUARDED_BY(mutex_);  ///< subscribers come first
-  /// Closed locks of dead processes that a thread of the daemon may yet hold.
+  /// Closed locks that dead processes seem to hold, but that a thread of the daemon may hold.
   std::map<const Lock*, Suspect> suspects_ SFT_GUARDED_BY(mutex_);
 };
 

@@ -16,7 +16,7 @@ class ServiceManager {
   void stopping() const { send("STOPPING=1"); }
 
  private:
-  /// Ignores all errors, because the daemon serves also if nobody listens.
+  /// Ignores all errors, because the daemon serves even if no service manager listens.
   void send(std::string_view message) const;
   std::string socket_;
 };

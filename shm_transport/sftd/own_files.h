@@ -1,5 +1,5 @@
 // The files by which programs find a daemon and its memory: the lock in /tmp, the host file in /dev/shm, and
-// the segments. Somebody may remove them while the daemon runs. Then no program can join it any more.
+// the segments. Another process may remove them while the daemon runs. Then no program can join it any more.
 #pragma once
 
 #include <sys/types.h>
@@ -21,19 +21,19 @@ class OwnFiles {
         host_file_(std::move(host_file)),
         segment_(std::move(segment)) {}
 
-  /// Notes the segments after they were made, to see later whether somebody has removed them.
+  /// Notes the segments after they were made, to see later whether they were removed.
   void note_segments();
   /// Writes the host file, and says in the lock which daemon this is. Returns false if there is no space.
   bool announce(const HostFile& file);
 
-  /// Returns whether somebody has removed any of the files. If another file system was mounted over /dev/shm,
-  /// nothing was removed. Then new programs say that they have another /dev/shm than this daemon, and the
-  /// daemon goes on to serve the old ones.
+  /// Returns whether any of the files was removed. If another file system was mounted over /dev/shm, nothing
+  /// was removed. Then new programs say that they have another /dev/shm than this daemon, and the daemon goes
+  /// on to serve the old ones.
   bool are_removed() const;
 
-  /// Removes all files of this daemon. If somebody has removed the files while this daemon ran, the files
-  /// with these names can belong to another daemon by now, and stay. `keep_lock`: programs do not start
-  /// another daemon while the lock exists.
+  /// Removes all files of this daemon. If the files were removed while this daemon ran, files with these
+  /// names can belong to another daemon by now, and stay. `keep_lock`: programs do not start another daemon
+  /// while the lock exists.
   void remove_all(bool keep_lock);
   /// Releases the lock of the host file, so that programs notice that the daemon is gone.
   void unlock_host_file() { host_file_.unlock(); }

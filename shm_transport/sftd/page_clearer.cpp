@@ -14,7 +14,8 @@ namespace sft::shm {
 
 namespace {
 
-/// The nice value of the thread: a tenth of the processor time of others, if these leave none.
+/// The nice value of the thread. If other threads leave no processor idle, it gets a tenth of the time of one
+/// of them.
 constexpr int gives_way = 10;
 constexpr std::size_t cleared_in_a_call = std::size_t{1} << 20;
 

@@ -1,5 +1,6 @@
-// Clears the pages of the daemon's segments while the daemon serves already. A page of a new file is cleared
-// when somebody uses it for the first time. Without this the first samples of each size would wait for that.
+// Clears the pages of the daemon's segments while the daemon already serves. Otherwise the system would clear
+// a page of a new file when it is used for the first time, and the first samples of each size would wait for
+// that.
 #pragma once
 
 #include <atomic>
@@ -14,12 +15,12 @@ namespace sft::shm {
 /// A thread that yields to all others. It changes no byte, so programs may use the memory meanwhile.
 class PageClearer {
  public:
-  /// The segments are cleared in this order, except what has memory only on demand. An error if the system
-  /// gives no thread; then pages are cleared when they are used.
+  /// Clears the segments in this order, except the parts that have memory only on demand. Returns an error if
+  /// the system gives no thread; then pages are cleared when they are used.
   Result<void> start(std::vector<SegmentFile> segments);
 
   PageClearer() = default;
-  /// Stops in a moment, wherever it is.
+  /// Stops the thread, even before it has cleared all pages.
   ~PageClearer();
   PageClearer(const PageClearer&) = delete;
   PageClearer& operator=(const PageClearer&) = delete;

@@ -17,12 +17,12 @@ struct HostBytes {
   std::size_t ram = 0;
 };
 
-/// The memory for samples where the settings say nothing: half of the free space and a quarter of the RAM, up
-/// to default_pool_bytes.
+/// Returns the memory for samples if the settings do not name it: half of the free space or a quarter of the
+/// RAM, whichever is less, up to default_pool_bytes.
 std::size_t default_budget(const HostBytes& host);
 
-/// The memory for samples is as large as the settings say, or else default_budget(). Memory that the settings
-/// name is set aside at once.
+/// Returns the pools. Their memory for samples is as large as the settings say, or else default_budget().
+/// Memory that the settings name is set aside at once.
 tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups);
 
 }  // namespace sft::shm

@@ -12,7 +12,7 @@ namespace {
 struct SizeClass {
   std::size_t bytes;
   double share;        ///< the part of the budget for this size
-  std::uint32_t most;  ///< more chunks of this size would be of no use
+  std::uint32_t most;  ///< the most chunks of this size that are of use
 };
 
 constexpr std::size_t KiB = 1024;
@@ -40,7 +40,8 @@ constexpr std::array large_sizes{
 constexpr std::uint32_t fewest = 2;
 // A large size may take more than its share for its two chunks, but not more than this part of what remains.
 constexpr double largest_part = 0.4, largest_part_of_large = 0.6;
-// A budget far beyond the common one is divided: this part as the common one, the rest among large samples.
+// Of a budget far beyond common_budget_bytes, this part is divided among the common sizes, and the rest among
+// the large ones.
 constexpr double common_part = 0.3;
 
 std::size_t chunk_bytes(std::size_t bytes) { return bytes + chunk_header_bytes; }
@@ -70,7 +71,7 @@ std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> si
   return pools;
 }
 
-/// Adds chunks behind those that the plan has of the same size.
+/// Adds the chunks to the plan's pool of the same size, or as a new pool if it has none.
 void add(PoolPlan& plan, const Pool& more, Memory memory) {
   const auto at = std::ranges::lower_bound(plan.pools, more.bytes, {}, &Pool::bytes);
   const auto pool = at != plan.pools.end() && at->bytes == more.bytes

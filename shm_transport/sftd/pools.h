@@ -21,7 +21,8 @@ struct PoolPlan {
   std::string remark;       ///< says which samples the budget is too small for; empty if all samples fit
 
   std::size_t bytes() const;
-  /// The part of bytes() that takes memory only once it is used, but for the headers of its chunks.
+  /// Returns the part of bytes() that takes memory only once it is used. The headers of its chunks have
+  /// memory at once.
   std::size_t bytes_on_demand() const;
   std::size_t largest() const { return pools.empty() ? 0 : pools.back().bytes; }
 };
@@ -29,8 +30,8 @@ struct PoolPlan {
 inline constexpr std::size_t chunk_header_bytes = 40;         ///< iceoryx's header in front of each chunk
 inline constexpr std::size_t largest_chunk_bytes = 65 << 20;  ///< a body of 64 MiB, its header and its index
 inline constexpr std::size_t smallest_budget_bytes = 4 << 20;
-/// Up to here, a budget is divided among chunks for samples of up to 16 MiB. Of a larger budget, the rest
-/// goes to chunks for samples of 4 MiB and more.
+/// A budget up to this size is divided among chunks for samples of up to 16 MiB. The rest of a larger budget
+/// goes to chunks for samples of more than 4 MiB.
 inline constexpr std::size_t common_budget_bytes = std::size_t{320} << 20;
 
 enum class Memory : bool { at_once, on_demand };

@@ -71,8 +71,9 @@ RoudiHost::~RoudiHost() {
 
 void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& type,
                                const iox::RuntimeName_t& name) noexcept {
-  // Everybody who may write to the socket can send a message. Its name becomes the path of a socket: iceoryx
-  // writes to it, and the daemon removes it when nobody listens there any more. So the name must be checked.
+  // Every process that may write to the socket can send a message. The name in it becomes the path of a
+  // socket: iceoryx writes to it, and the daemon removes it when no process listens there any more. So the
+  // name must be checked.
   if (!is_runtime_name(name.c_str()))
     return log_.debug("ignored a message with a name that no program of SFT has");
   if (refuse_over_limit(type, name)) return;
@@ -90,7 +91,7 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
 }
 
 /// Registers the process as a member of the group of writers. The kernel decides which segments a process can
-/// map. iceoryx would look up the groups of the user in files, which know less.
+/// map. iceoryx would look up the groups of the user in files, which do not have all of them.
 void RoudiHost::register_client(const IpcMessage& registration, const iox::RuntimeName_t& name) {
   if (registration.getNumberOfElements() != 6) return log_.debug("ignored a malformed registration");
   clients_.add(name.c_str(), pid_in(registration));
@@ -156,8 +157,8 @@ void RoudiHost::audit_chunks() {
   if (freed > 0) log_.info("freed " + std::to_string(freed) + " chunks that killed programs had in hand");
 }
 
-/// Nothing mends a damaged list. The daemon starts afresh once no program uses its memory, as after a death
-/// whose lost chunks it cannot find.
+/// A damaged list cannot be repaired. The daemon starts afresh once no program uses its memory, as after a
+/// death whose lost chunks it cannot find.
 void RoudiHost::log_damage() {
   if (std::exchange(damage_reported_, true)) return;
   if (unaudited() == 0) ++unaudited_;

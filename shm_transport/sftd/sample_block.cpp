@@ -5,7 +5,7 @@
 
 namespace sft::shm {
 
-/// A segment that opens its file where iceoryx's own kind would make it.
+/// A segment that opens an existing file. iceoryx's own class would create the file.
 class SampleBlock::OpenedSegment final : public iox::posix::SharedMemoryObject {
  public:
   using Result = iox::cxx::expected<OpenedSegment, iox::posix::SharedMemoryObjectError>;
@@ -43,7 +43,8 @@ void SampleBlock::destroy() noexcept {
   manager_ = nullptr;
 }
 
-/// iceoryx knows a manager of its own kind of segments only. Both kinds have the same members.
+/// Casts the manager, because iceoryx only knows one of its own class of segments. Both classes have the same
+/// members.
 iox::cxx::optional<iox::mepoo::SegmentManager<>*> SampleBlock::manager() const noexcept {
   static_assert(sizeof(OpenedSegment) == sizeof(iox::posix::SharedMemoryObject));
   static_assert(sizeof(Segment) == sizeof(iox::mepoo::MePooSegment<>));

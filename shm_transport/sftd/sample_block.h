@@ -10,7 +10,7 @@ namespace sft::shm {
 
 class SampleBlock final : public iox::roudi::MemPoolSegmentManagerMemoryBlock {
  public:
-  /// `config`: its one segment. When the memory becomes available, the file of the segment must exist, and be
+  /// `config` has one segment. When the memory becomes available, the file of the segment must exist, and be
   /// as large as SampleBlock::file_bytes() says.
   explicit SampleBlock(const iox::mepoo::SegmentConfig& config);
   ~SampleBlock() override;

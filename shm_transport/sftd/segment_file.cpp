@@ -69,7 +69,8 @@ Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes
 }
 
 /// A page that was set aside before is cleared when it is set aside again (shmem_get_folio_gfp() in Linux).
-/// Behind the end of a file that somebody has made shorter, pages would be set aside for nobody.
+/// The size is checked, because pages behind the end of a file that was made shorter would be set aside in
+/// vain.
 bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes) {
   struct stat now {};
   if (fstat(segment.file.get(), &now) != 0 || static_cast<std::size_t>(now.st_size) < offset + bytes)

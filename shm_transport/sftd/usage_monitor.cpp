@@ -12,7 +12,7 @@ namespace {
 
 using Subscribers = iox::cxx::vector<iox::popo::SubscriberPortData*, iox::MAX_SUBSCRIBERS>;
 
-/// Tells the ports of programs from the ports that iceoryx itself has.
+/// Returns whether the port is a program's, and not one of iceoryx itself.
 bool is_ours(const iox::popo::BasePortData& port) { return is_runtime_name(port.m_runtimeName.c_str()); }
 
 /// Returns whether the port is never subscribed, and only lists the chunks that a writer holds.

@@ -74,8 +74,8 @@ std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<c
   return doorbells;
 }
 
-/// Returns the link to a page that has no path, or an empty text. The search looks through processes, so it
-/// is done at most once in an interval, however many pages other nodes announce that do not exist.
+/// Returns the link to a page that has no path, or an empty text. The search goes through all processes, so
+/// it is done at most once in `search_interval`, however many pages that do not exist other nodes announce.
 std::string DoorbellPages::nameless_link(std::uint64_t id) {
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_search_) {

@@ -17,18 +17,18 @@ using std::chrono::seconds;
 constexpr seconds timeout_for_matching{20};
 constexpr seconds timeout_for_shared_memory{8};
 constexpr seconds timeout_for_arrival{2};
-// After they met, DDS participants repeat their introductions for about this long. Meanwhile the daemons that
-// the hosts had to start become ready, and nodes announce that.
+// After DDS participants have found each other, they repeat their announcements for about this long.
+// Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
 constexpr milliseconds settling{5'000};
-// Each process gives one heartbeat a second. The control traffic of any whole number of these
-// periods is nearly the same.
+// Each process sends one heartbeat a second. The control traffic of any whole number of these periods is
+// nearly the same.
 constexpr seconds control_period{4};
 constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 constexpr milliseconds refresh{250};
 constexpr milliseconds poll_interval{20};
 constexpr milliseconds between_notices{200};
 
-/// Null if the publisher does not know such a reader.
+/// Returns null if the publisher does not know such a reader.
 const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
   const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
                                    [&](const ReaderReport& r) { return r.node == name; });
@@ -111,7 +111,7 @@ Error Demo::not_ready(const Snapshot& now) const {
   return {Errc::unavailable, text};
 }
 
-/// The names of subscribers that are not served yet: "health, localiser"
+/// Returns the names of the subscribers that are not served yet: "health, localiser".
 std::string Demo::missing(const Snapshot& now, bool any_transport) const {
   std::string names;
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
@@ -150,9 +150,9 @@ Result<void> Demo::await_readiness() {
   }
 }
 
-/// Also makes the run long enough to measure the idle traffic, where publishing alone is too short for that.
-/// The time of publishing does not count if fields are recorded: the requests of nodes change then, and cause
-/// traffic.
+/// Waits until discovery is quiet, and then until the run is long enough to measure the idle traffic, if
+/// publishing alone is too short for that. If fields are recorded, the time of publishing does not count,
+/// because nodes change their requests meanwhile, and that causes traffic.
 Result<void> Demo::let_it_settle() {
   if (!stage_.real_hosts()) return {};
   const Result<void> settled = wait_until(
@@ -209,7 +209,7 @@ void Demo::note_idle_traffic(const Snapshot& now) {
   idle_bytes_per_s_ = control_per_node(now);
 }
 
-/// Bytes of control traffic in a second since discovery was quiet, on the average of all nodes.
+/// Returns the bytes of control traffic per second and node since discovery was quiet, on average.
 double Demo::control_per_node(const Snapshot& now) const {
   // The host of the publisher has two nodes, and one meter.
   double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);

@@ -44,17 +44,18 @@ class Demo {
     std::vector<SubscriberReport> subscribers;
   };
 
-  /// `says_so`: while a role does not answer, the user is told that it is waited for.
+  /// Asks all roles for their reports. `says_so`: the user is told which role has not answered yet.
   Result<Snapshot> look(const Order& order = {}, bool says_so = false);
   Result<void> await_readiness();
   Result<void> let_it_settle();
   Result<void> publish();
   Result<void> await_arrival();
 
-  /// Waits until `then`, which is false, or until the user asks to stop, which is true once.
+  /// Waits until `then` and returns false, or until the user asks to stop and returns true. A request to stop
+  /// counts once.
   bool stop_asked_before(Clock::time_point then);
-  /// Waits before the first cloud is published, and says for what. If the user asks to stop, that is the
-  /// error.
+  /// Waits until `then`, before the first cloud is published, and tells the user for what. Returns an error
+  /// if the user asks to stop.
   Result<void> wait_until(Clock::time_point then, const std::string& what);
   void introduce() const;
   std::string missing(const Snapshot& now, bool any_transport) const;
@@ -72,7 +73,7 @@ class Demo {
   Snapshot settled_;  ///< at a moment when all had found each other and nothing was published yet
   Snapshot begin_;    ///< just before the first sample
   Snapshot last_;
-  unsigned control_periods_ = 0;  ///< in idle_bytes_per_s_
+  unsigned control_periods_ = 0;  ///< measured for idle_bytes_per_s_
   std::optional<double> idle_bytes_per_s_;
   bool is_over_ = false;  ///< samples that have not arrived by now are lost
 };

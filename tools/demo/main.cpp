@@ -23,7 +23,8 @@ constexpr std::chrono::milliseconds between_notices{200};
 
 Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
   if (!options.input) return scene_source(options.hz);
-  // Another thread reads the files. It has ended before the stage is set up, which takes a single thread.
+  // Another thread reads the files. It has ended before the stage is set up, which requires that the process
+  // has a single thread.
   auto reading =
       std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
   while (reading.wait_for(between_notices) == std::future_status::timeout) {

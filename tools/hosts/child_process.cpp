@@ -37,7 +37,7 @@ std::string read_all(int descriptor) {
   return text;
 }
 
-/// The children of this process, by birth or adoption.
+/// Returns the children of this process, also adopted ones.
 std::vector<pid_t> children() {
   std::vector<pid_t> pids;
   std::ifstream list("/proc/thread-self/children");

@@ -1,4 +1,4 @@
-// Child processes: what fork() leaves to do by hand.
+// Child processes: what a program has to do besides fork().
 #pragma once
 
 #include <sys/types.h>
@@ -16,7 +16,8 @@ namespace sft::hosts {
 Result<void> in_child(const std::function<Result<void>(int output)>& body);
 
 /// Closes all descriptors but the standard ones and `kept`. A forked process has copies of everything that
-/// its parent had open, and a socket only reports its other end closed once every copy of that is.
+/// its parent had open, and a socket reports that its other end is closed only when every copy of that end is
+/// closed.
 void close_descriptors_except(std::vector<int> kept);
 
 /// Blocks these signals and no others, so that the process can wait for them.

@@ -14,7 +14,7 @@ struct InterfaceBytes {
   friend bool operator==(const InterfaceBytes&, const InterfaceBytes&) = default;
 };
 
-/// Empty if there is no such interface.
+/// Returns nothing if there is no such interface.
 std::optional<InterfaceBytes> interface_bytes(const std::string& interface);
 
 /// Finds the counters of an interface in the text of /proc/net/dev.

@@ -21,7 +21,7 @@ Result<core::FileDescriptor> current_network() {
   return descriptor;
 }
 
-/// A file in memory that begins with the text. It is read from its first byte on.
+/// Returns a file in memory with this text, to be read from its first byte on.
 Result<core::FileDescriptor> file_with(std::string_view text) {
   core::FileDescriptor file(memfd_create("input", MFD_CLOEXEC));
   const bool written =

@@ -14,19 +14,20 @@
 
 namespace sft::hosts {
 
-inline constexpr const char* host_interface = "eth0";  ///< of every host, besides "lo"
+inline constexpr const char* host_interface = "eth0";  ///< the interface of every host, besides "lo"
 
 class NetworkNamespace {
  public:
-  /// A new one, empty. REQUIRES: the calling process has one thread, which is moved there and back.
+  /// Creates an empty namespace. REQUIRES: the calling process has one thread, which is moved there and back.
   static Result<NetworkNamespace> create();
 
-  /// Moves the calling process there.
+  /// Moves the calling process into the namespace.
   Result<void> enter() const;
-  /// Runs a command there, with `input` as its standard input. The error is what the command printed.
+  /// Runs a command in the namespace, with `input` as its standard input. The error is what the command
+  /// printed.
   Result<void> run(const std::vector<std::string>& command, std::string_view input = {}) const;
   int descriptor() const { return descriptor_.get(); }
-  /// A name that other processes can open as long as this process lives.
+  /// Returns a path that other processes can open as long as this process lives.
   std::string path() const;
 
  private:

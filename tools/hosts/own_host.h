@@ -12,14 +12,14 @@ namespace sft::hosts {
 /// kinds (`CLONE_NEWNET | ...`) that belong to it. REQUIRES: the process has one thread.
 Result<void> enter_user_namespace(int other_kinds);
 
-/// Directory of the running program, which holds the other programs of the project, too.
+/// Returns the directory of the running program, which has the other programs of the project, too.
 const std::filesystem::path& program_directory();
 
 // These functions mount over the directories of the machine. REQUIRES: the calling thread is in a mount
 // namespace of its own, and program_directory() was called while /proc still was that of the machine.
 Result<void> make_mounts_private();  ///< otherwise the mounts below would show up outside
 Result<void> mount_own_shm(unsigned mebibytes);
-Result<void> mount_own_tmp();  ///< the programs stay in sight, even if they were built in /tmp
+Result<void> mount_own_tmp();  ///< the programs stay visible, even if they were built in /tmp
 Result<void> mount_own_proc();
 
 }  // namespace sft::hosts

@@ -1,4 +1,4 @@
-// A socket that is shown the frames of an interface that a filter accepts. The filter runs in the kernel.
+// A socket that receives those frames of an interface that a filter accepts. The filter runs in the kernel.
 #pragma once
 
 #include <linux/filter.h>
@@ -19,8 +19,8 @@ inline constexpr std::uint32_t ip_fragment = ip_header + 6;
 inline constexpr std::uint32_t ip_protocol = ip_header + 9;
 inline constexpr std::uint32_t udp_payload = ip_header + 8;  ///< plus the length of the IP header
 
-/// Both ways, and never blocking. `buffer_bytes`: how much of accepted frames waits to be read; 0: the
-/// system's default.
+/// Opens a socket for received and sent frames, which never blocks. `buffer_bytes`: how many bytes of
+/// accepted frames can wait to be read; 0: the system's default.
 Result<core::FileDescriptor> open_packets(const std::string& interface, std::span<const sock_filter> filter,
                                           int buffer_bytes = 0);
 

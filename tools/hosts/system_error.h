@@ -11,7 +11,7 @@
 
 namespace sft::hosts {
 
-/// The error of the system call that has just failed, behind a text that says what cannot be done.
+/// Returns the error of the system call that has just failed, after a text that says what cannot be done.
 inline tl::unexpected<Error> system_error(std::string_view what) {
   const Errc code = errno == EPERM || errno == EACCES ? Errc::no_permission : Errc::system;
   return fail(code, fmt::format("{}: {}", what, std::strerror(errno)));

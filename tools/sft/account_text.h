@@ -6,22 +6,22 @@
 
 namespace sft::tool {
 
-/// True if both sides have reported their counters, or if the pair does not match and has none.
+/// Returns true if both sides have reported their counters, or if the pair does not match and has none.
 bool is_told(const DomainSnapshot::Pair& pair);
 
-// Counters that their side has not reported are "not told yet".
+// For counters that a side has not reported, these functions return "not told yet".
 
-/// "5 samples, 40 B over the network"
+/// For example "5 samples, 40 B over the network".
 std::string sent_text(const DomainSnapshot::Pair& pair);
-/// "31.5 MB, 99.9998 % of the whole samples"
+/// For example "31.5 MB, 99.9998 % of the whole samples".
 std::string saved_text(const DomainSnapshot::Pair& pair);
-/// "5 samples; 0 dropped"
+/// For example "5 samples; 0 dropped".
 std::string withheld_text(const DomainSnapshot::Pair& pair);
-/// "0 samples; 5 received"
+/// For example "0 samples; 5 received".
 std::string lost_text(const DomainSnapshot::Pair& pair);
 
-/// One row of a table of pairs, 80 columns wide, and its headings. `by` is the transport. Names that are too
-/// long are cut, and counters that were not reported are "-".
+/// Return the headings of a table of pairs, and one of its rows, 80 columns wide. `by` is the transport.
+/// Names that are too long are cut, and counters that were not reported are "-".
 std::string account_headings();
 std::string account_columns(const std::string& names, const std::string& by,
                             const DomainSnapshot::Pair& pair);

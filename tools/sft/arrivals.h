@@ -14,7 +14,7 @@ namespace sft::tool {
 /// Counts and measures samples as they arrive, on threads of the node.
 class Arrivals {
  public:
-  /// The value of a sample that is recorded beside its time of arrival.
+  /// Returns the value of a sample, which is recorded beside its time of arrival.
   using Measure = std::function<double(const DynamicSample&)>;
 
   struct Request {
@@ -48,7 +48,7 @@ class Arrivals {
   Periods periods_;
   Series values_;
   std::uint64_t samples_ = 0;
-  std::uint64_t reported_ = 0;                   ///< the samples of the last report
+  std::uint64_t reported_ = 0;                   ///< samples_ at the last report
   std::optional<DynamicSubscriber> subscriber_;  ///< the last member: its callbacks use the others
 };
 

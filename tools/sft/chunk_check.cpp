@@ -29,7 +29,7 @@ struct Pool {
 
 std::string size_text(std::uint64_t bytes) { return bytes_text(static_cast<double>(bytes)); }
 
-/// Sorted by size. Empty if no daemon has written a status.
+/// Returns the pools, sorted by size; empty if no daemon has written a status.
 std::vector<Pool> pools_of_daemon() {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(status_of_daemon, ignored)))
@@ -47,8 +47,8 @@ std::vector<Pool> pools_of_daemon() {
   return pools;
 }
 
-/// The topics of publishers that may use shared memory here and have announced larger samples. Those that
-/// announce the default say nothing of their samples.
+/// Returns the topics of publishers that may use shared memory here and have announced samples larger than
+/// `bytes`. Publishers that announce the default size do not count, since it says nothing of their samples.
 std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std::uint64_t bytes) {
   std::set<std::string> topics;
   for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {

@@ -74,7 +74,7 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
 
 constexpr const char* one_topic = "The topic, with or without a leading slash";
 
-/// A subcommand with one topic.
+/// Declares a subcommand with one topic.
 template <class Options>
 CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parsed::*options,
                   const char* help) {
@@ -236,7 +236,7 @@ void declare_doctor(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.doctor; });
 }
 
-/// What people type who know the command line of ROS 2, and what does the same here.
+/// What users of the command line of ROS 2 type, and the command of sft that does the same.
 struct Counterpart {
   std::string_view typed, command;
 };

@@ -25,7 +25,7 @@ class CsvTable {
                    std::size_t leaf);
 
   struct Column {
-    std::string path;        ///< of the view
+    std::string path;        ///< of the field in a view of the sample
     bool only_size = false;  ///< the length of a sequence of structs, none of whose fields is chosen
   };
   std::vector<Column> columns_;

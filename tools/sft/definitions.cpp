@@ -11,15 +11,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// The messages of SFT, at a path relative to the program, wherever that is installed. The build tree has a
-/// link there.
+/// Returns the directory with the messages of SFT. Its path is relative to the program, wherever that is
+/// installed. The build tree has a link there.
 fs::path own_interfaces() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return (program.parent_path() / SFT_INTERFACES_FROM_PROGRAM).lexically_normal();
 }
 
-/// A file of the user's own is not hostile, and may nest deeper than what a node accepts of others.
+/// The user's own files are not hostile. So types in them may nest deeper than those that other nodes
+/// announce.
 constexpr DynamicType::Limits limits_of_files{.bytes = std::size_t{1} << 20, .depth = 64};
 
 std::vector<fs::path> roots_of(const CommonOptions& common) {

@@ -9,12 +9,12 @@
 
 namespace sft::tool {
 
-/// The type with that name, or in that file, PACKAGE/msg/NAME.msg. Looks in the user's directories
-/// (CommonOptions::includes) first. Errc::unavailable if no directory has it.
+/// Returns the type with that name, or the one in that file, PACKAGE/msg/NAME.msg. Looks in the user's
+/// directories (CommonOptions::includes) first. Errc::unavailable if no directory has it.
 Result<DynamicType> find_definition(const std::string& type, const CommonOptions& common);
 
-/// The definition of the type that an endpoint announces without its fields. An error if there is none, or if
-/// it defines another type of that name.
+/// Returns the definition of the type that an endpoint announces without its fields. Returns an error if
+/// there is no definition, or if it defines another type of that name.
 Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, const CommonOptions& common);
 
 }  // namespace sft::tool

@@ -12,8 +12,8 @@ namespace sft::tool {
 
 namespace {
 
-/// The path of the time stamp: "header.stamp", or "stamp" if the message is a header itself; empty without
-/// one.
+/// Returns the path of the time stamp: "header.stamp", or "stamp" if the message is a header itself; empty if
+/// there is none.
 std::string stamp_field(const TypeSupport& type) {
   for (const char* field : {"header.stamp", "stamp"}) {
     const std::string path = field;

@@ -9,17 +9,17 @@ namespace sft::tool {
 
 // The names in these objects are stable; later versions may add names.
 nlohmann::ordered_json endpoint_json(const DomainSnapshot::Endpoint& endpoint, bool publishes);
-/// Counters that their node has not reported are null.
+/// Counters that a node has not reported are null.
 nlohmann::ordered_json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint& publisher,
                                  const DomainSnapshot::Endpoint& subscriber);
 
-/// "reliable, transient_local, keep last 10, deadline 100 ms"
+/// For example "reliable, transient_local, keep last 10, deadline 100 ms".
 std::string qos_text(const Qos& qos);
-/// "height, width; at most 20 Hz"
+/// For example "height, width; at most 20 Hz".
 std::string request_text(const DomainSnapshot::Endpoint& subscriber);
-/// "shm, udp"
+/// The transports that an endpoint may use, for example "shm, udp".
 std::string ways_text(const DomainSnapshot::Endpoint& endpoint);
-/// "matched by udp: another host", "not matched: ...", in one line.
+/// For example "matched by udp: another host" or "not matched: ...", in one line.
 std::string verdict_text(const DomainSnapshot::Pair& pair);
 
 const DomainSnapshot::Endpoint* endpoint_of(std::uint64_t id,

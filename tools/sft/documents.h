@@ -14,7 +14,8 @@ class Documents {
  public:
   explicit Documents(Stop& stop) : stop_(stop) {}
 
-  /// Waits for the next complete document. Nothing at the end of the input, or if the user wants to stop.
+  /// Waits for the next complete document, and returns it; nothing at the end of the input, or if the user
+  /// wants to stop.
   std::optional<std::string> next();
 
  private:

@@ -69,7 +69,7 @@ class Printer {
   JsonOptions json_;
   bool has_header_ = false;
   std::string topic_;
-  std::set<std::string> missing_;  ///< channels that were told
+  std::set<std::string> missing_;  ///< channels that were reported
 };
 
 Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic& topic, Node& node) {
@@ -83,7 +83,7 @@ Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic
   return node.subscriber(topic.name, topic.type, options.fields.front(), subscriber);
 }
 
-/// The fields that samples may have.
+/// Returns the fields that samples may have.
 Result<FieldMask> all_fields(const EchoOptions& options, const TypeSupport& type) {
   FieldMask all(type.leaves());
   for (const std::string& text : options.fields) {

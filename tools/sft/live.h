@@ -16,7 +16,7 @@ struct LiveOptions {
   double window_s = 5;  ///< each line covers this time
 };
 
-/// Calls `tell` once a second, until options.for_s have passed or the user wants to stop.
+/// Calls `report` once a second, until options.for_s have passed or the user wants to stop.
 void report_every_second(const LiveOptions& options, Stop& stop, const std::function<void()>& report);
 
 }  // namespace sft::tool

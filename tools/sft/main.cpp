@@ -36,7 +36,7 @@ int main(int argc, char** argv) {
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
   const auto& line = std::get<CommandLine>(parsed);
   unsetenv("SFT_REMAP");     // the rules are for programs: a tool shows topics by the names that they have
-  signal(SIGPIPE, SIG_IGN);  // Output notices where it writes that nobody reads
+  signal(SIGPIPE, SIG_IGN);  // Output notices a closed pipe when it writes
   Stop stop;
   Output output(stop, line.common.no_color);
   const ExitCode code = run(line, stop, output);

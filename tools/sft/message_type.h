@@ -7,9 +7,9 @@
 
 namespace sft::tool {
 
-/// The type as the user names it (PubOptions::type). Looks for a name in the directories of the session
-/// (CommonOptions::includes), in the messages that are installed with SFT, and then, for the timeout of the
-/// session, among the types that nodes announce. Errc::unavailable if no place has it.
+/// Returns the type that the user names (PubOptions::type). Looks for a name in the directories of the
+/// session (CommonOptions::includes), in the messages that are installed with SFT, and then, for the timeout
+/// of the session, among the types that nodes announce. Errc::unavailable if no place has it.
 Result<DynamicType> find_message_type(const std::string& type, const std::string& topic, Session& session);
 
 }  // namespace sft::tool

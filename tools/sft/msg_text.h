@@ -7,7 +7,7 @@
 
 namespace sft::tool {
 
-/// The message, followed by each message that it nests, once, separated as rosbag and `ros2 interface show`
+/// Returns the message, followed by each nested message once, separated as rosbag and `ros2 interface show`
 /// do:
 ///
 ///   std_msgs/Header header
@@ -19,9 +19,9 @@ namespace sft::tool {
 /// without them.
 std::string msg_text(const StructType& type);
 
-/// "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2": the name in .msg files.
+/// Returns the name in .msg files: "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2".
 std::string msg_name(std::string_view name);
-/// "sensor_msgs/msg/PointCloud2" for "sensor_msgs::msg::PointCloud2": the name in ROS 2's tools.
+/// Returns the name in ROS 2's tools: "sensor_msgs/msg/PointCloud2" for "sensor_msgs::msg::PointCloud2".
 std::string ros_name(std::string_view name);
 
 }  // namespace sft::tool

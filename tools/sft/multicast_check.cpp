@@ -73,7 +73,7 @@ class Loop {
   Loop(const Loop&) = delete;
   Loop& operator=(const Loop&) = delete;
 
-  /// Empty if the datagram came back, otherwise the reason why it did not.
+  /// Returns an empty text if the datagram came back, otherwise the reason why it did not.
   std::string round_trip(Stop& stop) {
     if (!open_) return why_not_;
     const std::uint64_t word = std::random_device()() | std::uint64_t{std::random_device()()} << 32;

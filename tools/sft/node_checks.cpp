@@ -26,7 +26,7 @@ Finding interfaces_of(const NodeStatus& status) {
           is_well ? "" : "Check the interfaces (ip addr) and the settings that this names."};
 }
 
-/// The library says which of them the node uses, and why not.
+/// The library says whether the node uses a quick path, or why it does not.
 Finding quick_path_of(const NodeStatus::QuickPath& path) {
   if (path.why_not.empty()) return {path.name, Health::ok, "used"};
   return {path.name, Health::warning, "not used: " + path.why_not,

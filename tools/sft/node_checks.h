@@ -13,7 +13,7 @@ namespace sft::tool {
 
 struct NodeFindings {
   std::vector<Finding> findings;
-  /// Names; empty if no node can be opened, or if the library does not know them.
+  /// The names of the interfaces; empty if no node can be opened, or if the library does not know the names.
   std::vector<std::string> interfaces_in_use{};
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);

@@ -16,8 +16,8 @@ struct OneTopic {
   std::vector<DomainSnapshot::Pair> pairs;
 };
 
-/// Errc::unavailable if no node uses the topic within the timeout. Otherwise collects the nodes that use it
-/// for common.wait_s.
+/// Waits until a node uses the topic, and then collects further ones for common.wait_s. Errc::unavailable if
+/// no node uses the topic within the timeout.
 Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session);
 
 OneTopic part_of(const DomainSnapshot& domain, const std::string& topic);

@@ -14,10 +14,10 @@ class Output : public Terminal {
  public:
   Output(Stop& stop, bool no_color);
 
-  /// Writes at once. If that fails, the command is told to stop.
+  /// Writes the text at once. If that fails, the command is told to stop.
   void write(std::string_view text);
-  /// Why the output could not be written. Empty if all was written, and if its reader has closed it, which is
-  /// a regular end.
+  /// Returns why the output could not be written; empty if all was written, or if its reader has closed it,
+  /// which is a regular end.
   const std::string& failure() const { return failure_; }
   void line(std::string_view text);
   /// Writes JSON in one line, for programs that read line by line.
@@ -33,8 +33,8 @@ class Output : public Terminal {
 /// Writes one sentence to the standard error.
 void complain(std::string_view sentence);
 
-/// Text of other nodes without characters that would control the terminal. Announced names have no such
-/// characters, but reasons and types may quote any text.
+/// Returns text of other nodes without characters that would control the terminal. Announced names have no
+/// such characters, but reasons and types may quote any text.
 std::string printable(std::string_view text);
 
 }  // namespace sft::tool

@@ -59,7 +59,7 @@ class Source {
     return Value::of(type_, options_.value).map([&](Value&& value) { value_ = std::move(value); });
   }
 
-  /// Waits until the next message is due. Null: there is none.
+  /// Waits until the next message is due, and returns it; null if there is none.
   Result<const Value*> next() {
     if (options_.count != 0 && given_ == options_.count) return nullptr;
     if (from_input()) {
@@ -100,7 +100,7 @@ std::size_t served(const PublisherStatus& status) {
   return static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
 }
 
-/// True if enough subscribers are served in time. Otherwise prints why they are not.
+/// Returns true if enough subscribers are served in time. Otherwise prints why they are not.
 bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const std::string& topic,
               const CommonOptions& common, Session& session) {
   Stop& stop = session.stop();

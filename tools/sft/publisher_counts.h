@@ -31,12 +31,12 @@ class PublisherCounts {
   const std::string topic_;
   const Session& session_;
   Traffic traffic_;
-  std::map<std::uint64_t, std::uint64_t> counted_;  ///< by publishers: what was reported last
+  std::map<std::uint64_t, std::uint64_t> counted_;  ///< the count of each publisher at the last report
   std::uint64_t samples_ = 0;
 };
 
-/// Counts for a topic that find() failed for, if that is because its nodes announce no fields; tells the user
-/// so. Null: it failed for another reason.
+/// Returns counts for a topic for which find() has failed because its nodes announce no fields, and tells the
+/// user so. Returns null if find() has failed for another reason.
 std::unique_ptr<PublisherCounts> counts_instead(const std::string& topic, const Error& error,
                                                 const Session& session);
 

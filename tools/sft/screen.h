@@ -27,7 +27,7 @@ class Screen {
 
   /// The descriptor from which keys are read; -1: the standard input is no terminal.
   int keys() const { return keys_; }
-  /// True if the user has pressed this key. Discards all other keys.
+  /// Returns true if the user has pressed this key. Discards all other keys.
   bool pressed(char key) const;
 
  private:

@@ -39,7 +39,7 @@ class Periods {
   void add(Moment when);
   void forget_before(Moment when) { series_.forget_before(when); }
   Spread spread() const { return series_.spread(); }
-  /// Events per second; 0 before the second event.
+  /// Returns events per second; 0 before the second event.
   double rate() const;
 
  private:

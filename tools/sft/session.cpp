@@ -31,8 +31,8 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   return published ? qos : Qos{};
 }
 
-/// An endpoint of the topic, a publisher if there is one, if all of those are announced without the fields of
-/// their type; null otherwise.
+/// Returns a publisher of the topic if all its publishers are announced without the fields of their type. If
+/// it has no publishers, the same applies to its subscribers. Returns null otherwise.
 const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const DomainSnapshot& domain) {
   const DomainSnapshot::Endpoint* first = nullptr;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
@@ -56,7 +56,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.discovery.peers = options.peers;
   node.shm.start_daemon = false;
   return Node::open(node).map([&](Node&& opened) {
-    (void)opened.domain();  // the node listens to everybody from now on
+    (void)opened.domain();  // from now on, the node learns of all other nodes
     return Session(std::move(opened), options, stop, output);
   });
 }

@@ -32,29 +32,29 @@ class Session {
   Output& output() { return *output_; }
   const CommonOptions& options() const { return options_; }
 
-  /// Waits for options.wait_s, so that other nodes are heard, and returns domain().
+  /// Waits for options.wait_s, so that other nodes are found, and returns domain().
   DomainSnapshot look_around();
-  /// The domain as it is known now, without the publishers and subscribers of this session.
+  /// Returns the domain as it is known now, without the publishers and subscribers of this session.
   DomainSnapshot domain() const;
 
-  /// Waits until `enough` is true for the domain, at most for `for_s`. False if the time is over.
+  /// Waits until `enough` is true for the domain, at most for `for_s`. Returns false if the time is over.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
   /// The same, for options.timeout_s.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
     return wait_until(enough, options_.timeout_s);
   }
 
-  /// The name without its leading slash, which has no meaning.
+  /// Returns the name without its leading slash, which has no meaning.
   static std::string plain_name(std::string_view topic);
-  /// The name under which nodes announce a topic that the user wrote with or without a leading slash. Nothing
-  /// while no node publishes or subscribes to it.
+  /// Returns the name under which nodes announce a topic that the user wrote with or without a leading slash;
+  /// nothing while no node publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
-  /// Errc::unavailable if no node announces the topic within the timeout. If its nodes announce a type
-  /// without its fields, the definition comes from files (CommonOptions::includes).
+  /// Finds a topic and its type. Errc::unavailable if no node announces the topic within the timeout. If its
+  /// nodes announce a type without its fields, the definition comes from files (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
-  /// The name under which nodes announce a topic of which find() knows no fields; nothing if it is another
-  /// topic.
+  /// Returns the name under which nodes announce the topic, if they announce its type without fields;
+  /// otherwise nothing.
   std::optional<std::string> undescribed(std::string_view topic) const;
 
  private:

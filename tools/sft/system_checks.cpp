@@ -43,7 +43,7 @@ std::string user_name(uid_t user) {
   return entry == nullptr ? fmt::format("user {}", user) : entry->pw_name;
 }
 
-/// The accounts that run an sftd on this host.
+/// Returns the accounts that run an sftd on this host.
 std::set<uid_t> users_of_daemons() {
   std::set<uid_t> users;
   std::error_code ignored;

@@ -19,7 +19,8 @@ class Traffic {
   };
 
   void note(const DomainSnapshot& domain, Clock::time_point now);
-  /// Nothing before the second report of progress; zero if there was no progress for a while.
+  /// Returns the rate of the publisher; nothing before its second report of progress, zero if there was no
+  /// progress for a while.
   std::optional<Rate> of(std::uint64_t publisher, Clock::time_point now) const;
 
  private:

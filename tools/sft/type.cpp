@@ -20,7 +20,8 @@ struct Subject {
   std::optional<std::string> topic{};  ///< empty: it was found by its own name
 };
 
-/// A topic may have such a name, too: "sensor_msgs/PointCloud2", with "msg" between both words, or a file.
+/// Returns whether a type may have this name: "sensor_msgs/PointCloud2", with "msg" between both words, or a
+/// file. A topic may have such a name, too.
 bool may_be_type(std::string_view name) {
   const std::string short_form = msg_name(name);
   const std::size_t slash = short_form.rfind('/');

@@ -9,19 +9,19 @@
 
 namespace sft::tool {
 
-/// The width of text in one line.
+/// Returns the width of text in one line.
 std::size_t columns_of(std::string_view text);
-/// The longest beginning of the text that takes at most `columns`.
+/// Returns the longest beginning of the text that takes at most `columns`.
 std::string_view cut(std::string_view text, std::size_t columns);
-/// The text itself if it takes no more columns, else its beginning and "...".
+/// Returns the text itself if it takes at most `columns`, or else its beginning and "...".
 std::string shortened(std::string_view text, std::size_t columns);
 
 enum class LongWords { broken, whole };
-/// The text in lines that take no more columns. It is broken between words. A word that is longer than a line
-/// is broken as well, or it is a line of its own.
+/// Returns the text in lines of at most `columns`. It is broken between words. A word that is longer than a
+/// line is broken as well, or it is a line of its own.
 std::vector<std::string> lines_of(std::string_view text, std::size_t columns, LongWords long_words);
-/// The same as text with line breaks, without breaking words. The first line begins behind `before` columns,
-/// and each other line with `indent` spaces.
+/// Returns the lines as one text with line breaks. Words are not broken. The first line begins after `before`
+/// columns, and each other line with `indent` spaces.
 std::string wrapped(std::string_view text, std::size_t columns, std::size_t indent = 0,
                     std::size_t before = 0);
 

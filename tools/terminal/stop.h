@@ -1,5 +1,5 @@
-// Ctrl-C, as something that can be waited for. From the construction of a Stop on the signals that end a
-// program only raise a flag, so that the program can say goodbye to other nodes.
+// Lets a program wait for Ctrl-C. Once a Stop is constructed, the signals that end a program only set a flag,
+// so that the program can close its node in order.
 #pragma once
 
 #include <chrono>
@@ -14,13 +14,13 @@ class Stop {
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
-  /// True if the user wants to stop, or if nobody reads the output any more.
+  /// Returns true if the user wants to stop, or if the reader of the output has closed it.
   bool requested() const;
   void request();
-  /// Forgets the request, so that the next one can be waited for.
+  /// Discards the request, so that the program can wait for the next one.
   void forget() { requested_ = false; }
-  /// Waits until somebody wants to stop, which is true, or until the time is over. Ends sooner, with false,
-  /// when `descriptor` is readable.
+  /// Waits until a stop is requested, and returns true. Returns false when the time is over, or when
+  /// `descriptor` is readable.
   bool wait_for(std::chrono::nanoseconds time, int descriptor = -1);
 
  private:

@@ -11,16 +11,16 @@ enum class Color : int { none = 0, red = 31, green = 32, yellow = 33, cyan = 36,
 
 class Terminal {
  public:
-  /// Colours need a terminal. `no_color` and the environment variable NO_COLOR (no-color.org) rule them out.
+  /// Colours need a terminal. `no_color` and the environment variable NO_COLOR (no-color.org) turn them off.
   explicit Terminal(bool no_color = false);
 
-  /// True if the standard output is a terminal.
+  /// Returns true if the standard output is a terminal.
   bool on_terminal() const { return terminal_; }
-  /// The size of the terminal; 80 and 24 where it is not known.
+  /// Return the size of the terminal; 80 and 24 if it is not known.
   std::size_t columns() const;
   std::size_t rows() const;
   std::string colored(std::string_view text, Color color) const;
-  /// The text in lines that fit the terminal, as wrapped() makes them; elsewhere the whole text.
+  /// Returns the text in lines that fit the terminal, as wrapped() makes them; elsewhere the whole text.
   std::string fitted(std::string_view text, std::size_t indent, std::size_t before = 0) const;
 
  private:

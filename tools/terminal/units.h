@@ -7,18 +7,18 @@
 namespace sft::tool {
 
 std::string bytes_text(double bytes);  ///< "82 B", "6.29 MB", "72 MB"
-/// With two decimals, so that sizes below one another can be compared: "82 B", "6.29 MB", "72.00 MB".
+/// Returns text with two decimals, so that a column of sizes can be compared: "82 B", "6.29 MB", "72.00 MB".
 std::string aligned_bytes_text(double bytes);
 std::string duration_text(double seconds);   ///< "1.23 ms", "-4.00 us"
 std::string rate_text(double hz);            ///< "10.0 Hz"
 std::string hex_text(std::uint64_t number);  ///< an id, 16 digits
-/// "99.98 %". The text is rounded down, so that only the whole is 100 %.
+/// Returns a text like "99.98 %". It is rounded down, so that only the whole is 100 %.
 std::string percent_text(double part, double whole, int decimals);
-/// A count in at most `width` columns: "1234567", "1.2e+09". REQUIRES: `width` is at least 7.
+/// Returns a count in at most `width` columns: "1234567", "1.2e+09". REQUIRES: `width` is at least 7.
 std::string short_count_text(std::uint64_t count, std::size_t width);
-/// "6,291,725"
+/// Returns a text like "6,291,725".
 std::string grouped_count_text(std::uint64_t count);
-/// "1 topic", "2 topics"
+/// Returns a text like "1 topic" or "2 topics".
 std::string count_text(std::size_t count, const char* noun);
 
 }  // namespace sft::tool

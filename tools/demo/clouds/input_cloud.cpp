@@ -51,7 +51,7 @@ Result<InputCloud> check_payload(std::span<const std::byte> payload) {
                 fmt::format("not a sensor_msgs/PointCloud2, or damaged ({}); give a file of point clouds",
                             to_string(status)));
   }
-  // Bytes of another type may well have the shape of a PointCloud2. Then their figures contradict each other.
+  // Bytes of another type can be decoded as a PointCloud2. Then the sizes in them contradict each other.
   const auto cloud = detail::view_of<PointCloud2, everything>(state);
   const std::uint64_t row_bytes = std::uint64_t{cloud.width()} * cloud.point_step();
   const std::uint64_t data_bytes = std::uint64_t{cloud.height()} * cloud.row_step();

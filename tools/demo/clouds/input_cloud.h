@@ -15,15 +15,16 @@ namespace sft::demo {
 inline constexpr std::size_t cloud_bytes_max = 16 * 1024 * 1024;
 
 struct InputCloud {
-  std::vector<std::byte> payload;  ///< encapsulation and body as DDS would send them, and nothing behind
+  std::vector<std::byte> payload;  ///< encapsulation and body as DDS would send them, and no more bytes
   std::string shape;               ///< see CloudSource::shape()
 };
 
-/// Publishes the clouds one after the other, again and again. REQUIRES: there is at least one cloud.
+/// Returns a source that publishes the clouds one after the other, again and again. REQUIRES: there is at
+/// least one cloud.
 std::unique_ptr<CloudSource> file_source(std::string name, std::vector<InputCloud> clouds);
 
-/// Takes a payload if it is a little-endian PointCloud2 whose figures fit together; the error says what it is
-/// instead. Padding at the end of the payload is cut off.
+/// Returns the cloud of a payload if that is a little-endian PointCloud2 whose sizes agree. The error says
+/// what it is instead. Padding at the end of the payload is cut off.
 Result<InputCloud> check_payload(std::span<const std::byte> payload);
 
 /// Encodes one cloud of `height` rows of `width` points. REQUIRES: the data has height * width * point_step

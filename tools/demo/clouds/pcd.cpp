@@ -21,9 +21,9 @@ using Words = std::vector<std::string_view>;
 using Bytes = std::vector<std::byte>;
 
 constexpr std::size_t fields_max = 64;
-constexpr std::uint32_t count_max = 65'536;  // of numbers in one field, such as a histogram
+constexpr std::uint32_t count_max = 65'536;  // numbers in one field, such as a histogram
 
-/// The first word of the text, which is removed from it; empty at the end of the text.
+/// Returns the first word of the text, and removes it from the text; empty at the end of the text.
 std::string_view next_word(std::string_view& text) {
   constexpr std::string_view blanks = " \t\r\n";
   text.remove_prefix(std::min(text.find_first_not_of(blanks), text.size()));
@@ -47,7 +47,7 @@ bool append_number(std::string_view text, Bytes& data) {
   return true;
 }
 
-/// A type of numbers in PCD and in sensor_msgs/PointField, and how one is read from text.
+/// A type of numbers in PCD and in sensor_msgs/PointField, and the function that reads a number from text.
 struct NumberType {
   char letter;  // F float, I signed, U unsigned
   std::uint32_t size;
@@ -106,7 +106,8 @@ class HeaderReader {
   explicit HeaderReader(const Lines& lines) : lines_(lines) {}
 
   bool has(std::string_view line) const { return lines_.values.contains(line); }
-  /// Empty if there is no such line. Lines that have a value for each field are checked for that.
+  /// Returns the words of a line; empty if there is no such line. `fields`: the number of words that it must
+  /// have.
   Words words(std::string_view line, std::optional<std::size_t> fields = {}) {
     if (!has(line)) return {};
     const Words& words = lines_.values.at(line);

@@ -66,7 +66,8 @@ Box driving_car(double seconds) {
   return car(driving_from - static_cast<float>(way), 2.4F, 140);
 }
 
-/// The distance from the origin to the box along the ray, whose length is 1; 0 if the ray misses the box.
+/// Returns the distance from the origin to the box along the ray, whose length is 1; 0 if the ray misses the
+/// box.
 float distance_to(const Box& box, const Vector& ray) {
   float nearest = 0;
   float farthest = range_max;
@@ -83,7 +84,7 @@ float distance_to(const Box& box, const Vector& ray) {
   return nearest < farthest ? nearest : 0.0F;
 }
 
-/// Measurement noise of a few millimetres, which depends on the pixel and the scan only.
+/// Returns measurement noise of up to 15 mm, which depends on the pixel and the scan only.
 float noise_m(std::uint32_t pixel, std::uint32_t scan) {
   std::uint32_t bits = pixel * 2654435761U + scan * 40503U;
   bits = (bits ^ (bits >> 15)) * 2246822519U;

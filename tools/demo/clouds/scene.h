@@ -48,7 +48,7 @@ class Scene {
 
   Scene();
 
-  /// The scan at that time, row by row. REQUIRES: cloud.size() == bytes.
+  /// Writes the scan at that time into `cloud`, row by row. REQUIRES: cloud.size() == bytes.
   void render(double seconds, std::span<std::uint8_t> cloud) const;
 
  private:

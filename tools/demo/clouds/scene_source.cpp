@@ -34,7 +34,7 @@ PointCloud2 cloud_without_points() {
   return cloud;
 }
 
-/// Encapsulation and body of a cloud with all points.
+/// Returns the bytes of the encapsulation and the body of a cloud with all points.
 std::uint64_t full_bytes(const PointCloud2& prototype) {
   const auto reservations = PointCloud2::LoanView<detail::LoanedPlace<PointCloud2>>::reservations(
       {.data = std::uint32_t{Scene::bytes}});
@@ -43,7 +43,7 @@ std::uint64_t full_bytes(const PointCloud2& prototype) {
          detail::encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
 }
 
-/// Computes each cloud where its readers will read it, in memory that the publisher lends.
+/// Computes each cloud in memory that the publisher lends, where readers on this host read it in place.
 class SceneSource final : public CloudSource {
  public:
   explicit SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()) {}

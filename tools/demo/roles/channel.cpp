@@ -14,7 +14,7 @@ namespace {
 
 constexpr std::size_t message_bytes_max = 64 * 1024;
 
-/// The time that is left until the deadline, as ppoll() takes it; zero if the deadline has passed.
+/// Returns the time that is left until the deadline, as ppoll() takes it; zero if the deadline has passed.
 timespec time_until(Clock::time_point deadline) {
   const auto left = std::max(deadline - Clock::now(), Clock::duration::zero());
   const auto seconds = std::chrono::duration_cast<std::chrono::seconds>(left);

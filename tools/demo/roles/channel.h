@@ -16,7 +16,7 @@ using Clock = std::chrono::steady_clock;
 
 class Channel {
  public:
-  /// Both ends close on exec, but not on fork: see hosts::close_descriptors_except().
+  /// Both ends are closed on exec, but not on fork: see hosts::close_descriptors_except().
   static Result<std::pair<Channel, Channel>> make_pair();
 
   enum class Event { message, timeout, closed };
@@ -25,7 +25,7 @@ class Channel {
     nlohmann::json message;
   };
 
-  /// False if the other side is gone.
+  /// Returns false if the other side is gone.
   bool send(const nlohmann::json& message);
   /// Waits for the next message until the deadline, or without limit if there is no deadline.
   Received receive(std::optional<Clock::time_point> deadline);

@@ -24,7 +24,7 @@ class Use {
   requires std::integral<T> || std::floating_point<T>
   void operator()(T value) { sum_ += static_cast<std::uint64_t>(value); }
   void operator()(std::string_view text) { sum_ += text.size(); }
-  /// A recorded sample may lack a channel that is asked for from now on.
+  /// A recorded sample may lack a channel that was not requested before this call.
   template <class... Ts>
   void operator()(const Result<Cells<std::tuple<Ts...>>>& points) {
     if (!points) return;
@@ -44,7 +44,7 @@ class Use {
   float points_ = 0;
 };
 
-/// The rate of a subscriber that does not name another one.
+/// The default rate of a subscriber.
 struct EveryCloud {
   static constexpr double max_rate_hz = 0;  ///< all clouds
 };

@@ -14,8 +14,8 @@ class LatencyRecord {
  public:
   void add(std::chrono::nanoseconds latency) { latencies_ns_.push_back(latency.count()); }
 
-  /// The smallest latency that a share `q` of all latencies does not exceed (nearest rank), in microseconds;
-  /// empty while nothing is recorded.
+  /// Returns the smallest latency that a share `q` of all latencies does not exceed (nearest rank), in
+  /// microseconds; empty while nothing is recorded.
   std::optional<double> percentile_us(double q) const {
     if (latencies_ns_.empty()) return std::nullopt;
     std::vector<std::int64_t> sorted = latencies_ns_;

@@ -26,7 +26,7 @@ inline constexpr std::string_view topic = "points";
 
 /// The demo sends orders to every role. A closed channel tells the role to end.
 struct Order {
-  /// All are answered with a report. The last two are for the publisher.
+  /// Each order is answered with a report. Only the publisher gets orders to publish or halt.
   enum class Kind { report, publish, halt };
   Kind kind = Kind::report;
   double hz = 0;              ///< for Kind::publish
@@ -44,7 +44,7 @@ struct ReaderReport {
 
 struct PublisherReport {
   std::uint64_t published = 0;
-  std::uint64_t dropped = 0;     ///< samples that some reader was not sent, and counts as lost
+  std::uint64_t dropped = 0;     ///< samples that were not sent to some reader, which counts them as lost
   std::uint64_t full_bytes = 0;  ///< encapsulation and body of all published messages, whole
   bool finished = false;         ///< nothing remains to be published
   std::vector<ReaderReport> readers;
@@ -66,8 +66,8 @@ struct LearningReport {
 struct Reception {
   std::string transport;                  ///< "shm" or "udp"
   std::string reason;                     ///< why this transport is used
-  std::vector<std::string> fields;        ///< those that the subscriber asks for at present
-  std::vector<std::string> other_fields;  ///< all fields that are not named above
+  std::vector<std::string> fields;        ///< the fields that the subscriber asks for at present
+  std::vector<std::string> other_fields;  ///< all fields that are not in `fields`
   std::uint64_t received = 0;
   std::uint64_t lost = 0;
   std::uint64_t incomplete = 0;  ///< lost samples of which a part came

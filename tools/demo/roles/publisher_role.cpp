@@ -18,7 +18,7 @@ class LidarRole {
     return std::unique_ptr<LidarRole>(new LidarRole(std::move(*node), std::move(*publisher), source));
   }
 
-  /// Returns when the channel closes, or with the error of publishing unless that may pass.
+  /// Serves until the channel closes. Returns an error of publishing unless the error may be temporary.
   Result<void> serve(Channel& channel) {
     for (;;) {
       const Channel::Received received = channel.receive(next_);
@@ -80,7 +80,7 @@ class LidarRole {
   std::unique_ptr<RoleNode> node_;
   Publisher<PointCloud2> publisher_;
   CloudSource& source_;
-  std::uint64_t ordered_ = 0;  // the sum of all orders
+  std::uint64_t ordered_ = 0;  // publishing ends with this number of samples
   std::uint64_t published_ = 0;
   std::uint64_t dropped_ = 0;
   std::uint64_t full_bytes_ = 0;

@@ -10,7 +10,9 @@ namespace sft::demo {
 
 namespace {
 
-/// A process that has mounts of its own in a chroot does not find the directory of its program any more.
+/// Returns the path of the sftd beside the program; empty if SFT_DAEMON is set, or if there is none. The
+/// library could not find that sftd: a process with mounts of its own in a chroot has lost the directory of
+/// its program.
 std::string daemon_beside_program() {
   const std::filesystem::path daemon = hosts::program_directory() / "sftd";
   std::error_code error;

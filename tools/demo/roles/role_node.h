@@ -23,7 +23,7 @@ class RoleNode {
   static Result<std::unique_ptr<RoleNode>> open(const NodePlan& plan);
 
   Node& node() { return *node_; }
-  /// All figures are zero where traffic is not measured.
+  /// Returns the traffic; all figures are zero if it is not measured.
   Traffic traffic() { return meter_ == nullptr ? Traffic{} : meter_->read(); }
   std::string last_warning();
 

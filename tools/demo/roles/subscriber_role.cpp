@@ -37,8 +37,8 @@ class Record {
   }
 
  private:
-  /// Learning cost all bytes until the last full sample had come. The next sample, which is not full, shows
-  /// that it was the last one.
+  /// Learning costs all bytes until the last full sample has come. Only the next sample, which is not full,
+  /// shows that it was the last one. So the state after each full sample is kept.
   void watch_learning(bool full) SFT_REQUIRES(mutex_) {
     if (!full) {
       learnt_ = true;
@@ -56,7 +56,8 @@ class Record {
   bool learnt_ SFT_GUARDED_BY(mutex_) = false;
 };
 
-/// "header", "data{x,y,z}". Fields that only say how a part lies in a message are not named.
+/// Returns the names of the requested fields and parts: "header", "data{x,y,z}". Fields that only describe
+/// the layout of a part are left out.
 std::vector<std::string> names_of(const TypeSupport& type, const Selection& asked) {
   FieldMask whole = asked.mask();
   std::vector<std::string> parts;

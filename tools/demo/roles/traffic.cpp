@@ -71,8 +71,8 @@ void TrafficMeter::count_control() {
   }
 }
 
-/// A frame is counted by the interface first, and a moment later it comes to the packet socket. So both are
-/// read again until no frame has come meanwhile; while many come, one more or less does not count.
+/// The interface counts a frame a moment before the packet socket receives it. So both are read again until
+/// no frame has come in between. If frames come all the time, one more or less does not matter.
 Traffic TrafficMeter::read() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};

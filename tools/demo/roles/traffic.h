@@ -3,7 +3,7 @@
 // All bytes are the kernel's own counters of the interface, link layer included. Control traffic comes in
 // rare bursts (a node announces itself every few seconds, to everybody), so that a rate measured before a run
 // of a few seconds says little about the bytes in it: with samples of 82 bytes the error would be as large as
-// the figure. Therefore control traffic is counted as it passes: a packet socket is shown all frames that are
+// the figure. Therefore control traffic is counted as it passes: a packet socket receives all frames that are
 // not data (its filter drops the data), and the meter adds up the lengths.
 #pragma once
 

@@ -16,7 +16,8 @@ namespace sft::demo {
 class Display {
  public:
   void say(const std::string& text);
-  /// Says what the demo waits for. `what` is a sentence without its end. Call this several times in a second.
+  /// Says what the demo waits for. `what` is a sentence without its full stop. Call this several times in a
+  /// second.
   void waiting(std::string_view what, WaitNotice::Clock::time_point now);
   /// Replaces the table that the previous call showed.
   void show(const RunFigures& figures, double elapsed_s);
@@ -29,7 +30,7 @@ class Display {
   void replace(const std::string& lines, std::size_t count);
 
   tool::Terminal terminal_;
-  std::size_t shown_lines_ = 0;  // that the next text on the terminal replaces
+  std::size_t shown_lines_ = 0;  // lines that the next text on the terminal replaces
   double next_progress_s_ = 1;
   WaitNotice notice_;
 };

@@ -36,7 +36,7 @@ nlohmann::ordered_json to_json(const SubscriberFigures& s) {
 
 bool is_part(const std::string& field) { return field.find_first_of("{[") != std::string::npos; }
 
-/// Parts are named, since neither "all" nor "all but" tells of them.
+/// If there are parts, all fields are named, because "all" and "all but" cannot describe parts.
 std::string format_fields(const SubscriberFigures& subscriber) {
   if (subscriber.fields.empty()) return "none";
   if (std::ranges::any_of(subscriber.fields, is_part))

@@ -17,16 +17,17 @@ struct SubscriberFigures : Reception {
   bool recorded = false;
   std::uint64_t withheld = 0;           ///< samples that were not sent, since it asks for a lower rate
   double payload_bytes = 0;             ///< sum over all received samples
-  std::optional<double> wire_bytes;     ///< the same on the wire, with learning; empty: not measured
+  std::optional<double> wire_bytes;     ///< their bytes on the wire, learning included; empty: not measured
   double full_bytes_per_sample = 0;     ///< encapsulation and body of the whole message
-  double payload_bytes_per_sample = 0;  ///< in shared memory 0
+  double payload_bytes_per_sample = 0;  ///< 0 in shared memory
   std::optional<double> wire_bytes_per_sample;  ///< with link-layer headers; empty: not measured
-  std::optional<double> learning_bytes;         ///< on the wire, until the recorded mask had narrowed
+  std::optional<double> learning_bytes;         ///< bytes on the wire until the recorded mask had narrowed
 
   bool in_shared_memory() const { return transport == "shm"; }
-  /// The share of all whole messages that was not sent to it. Payload counts where the wire was not measured.
+  /// Returns the share of the bytes of all whole messages that was not sent to the subscriber. The payload
+  /// counts if the wire was not measured.
   double saved() const;
-  /// The bytes that saved() compares with those of the whole message.
+  /// Returns the bytes that saved() compares with those of the whole message.
   double sent_bytes_per_sample() const { return wire_bytes_per_sample.value_or(payload_bytes_per_sample); }
 };
 
@@ -54,7 +55,7 @@ struct RunFigures {
 
 nlohmann::ordered_json to_json(const RunFigures& figures);
 
-/// "header, width", "all", "all but height, 1 Hz"
+/// Returns "header, width", "all", or "all but height, 1 Hz".
 std::string format_request(const SubscriberFigures& subscriber);
 
 }  // namespace sft::demo

@@ -12,15 +12,15 @@ struct Conditions {
   bool recorded = false;       ///< the subscriber's fields are recorded, not declared
   bool metered = false;        ///< its host is real, and so are its counters
   bool is_over = false;        ///< samples that have not arrived by now are lost
-  std::uint64_t withheld = 0;  ///< by the count of the publisher
+  std::uint64_t withheld = 0;  ///< samples, as the publisher counts them
 };
 
-/// All figures of a subscriber except its name, its host and the size of the whole message. `begin` was
-/// reported before the first sample; `published` counts the samples since then.
+/// Returns all figures of a subscriber except its name, its host and the size of the whole message. `begin`
+/// was reported before the first sample; `published` counts the samples since then.
 SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport& now, std::uint64_t published,
                           const Conditions& conditions);
 
-/// Control traffic that a host sends in a second.
+/// Returns the bytes of control traffic that a host sends in a second.
 double control_bytes_per_s(const Traffic& begin, const Traffic& now);
 
 }  // namespace sft::demo

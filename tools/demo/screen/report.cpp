@@ -52,7 +52,7 @@ std::string row(const SubscriberFigures& s) {
       columns_max);
 }
 
-/// The path of the samples of remote subscribers.
+/// Returns the path of the samples of remote subscribers.
 std::string_view way_of(const RunFigures& run) { return run.real_hosts() ? "the network" : "UDP"; }
 
 std::string format_result(const RunFigures& run) {
@@ -86,7 +86,7 @@ std::string format_comparison(const RunFigures& run) {
   return text;
 }
 
-/// Empty unless fields were recorded.
+/// Returns an empty text unless fields were recorded.
 std::string format_learning(const RunFigures& run) {
   double bytes = 0;
   bool recorded = false;

@@ -15,8 +15,8 @@ class WaitNotice {
   /// The longest silence, if line() is called often enough.
   static constexpr std::chrono::seconds interval{1};
 
-  /// The line that is due ("Waiting for the health ... 3 s"), or nothing. `what` is the sentence without its
-  /// end.
+  /// Returns the line that is due ("Waiting for the health ... 3 s"), or nothing. `what` is the sentence
+  /// without its end.
   std::optional<std::string> line(std::string_view what, Clock::time_point now);
 
  private:

@@ -22,7 +22,7 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds timeout_with_daemons{2'000};
-constexpr milliseconds timeout_with_hosts{8'000};  // in which roles leave each other, and daemons end
+constexpr milliseconds timeout_with_hosts{8'000};  // in which nodes close, and daemons end
 
 /// Moves the calling process into the network and mounts an empty /dev/shm and /tmp that only it and its
 /// children see. Its next child becomes the first process of a new process namespace; when that child ends,
@@ -60,7 +60,8 @@ Result<void> leave_this_host(const HostSettings& settings) {
     if (role == 0) run_role(roles[i], i, channels);
     if (role > 0) running.push_back(role);
   }
-  channels.clear();  // each role has its own now; where one could not be started, the demo sees it closed
+  // Each role has its own channel now. The demo sees the channel of a role that was not started as closed.
+  channels.clear();
 
   sigset_t awaited;
   sigemptyset(&awaited);
@@ -73,15 +74,15 @@ Result<void> leave_this_host(const HostSettings& settings) {
   _exit(0);
 }
 
-/// On this machine: sftd, which a role starts, becomes a child of the process that this runs in.
+/// Runs the roles on this machine. An sftd that a role starts becomes a child of this process.
 [[noreturn]] void run_here(const std::vector<Role>& roles, std::vector<Channel>& channels) {
   prctl(PR_SET_PDEATHSIG, SIGTERM);
   prctl(PR_SET_CHILD_SUBREAPER, 1);
   look_after_roles(roles, channels);
 }
 
-/// In namespaces. Only a child enters the new process namespace, as its first process; this process waits
-/// outside.
+/// Runs the roles in namespaces. Only a child enters the new process namespace, as its first process; this
+/// process waits outside.
 [[noreturn]] void run_isolated(const HostSettings& settings, const std::vector<Role>& roles,
                                std::vector<Channel>& channels) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);

@@ -1,10 +1,10 @@
-// A host of the demo: a process tree that runs one or more roles, each in a process of its own. Where
-// namespaces can be made, it is a machine of its own to whatever runs there; otherwise it is just processes
-// on this machine.
+// A host of the demo: a process tree that runs one or more roles, each in a process of its own. If namespaces
+// can be made, it looks like a machine of its own to all programs on it. Otherwise it is just processes on
+// this machine.
 //
-// The first process of the tree outlives the roles, adopts what they leave behind (the daemon of the shared
-// memory) and ends that, so that nothing that the demo started goes on. If the demo itself is killed, the
-// kernel ends the first process.
+// The first process of the tree outlives the roles, adopts the processes that they leave behind (the daemon
+// of the shared memory) and ends these, so that no process goes on that the demo has started. If the demo
+// itself is killed, the kernel ends the first process.
 #pragma once
 
 #include <functional>
@@ -25,14 +25,14 @@ struct Role {
 
 struct HostSettings {
   const hosts::NetworkNamespace* network = nullptr;  ///< null: the host is this machine
-  unsigned shared_memory_mib = 256;                  ///< of /dev/shm; the daemon takes memory by that
+  unsigned shared_memory_mib = 256;                  ///< of /dev/shm; the daemon's memory depends on it
 };
 
 /// Tries in a child process whether hosts can be made. The error says why not.
 Result<void> try_isolation();
 
-/// Root may make hosts. Any other user becomes root of a user namespace, where the system lets users have
-/// one, for the rest of the calling process. REQUIRES: the process has one thread.
+/// Gets the right to make hosts, which root has. Any other user becomes root of a user namespace, if the
+/// system lets users have one, for the rest of the calling process. REQUIRES: the process has one thread.
 Result<void> become_root();
 
 class Host {
@@ -43,7 +43,7 @@ class Host {
   Host(Host&& other) noexcept
       : first_process_(std::exchange(other.first_process_, -1)), channels_(std::move(other.channels_)) {}
   Host& operator=(Host&&) = delete;
-  /// Ends what still runs.
+  /// Ends all processes of the host that still run.
   ~Host();
 
   Channel& channel(std::size_t role) { return channels_[role]; }

@@ -36,7 +36,8 @@ constexpr std::array host_plans{
     HostPlan{"logger", false, actor<Recorder>}, HostPlan{"nav", false, actor<Localiser>},
     HostPlan{"lidar", true, actor<Detector>},
 };
-// The daemon needs this much; on the publisher's host some samples of 6 MB come on top.
+// The size of /dev/shm on the host of the publisher, where some samples of 6 MB come on top of what the
+// daemon needs.
 constexpr unsigned publishers_shared_memory_mib = 1024;
 constexpr std::size_t publisher_host_number = host_plans.size() - 1;
 

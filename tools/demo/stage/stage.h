@@ -5,7 +5,7 @@
 //   host "logger"    recorder            host "nav"      localiser
 //
 // Where namespaces can be made, each host has namespaces of its own, on an emulated network. Otherwise all
-// roles are processes on this machine, and those that would be remote may use UDP only.
+// roles are processes on this machine, and those that would be remote can use only UDP.
 #pragma once
 
 #include <memory>
@@ -39,7 +39,7 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// True if the hosts are namespaces. If not, why_not() says why.
+  /// Returns true if the hosts are namespaces. If not, why_not() says why.
   bool real_hosts() const { return network_.has_value(); }
   const std::string& why_not() const { return why_not_; }
   unsigned hosts() const { return real_hosts() ? static_cast<unsigned>(hosts_.size()) : 1; }
