@@ -91,8 +91,8 @@ class Sample {
   /// Returns the selection that the sample was made for: the fields and parts that its subscriber had asked
   /// for. After a subscriber has changed its selection, samples of the former one may still come, and return
   /// that one. A sample in shared memory, which has all fields, is always reduced to the latest one. Of
-  /// selections that differ in their conditions only, it is the latest one. Null if the subscriber records or
-  /// the sample is empty. Valid as long as the sample.
+  /// selections that differ in their conditions only, it is the latest one. Null if the subscriber records,
+  /// if it declares only whole fields, or if the sample is empty. Valid as long as the sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
   /// Returns the channels of point clouds that were asked for, declared or recorded, and that the sample's

@@ -76,7 +76,7 @@ class Sample {
   /// together.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
-  /// Null if the subscriber records or the sample is empty.
+  /// Null if the subscriber records or does not show it, or if the sample is empty.
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
   /// Returns the channels that were asked for and that the message, which is of this type, does not have.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
