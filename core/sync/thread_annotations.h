@@ -1,9 +1,9 @@
 // The attributes by which Clang checks at compile time that a lock is held where it has to be
-// (-Wthread-safety), and that nothing is used twice that can be used once (-Wconsumed). Other compilers see
-// nothing of them.
+// (-Wthread-safety), and that objects that can be used only once are not used twice (-Wconsumed). With other
+// compilers these macros are empty.
 //
-// These are macros, although the project has no others: Clang knows most of these attributes only in the GNU
-// spelling, which other compilers refuse, and nothing is configured by them.
+// They are the only macros of the project. They are needed because Clang knows most of these attributes only
+// in the GNU spelling, which other compilers refuse. They do not configure anything.
 #pragma once
 
 #if defined(__clang__)
