@@ -50,7 +50,7 @@ Error TopicName::explained(Error error) const {
 struct Remapping::Rule {
   enum class About : std::uint8_t { topic, node_name, node_namespace };
   std::string text;    ///< the rule as it was written
-  std::string source;  ///< where the rule was written
+  std::string source;  ///< the place where the rule was written, for errors
   std::string node{};  ///< the node that the rule is for; empty: all nodes
   About about = About::topic;
   std::string from{};  ///< the topic name to replace, for rules about topics

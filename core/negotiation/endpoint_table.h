@@ -48,10 +48,10 @@ class EndpointTable {
   /// Removes an entry. Returns false if it was not in the table.
   bool erase(EndpointId id);
 
-  /// Null if there is none of that id.
+  /// Returns the entry; null if there is none with that id.
   TableEntry* find(EndpointId id);
   const TableEntry* find(EndpointId id) const;
-  /// Null if there is none of that id, or if it is not ours.
+  /// Returns the entry; null if there is none with that id, or if it is not ours.
   TableEntry* find_ours(EndpointId id);
   const TableEntry* find_ours(EndpointId id) const;
   std::vector<Endpoint*> ours();
@@ -66,13 +66,13 @@ class EndpointTable {
 
   /// Stores the progress of a writer, as its node reports it.
   void progressed(const Progress& progress);
-  /// Null while no progress was reported. Valid until the next event.
+  /// Returns the progress of a writer; null while none was reported. Valid until the next event.
   const Progress* progress_of(EndpointId id) const;
 
   std::size_t size() const { return entries_.size(); }
   /// Returns all endpoints except the lost ones, including ours. Valid until the next event.
   std::vector<const Endpoint*> present() const;
-  /// Null if there is none of that id. Valid until the next event.
+  /// Returns the endpoint; null if there is none with that id. Valid until the next event.
   const Endpoint* known(EndpointId id) const;
   /// Returns true if some endpoint is lost.
   bool misses_peer() const { return !lost_.empty(); }

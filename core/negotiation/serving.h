@@ -20,7 +20,7 @@ struct Serving {
   /// memory does not take.
   std::vector<Route> fallback;
   std::vector<Route>
-      unreached;  ///< routes that belong into `memory`, but the port cannot notify these readers
+      unreached;  ///< routes that would be in `memory`, but the port cannot notify these readers
   std::vector<PublisherStatus::Reader> readers;  ///< all readers of the topic, with reasons
   bool lease_requested = false;                  ///< at least one reader requests a lease
   bool samples_assert = true;                    ///< each reader that requests a lease gets every sample

@@ -44,7 +44,7 @@ class TableShares {
 
   std::size_t size() const { return entries_.size(); }
   std::size_t of(AnnouncerId announcer) const;
-  /// Null if it is not in the table.
+  /// Returns the announcer of an entry; null if the entry is not in the table.
   const AnnouncerId* announcer_of(EndpointId id) const;
 
  private:

@@ -14,7 +14,7 @@ namespace sft::core {
 struct HostInterface {
   std::string name;
   unsigned index = 0;  ///< differs if the interface was replaced by one of the same name
-  IpAddress ip{};      ///< if it is link-local: with its scope
+  IpAddress ip{};      ///< with its scope if it is link-local
   std::uint8_t prefix_bits = 0;
   bool up = true;
   bool running = true;  ///< the interface has a carrier

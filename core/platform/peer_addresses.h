@@ -27,8 +27,8 @@ namespace sft::core {
 /// The addresses of hosts, by their names. It contains only hosts whose addresses are known.
 using KnownHosts = std::map<std::string, std::vector<IpAddress>>;
 
-/// Returns the name in a peer: "robot.local" of the peer "robot.local:7410". Returns nothing if the peer is a
-/// number.
+/// Returns the host name in a peer: "robot.local" in "robot.local:7410". Returns nothing if the peer is a
+/// numeric address.
 std::optional<std::string> name_in(const std::string& peer);
 /// Returns the numeric addresses of a peer, in the form that Cyclone takes on links of that family. Empty if
 /// none is known.

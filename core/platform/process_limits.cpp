@@ -92,8 +92,8 @@ class SpareThreads {
   int error_ = 0;
 };
 
-/// Checks that the addresses that so many threads need at most can be reserved. The GNU C library gives each
-/// thread that allocates memory an arena of its own, and reserves its addresses at once: mallopt(3),
+/// Checks that the addresses that `threads` threads need at most can be reserved. The GNU C library gives
+/// each thread that allocates memory an arena of its own, and reserves its addresses at once: mallopt(3),
 /// HEAP_MAX_SIZE in its source.
 Result<void> check_addresses(std::size_t threads) {
   constexpr std::size_t arena = std::size_t{64} << 20;
@@ -122,7 +122,7 @@ bool is_far_from_the_limits(std::size_t threads) {
   return threads_left(of_user.rlim_cur).value_or(0) >= threads + that_others_may_start;
 }
 
-/// Checks that so many threads can be started. Threads are only started if a limit is near, because this
+/// Checks that `count` threads can be started. Threads are only started if a limit is near, because this
 /// costs more than a millisecond: threads that have ended keep the processor busy for a while.
 Result<void> check_threads(std::size_t count) {
   if (is_far_from_the_limits(count)) return {};

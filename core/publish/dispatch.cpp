@@ -138,7 +138,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   sample->trust_header();
   if (history_ != nullptr) {
     history_->add(sample);
-    look_at_outlets();  // see LateReaders
+    look_at_outlets();  // they may have changed: late_readers.h says why they are read again
   }
   const Outlets& outlets = *in_force_;
   PublishStatus status = PublishStatus::ok;

@@ -53,7 +53,7 @@ class Dispatch {
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
-    /// The outlets in force. Sending a sample may replace them.
+    /// Returns the outlets in force. Sending a sample may replace them.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:

@@ -27,7 +27,7 @@ struct UdpAddress {
 
 /// One of our own addresses, and the network that it is in.
 struct Link {
-  IpAddress ip;  ///< if it is link-local: with its scope
+  IpAddress ip;  ///< with its scope if it is link-local
   std::uint8_t prefix_bits = 0;
   bool running = true;  ///< its interface has a carrier
   bool wireless = false;

@@ -23,7 +23,7 @@ constexpr std::size_t capacity_of(std::size_t size_class) {
 
 /// Returns the smallest class whose buffers hold `bytes`.
 constexpr std::size_t class_for(std::size_t bytes) {
-  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more
+  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more than `bytes`
   if (shift <= min_shift) return 0;
   const std::size_t below = shift - 1 - min_shift;
   return bytes <= capacity_of(below) ? below : below + 1;
@@ -32,7 +32,7 @@ constexpr std::size_t class_for(std::size_t bytes) {
 /// What stock() prepares: the least size of a buffer, the fraction of the limit (1/8) that such a buffer may
 /// have at most, and the number of buffers of each size. One may be taken while the other one is made.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
-constexpr std::size_t page_bytes = 4096;  // or more
+constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
 
 constexpr std::align_val_t alignment_of(std::size_t capacity) {
   return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};

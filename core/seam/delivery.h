@@ -113,7 +113,7 @@ class DeliveryBook {
   // Any thread.
 
   Delivered of(std::uint64_t reader) const;
-  /// The counts of all readers, including those that are gone.
+  /// Returns the counts of all readers together, including departed ones.
   Delivered total() const;
 
  private:

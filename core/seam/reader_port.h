@@ -2,9 +2,8 @@
 // (writer_port.h):
 //
 //   BorrowingReader  Reads samples in the memory of their writers: whole samples, in the order of each
-//   writer.
-//                    It is woken by a doorbell (core/platform/doorbell.h). Writers cannot reuse the memory of
-//                    samples that it holds.
+//                    writer. It is woken by a doorbell (core/platform/doorbell.h). Writers cannot reuse the
+//                    memory of samples that it holds.
 //   NetworkReader    Receives bytes, and puts samples together: only the fields that were asked for, perhaps
 //                    several variants at one address. It is woken by a listener or in receive().
 //
@@ -134,9 +133,9 @@ class NetworkReader : public ReaderPort {
   /// returns are possible. Returns false at once if this is not possible, because a thread of the transport
   /// receives; then the bell will be rung. Any thread.
   virtual bool receive(const Waiting& waiting) noexcept = 0;
-  /// Called when the reader gets samples by another transport, too. These must not be delayed, so the
-  /// transport's own thread receives from then on. Hence only this transport rings the bell of a thread that
-  /// is in receive().
+  /// Called when the reader gets samples by another transport, too. From then on the transport's own thread
+  /// receives, so that samples of this transport do not lag behind the others. Hence only this transport
+  /// rings the bell of a thread that is in receive().
   virtual void share_reader() = 0;
 
   /// Called when a connected writer has changed its announcement, or when its node begins or ceases to

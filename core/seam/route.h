@@ -58,7 +58,7 @@ struct Source {
   friend bool operator==(const Source&, const Source&) = default;
 };
 
-/// The samples of a writer that are for one reader, where several readers share a destination.
+/// The samples of a writer that are for one reader. (Several readers may share a destination.)
 struct Wanted {
   Selection selection;  ///< closed, without a rate
   std::uint32_t min_period_us = 0;

@@ -28,8 +28,8 @@ class BufferOwner {
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// The owner sets the members when it lends the buffer, except for `elements`, which is then empty, and the
-/// origin. Publishers set the origin; ports of readers set it once they have checked the header.
+/// The owner sets the members when it lends the buffer; `elements` is empty then. The origin is set by
+/// publishers, and by ports of readers once they have checked the header.
 struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;

@@ -25,7 +25,7 @@ struct SampleOrigin {
   /// The maximum rate of the gate that the sample passed at its writer; 0: none.
   std::uint32_t min_period_us = 0;
   std::uint64_t gate = 0;     ///< the id of that gate if it has conditions (gate_id()); 0: it has none
-  std::uint32_t ordinal = 0;  ///< its number among the samples that passed the gate
+  std::uint32_t ordinal = 0;  ///< the sample's number among those that passed the gate
   EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all
   /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.
   std::uint64_t oldest_retained = 0;

@@ -59,7 +59,7 @@ class Transport {
     std::uint64_t malformed = 0;   ///< malformed contents
     std::uint64_t unknown = 0;     ///< datagrams of writers that no reader here is connected to
     std::uint64_t incomplete = 0;  ///< samples of which a part never came
-    std::uint64_t over_limit = 0;  ///< dropped to stay within a limit
+    std::uint64_t over_limit = 0;  ///< samples or datagrams that were dropped to stay within a limit
     /// Answers to datagrams that were never sent, or that were sent to another address; marks of writers that
     /// no reader here is connected to.
     std::uint64_t rejected = 0;

@@ -1,10 +1,9 @@
 // The sending end of a transport, for one writer. There are two kinds, because samples leave a process in two
 // ways that have little in common:
 //
-//   LendingWriter   Samples lie in memory that the transport lends, and readers read that memory. So a sample
-//   can
-//                   only be sent from a loan, and it exists once for all readers. The publisher's history
-//                   keeps the samples that are held back for a late reader.
+//   LendingWriter   Samples lie in memory that the transport lends, and readers read that memory. So a
+//                   sample can only be sent from a loan, and it exists once for all readers. The publisher's
+//                   history keeps the samples that are held back for a late reader.
 //   NetworkWriter   Samples are sent as bytes, from any memory. So each reader can get its own fields, late
 //                   readers get their history separately from all others, and small samples can share
 //                   datagrams.
@@ -146,9 +145,9 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   /// datagrams. One batch at a time. Called by the publisher's thread.
   [[nodiscard]] Batch batch(BatchTimeout timeout) noexcept SFT_ACQUIRE();
 
-  /// Returns true if send() takes samples with postponed copies (SampleBuffer::postponed). The port then
-  /// completes what it passes to other threads. Other parts may never be copied, so that such a sample must
-  /// not be used elsewhere. Always the same answer. Any thread.
+  /// Returns true if send() takes samples with postponed copies (SampleBuffer::postponed). The port completes
+  /// such a sample before it passes it to other threads. Otherwise parts of it may never be copied, so that
+  /// it must not be used elsewhere. Always the same answer. Any thread.
   virtual bool takes_postponed() const noexcept = 0;
 
   // Between these two calls the publisher serves readers on this host by another port: it makes a sample,

@@ -22,8 +22,8 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
   return !is_empty(inlet) && head(inlet)->writer == writer;
 }
 
-/// Puts a sample into an inlet. For a sample in shared memory, its gate table shows which of the gates that
-/// this subscriber has asked for it has passed.
+/// Puts a sample into an inlet. The gate table of a sample in shared memory shows which of this subscriber's
+/// gates the sample has passed.
 void Intake::put(Inlet inlet, SampleHandle sample) {
   head(inlet) = std::move(sample);
   if (inlet == Inlet::network || is_empty(inlet)) return;

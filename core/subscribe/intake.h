@@ -2,14 +2,13 @@
 // which of them it takes at all. Pure: samples, answers and the time are passed in, decisions are returned;
 // it uses no port, clock or lock. Not thread-safe: subscriber_ports.h guards it.
 //
-// - The samples of one writer are delivered in the order of their sequences, whichever path they come by. Of
-// samples
-//   of different writers, the one with the older stamp is delivered first.
+// - The samples of one writer are delivered in the order of their sequences, whichever path they come by.
+//   Of samples of different writers, the one with the older stamp is delivered first.
 // - Shared memory can be slower than UDP. Before a sample that came by UDP, earlier samples of its writer are
 //   delivered, even if they lie in shared memory behind samples of other writers.
 // - UDP can be slower than shared memory. Samples that shared memory cannot take are diverted to UDP. A
-// sample in
-//   shared memory names the last one that its writer has diverted, and waits for it for at most `timeout`.
+//   sample in shared memory names the last one that its writer has diverted, and waits for it for at most
+//   `timeout`.
 // - Each sample is delivered once, even if it comes by both paths.
 // - A sample is dropped if it has expired, or if the maximum rate of the subscriber does not allow it.
 #pragma once
@@ -123,7 +122,7 @@ class Intake {
   const Options options_;
   bool copies_from_memory_ = false;
   bool copies_from_network_ = false;
-  std::array<SampleHandle, 3> heads_;  ///< by Inlet
+  std::array<SampleHandle, 3> heads_;  ///< the sample in each Inlet
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< the inlet of the sample that the latest decision is about
   EndpointId asked_about_ = 0;

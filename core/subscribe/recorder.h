@@ -114,7 +114,7 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   bool finish_learning() noexcept SFT_REQUIRES(mutex_);
   bool is_required(std::size_t leaf) const noexcept;
 
-  // Leaves and channels have numbers, which are called leaves here.
+  // Both leaves and channels are numbered, and both are called leaves here.
   const std::size_t leaf_count_;  ///< the number of leaves without channels
   const SubscriberOptions::Recording settings_;
   ChannelNumbers channels_;

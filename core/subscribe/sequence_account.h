@@ -95,7 +95,7 @@ class SequenceAccount {
   std::uint32_t asked_ = 0;
   std::uint32_t owed_ = 0;
   // The sample that was entered last:
-  std::uint64_t last_ = 0;  ///< 0: none yet
+  std::uint64_t last_ = 0;  ///< its sequence; 0: there was no sample yet
   std::int64_t stamp_ns_ = 0;
   RateBudget budget_;  ///< the budget of the maximum rate under which it came
   std::optional<std::uint32_t> ordinal_;

@@ -63,7 +63,7 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
   bool available() { return waiter_.available(); }
-  /// Returns -1 if the subscriber has none.
+  /// Returns -1 if the subscriber has no file descriptor.
   int file_descriptor() const { return waiter_.descriptor(); }
 
   // For subscribers with a callback or a file descriptor. Called by the thread that sleeps on their doorbell.
@@ -122,7 +122,7 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<Recorder> recorder_;
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   PostedCall<Event> events_;
-  std::deque<Feed> feeds_;  ///< by the number of the selection
+  std::deque<Feed> feeds_;  ///< one feed per selection; the index is the number of the selection
   Waiter waiter_;
   CallbackDispatch callbacks_;
 };

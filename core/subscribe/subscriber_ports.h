@@ -97,7 +97,7 @@ class SubscriberPorts {
   /// Determines for which request the sample is delivered.
   void settle(Next& next) SFT_REQUIRES(mutex_);
   Counts counts() const SFT_REQUIRES(mutex_);
-  /// Called after samples may have been taken. The port may make a system call.
+  /// Wakes writers that wait for room. Called after samples may have been taken. It may make a system call.
   void notify_room() SFT_EXCLUDES(mutex_);
 
   static constexpr std::size_t earlier_max = 64;  ///< the most earlier requests that are kept

@@ -27,7 +27,7 @@ class Waiter {
   /// Returns true if there is a sample.
   bool available() const;
   bool has_descriptor() const { return handle_ != nullptr; }
-  /// -1 if there is none.
+  /// Returns the file descriptor; -1 if there is none.
   int descriptor() const { return handle_ == nullptr ? -1 : handle_->descriptor(); }
 
   /// Returns true once there is a sample, and false at the deadline or after an interrupt.

@@ -1,5 +1,5 @@
-// The account, for one selection of a subscriber, of each writer that it is matched with: the writer's
-// samples, and how the writer keeps its promises. Uses no clock, thread or I/O. Not thread-safe:
+// The accounts of all writers for one selection of a subscriber: which samples came or are missing, and
+// whether the writer keeps its deadline and liveliness. Uses no clock, thread or I/O. Not thread-safe:
 // subscriber_ports.h guards it.
 #pragma once
 

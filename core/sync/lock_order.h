@@ -1,7 +1,7 @@
 // The order in which a thread takes locks if it holds several at a time. Such locks are on levels: a thread
-// that holds a lock may take locks of later levels only. There are three kinds of mutexes on no level: those
-// that a thread only holds alone, those that it takes last, and those of discovery, which a thread never
-// takes while it holds a lock on a level.
+// that holds a lock may take locks of later levels only. Three kinds of mutexes are on no level: those that a
+// thread holds while it holds no other, those that it takes last, and those of discovery, which a thread
+// never takes while it holds a lock on a level.
 //
 // Each mutex on a level names the levels between which it lies. Clang (-Wthread-safety-beta) refuses a
 // function that takes two locks in the wrong order, and declarations that form a cycle. Clang checks one

@@ -86,7 +86,7 @@ struct DomainSnapshot::Progress {
 /// Larger than usual: it is a record, whose members have names of their own for users.
 struct DomainSnapshot::Endpoint {
   std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
-  std::uint64_t node_id = 0;             ///< different for each node, also if names are equal
+  std::uint64_t node_id = 0;             ///< different for each node, even if names are equal
   std::string node;                      ///< the name of its node
   bool is_own = false;                   ///< true: it belongs to the node that was asked
   std::string topic;                     ///< without a slash at the beginning
@@ -99,7 +99,7 @@ struct DomainSnapshot::Endpoint {
   bool may_use_udp = false;              ///< its options allow UDP
   bool shm_ready = false;                ///< its node has shared memory that it may use
   bool same_machine = false;             ///< it runs on the host of the node that was asked
-  std::vector<std::string> addresses{};  ///< where it sends and receives samples by UDP: "10.0.0.5:40123"
+  std::vector<std::string> addresses{};  ///< the addresses of its samples by UDP: "10.0.0.5:40123"
 
   // Publishers only.
   std::uint64_t max_sample_bytes = 0;  ///< the size of the largest body
@@ -129,8 +129,8 @@ struct DomainSnapshot::Sent {
 /// The counts of the subscriber's node for one publisher, with the meanings of SubscriberStatus::Writer.
 struct DomainSnapshot::Received {
   std::chrono::nanoseconds age{};  ///< as in Sent
-  std::uint64_t received = 0;      ///< samples taken or given to the callback
-  std::uint64_t lost = 0;          ///< samples that should have come
+  std::uint64_t received = 0;      ///< samples that were taken or passed to the callback
+  std::uint64_t lost = 0;          ///< samples that should have come, and did not
 };
 
 /// The counts that the two nodes of a pair have reported. A side is empty if the program does not ask, or if

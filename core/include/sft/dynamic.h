@@ -44,7 +44,7 @@ class DynamicSample {
   DynamicSample(DynamicType type, detail::untyped::Sample&& sample)
       : type_(std::move(type)), sample_(std::move(sample)) {}
 
-  /// False if there is no sample.
+  /// Returns false if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
   /// Returns a view that reads fields by their names. The view, and everything that is read through it, is

@@ -20,9 +20,9 @@ struct Event {
     incompatible_type,  ///< the topic has the same name but another type; the two will never match
     no_path,            ///< type and QoS fit, but no path is allowed to both; `text` says why there is none
     deadline_missed,  ///< on a publisher: its own deadline (`peer` is 0); on a subscriber: the requested one
-    liveliness_lost,  ///< on a publisher: its own (`peer` is 0); on a subscriber: that of a publisher
+    liveliness_lost,  ///< on a publisher: its own liveliness (`peer` is 0); on a subscriber: a publisher's
     liveliness_recovered,  ///< as for `liveliness_lost`: the publisher is alive again
-    samples_lost,          ///< only on subscribers
+    samples_lost,          ///< only on subscribers: `count` samples did not arrive
     samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
     held_too_many,  ///< only on subscribers: the program holds max_held samples, so that take() returns no
                     ///< more; `peer` is 0
@@ -58,7 +58,7 @@ struct Event {
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// The name of the enumerator; lives as long as the program.
+/// Returns the name of the enumerator, which lives as long as the program.
 const char* to_string(Event::Kind kind);
 
 }  // namespace sft

@@ -87,7 +87,7 @@ class Node {
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  /// Never compiles: explains what a callback takes if it takes something else.
+  /// An overload for other callbacks that never compiles; the compiler's message says what a callback takes.
   template <class T, Req<T> R = Req<T>(all<T>), class F>
   requires(!detail::SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
       Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
@@ -104,14 +104,14 @@ class Node {
   /// returned. The error says what was seen instead. If a callback calls this, the other callbacks of the
   /// node wait.
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
-  /// All topics that are known at present, also those of this node.
+  /// Returns all topics that are known at present, including those of this node.
   ///
   /// By default a node learns only of publishers and subscribers that may match its own. After the first call
   /// of topics(), domain() or ask_accounts() it learns of all. Those that were not known at that call are
   /// known soon after it.
   std::vector<TopicInfo> topics() const;
-  /// All publishers and subscribers that are known at present, also those of this node, and the state of each
-  /// pair (domain.h).
+  /// Returns all publishers and subscribers that are known at present, including those of this node, and the
+  /// state of each pair (domain.h).
   DomainSnapshot domain() const;
   /// While the returned object lives, domain() also contains the counts of both sides of each pair on this
   /// topic (domain.h).

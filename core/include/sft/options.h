@@ -37,12 +37,12 @@ struct UdpSettings {
   /// both.
   std::uint16_t port = 0;
   std::size_t receive_buffer_bytes = 32 * 1024 * 1024;  ///< requested from the kernel, which may grant less
-  std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< for all samples outside of shared memory
-  bool use_io_uring = true;                             ///< false: plain sockets
+  std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< the most for all samples outside of shared memory
+  bool use_io_uring = true;                             ///< false: UDP uses plain sockets
   /// The most bytes per second that the node sends by UDP, with the headers of SFT; 0: no limit. Small
   /// samples go first. Samples that do not fit into a full queue are dropped, the oldest first, and counted.
   std::uint64_t max_bytes_per_s = 0;
-  /// Multicast: readers on several hosts may be sent one copy together.
+  /// Says whether one copy of a sample may be sent to readers on several hosts together.
   Multicast multicast = Multicast::automatic;
 };
 
@@ -94,7 +94,7 @@ struct ThreadSettings {
   /// The numbers of the CPUs on which the threads may run. Empty: the CPUs that the program was started with.
   std::vector<unsigned> cpus{};
   Policy policy = Policy::normal;  ///< real-time policies need a right: see NodeOptions::Threads
-  /// 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
+  /// The priority: 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
   int priority = 0;
   /// The prefix of the threads' names in /proc/PID/task/TID/comm: with "nav-" the thread "sft-udp-recv" is
   /// called "nav-udp-recv". The system keeps 15 characters of a name. Empty: "sft-", and no prefix for
@@ -155,9 +155,9 @@ struct NodeOptions {
   /// Settings by which nodes find each other.
   DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< a limit for all its publishers and subscribers
-  /// Settings of samples over UDP.
+  /// Settings for samples over UDP.
   UdpSettings udp{};
-  /// Settings of samples in shared memory.
+  /// Settings for samples in shared memory.
   ShmSettings shm{};
   /// CPUs, scheduling and names of the threads.
   Threads threads{};
@@ -193,7 +193,7 @@ struct PublisherOptions {
   /// wrong by the difference.
   std::chrono::nanoseconds lifespan{0};
   Liveliness liveliness =
-      Liveliness::automatic;  ///< who says that the publisher is alive: its node or the program
+      Liveliness::automatic;  ///< what asserts that the publisher is alive: its node or the program
   std::chrono::nanoseconds liveliness_lease{0};  ///< the longest time between two signs of life
   /// The longest time, up to 1 s, that publish() waits for reliable subscribers that do not keep up, on this
   /// host and on others, before they lose their oldest sample (DDS: max_blocking_time). In shared memory

@@ -35,7 +35,7 @@ class Loan {
   /// The sequences of T that a loan can reserve.
   using Reservations = decltype(View::reservations({}));
 
-  /// Publisher::loan() makes loans.
+  /// For SFT's own code: Publisher::loan() makes loans.
   Loan(detail::untyped::Loan&& loan, const Reservations& reserved)
       : loan_(std::move(loan)), reserved_(reserved) {}
 
@@ -78,7 +78,7 @@ class Loan {
   /// Publishes the message, and passes the memory to its readers. Only the thread that uses the publisher may
   /// call this.
   PublishStatus publish() && { return std::move(loan_).publish(); }
-  /// Never compiles: explains what to write instead.
+  /// An overload that never compiles; the compiler's message says what to write instead.
   template <int Moved = 0>
   PublishStatus publish() & {
     static_assert(Moved != 0, "a loan is gone once it is published: write std::move(loan).publish()");
@@ -139,7 +139,7 @@ class Loan {
 template <class T>
 class Publisher {
  public:
-  /// Node::publisher() makes publishers.
+  /// For SFT's own code: Node::publisher() opens publishers.
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes the message once and sends it: readers on this host get one sample with all fields, readers on
@@ -184,7 +184,7 @@ class Publisher {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
-  /// After publish() returned PublishStatus::invalid: names the field that is wrong, its size and the limit,
+  /// Returns why publish() returned PublishStatus::invalid: the field that is wrong, its size and the limit,
   /// as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span it is about the last
   /// message that was wrong. The text stays until the next message is refused, and is empty before the first
   /// one. Only the thread that publishes may call this.

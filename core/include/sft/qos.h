@@ -44,8 +44,7 @@ enum class Durability : std::uint8_t {
 /// How a publisher shows that it is alive.
 enum class Liveliness : std::uint8_t {
   /// A publisher is alive as long as its node is. If a subscriber requests a lease, the node sends three
-  /// signs
-  /// of life per lease, each for all its publishers together, in about 155 bytes.
+  /// signs of life per lease, each for all its publishers together, in about 155 bytes.
   automatic,
   /// A publisher is alive as long as the program calls publish() or assert_liveliness() once in each lease.
   manual_by_topic,
@@ -65,7 +64,7 @@ struct Qos {
   Liveliness liveliness = Liveliness::automatic;       ///< a manual_by_topic offer satisfies each request
   std::chrono::nanoseconds liveliness_lease{0};        ///< the longest time between two signs of life
   // These take no part in matching:
-  std::chrono::nanoseconds lifespan{0};  ///< only of publishers
+  std::chrono::nanoseconds lifespan{0};  ///< only for publishers: the age up to which samples are delivered
   /// Publishers: samples kept for late subscribers. Subscribers: samples kept until they are taken.
   std::uint32_t history_depth = 1;
   friend bool operator==(const Qos&, const Qos&) = default;

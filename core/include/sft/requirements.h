@@ -1,7 +1,7 @@
 // The fields that a subscriber asks for and, if they are recorded, those that its program was seen to read:
 //
 //   const sft::Requirements seen = recorded.requirements();                   // after it ran for a while
-//   auto declared = node.subscriber("points", type, seen.text);               // asks for just that, for good
+//   auto declared = node.subscriber("points", type, seen.text);               // always asks for these fields
 #pragma once
 
 #include <cstdint>

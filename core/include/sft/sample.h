@@ -54,7 +54,7 @@ class Sample {
   /// For SFT's own code: take() and callbacks give samples to programs.
   explicit Sample(detail::untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
-  /// False if there is no sample.
+  /// Returns false if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
   /// The value that operator->() returns. The operator does not compile on a temporary sample, because what

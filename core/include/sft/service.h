@@ -37,7 +37,7 @@ namespace sft {
 
 namespace detail {
 
-/// What sft_generate() makes of a .srv file.
+/// A type that sft_generate() makes from a .srv file.
 template <class S>
 concept GeneratedService = requires(typename S::Call call, typename S::Reply reply) {
   { call.request } -> std::same_as<typename S::Request&>;

@@ -51,7 +51,7 @@ enum class PublishStatus : std::uint8_t {
   /// of its threads.
   forked,
 };
-/// A sentence about the status; lives as long as the program.
+/// Returns a sentence about the status, which lives as long as the program.
 const char* to_string(PublishStatus status);
 
 /// The result of publish(span).
@@ -67,7 +67,7 @@ enum class ShrinkStatus : std::uint8_t {
   too_long,      ///< nothing was changed: the length is more than what was reserved
   no_loan,       ///< nothing was changed: the loan was published already, or moved away
 };
-/// A sentence about the status; lives as long as the program.
+/// Returns a sentence about the status, which lives as long as the program.
 const char* to_string(ShrinkStatus status);
 
 /// One publisher.
@@ -95,7 +95,7 @@ struct PublisherStatus {
 
     // Samples since the reader was first served, over all its requests and all its paths. Samples that were
     // queued for it when its route changed count as sent.
-    std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
+    std::uint64_t published = 0;  ///< published while the reader was served: sent + withheld + dropped
     std::uint64_t sent = 0;       ///< put into shared memory, passed to the system, or queued for that
     std::uint64_t withheld = 0;   ///< not sent, because of conditions or max_rate_hz
     std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
@@ -203,7 +203,7 @@ struct NodeStatus {
   /// nodes of the host are then found by the loopback, too.
   std::vector<std::string> discovery_interfaces{};
   std::string udp;  ///< how UDP works here, or why it does not
-  /// False: plain sockets; `udp` says why.
+  /// False: UDP uses plain sockets instead; `udp` says why.
   bool io_uring_in_use = false;
   /// A feature of the system with which UDP takes less processor time.
   struct QuickPath {
@@ -228,7 +228,7 @@ struct NodeStatus {
   std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory with malformed contents
   std::uint64_t shm_over_limit = 0;         ///< loans and samples that were refused to stay within a limit
   std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
-  std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
+  std::uint64_t control_ignored = 0;        ///< endpoints that were refused because the table was full
   /// How often discovery was started anew on an interface because it did not find a node that is there. Nodes
   /// of a process that share discovery have the same count.
   std::uint64_t links_renewed = 0;

@@ -38,7 +38,7 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Subscriber {
  public:
-  /// Node::subscriber() makes subscribers.
+  /// For SFT's own code: Node::subscriber() opens subscribers.
   explicit Subscriber(detail::untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
 
   /// Returns the oldest sample that was not taken yet, or an empty one if there is none.

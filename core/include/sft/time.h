@@ -27,7 +27,7 @@ concept OwnedSeconds = requires(const S& s) {
   { s.sec } -> std::convertible_to<std::int64_t>;
   { s.nanosec } -> std::convertible_to<std::int64_t>;
 };
-/// A view, whose getters return optionals where fields are recorded or selected.
+/// A view. Its getters return optionals if fields are recorded or selected.
 template <class S>
 concept ReadSeconds = requires(const S& s) {
   s.sec();

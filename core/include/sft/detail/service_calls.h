@@ -23,13 +23,13 @@ using ServiceTime = std::chrono::steady_clock::time_point;
 std::string call_topic(std::string_view service);
 std::string reply_topic(std::string_view service);
 
-/// A random number that is not 0.
+/// Returns a random number that is not 0.
 std::uint64_t new_client_id();
 
 /// Returns true while a callback for samples runs on this thread, which may be the receiving thread.
 bool in_sample_callback();
 
-/// A server, as a client sees it.
+/// A server, as far as a client knows it.
 struct SeenServer {
   std::uint64_t id = 0;    ///< the id of its publisher of replies
   std::string node;        ///< the name of its node

@@ -76,7 +76,7 @@ class Sample {
   /// together.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
-  /// Null if the subscriber records or does not show it, or if the sample is empty.
+  /// Returns null if the subscriber records or does not show its selections, or if the sample is empty.
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
   /// Returns the channels that were asked for and that the message, which is of this type, does not have.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
@@ -110,7 +110,7 @@ class Loan {
   }
   ~Loan();
 
-  /// Null (and an empty state) if the loan was published or moved away.
+  /// Returns the body, or null if the loan was published or moved away. state() is empty then.
   std::byte* body() const;
   SampleState state() const;
 
@@ -174,7 +174,7 @@ class Subscriber {
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   int file_descriptor() const;
-  // `which`: the number of one of its selections.
+  // `which` is the number of a selection of the subscriber.
   Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which);
   Result<void> set_selection(const Selection& selection, std::size_t which);
   std::size_t selections() const;
