@@ -2,9 +2,9 @@
 // an announcer enters too many, it loses its own newest entries, and no other announcer loses any:
 //
 // - While the table has room, announcers may enter any number, with one exception: once a topic has
-// `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
+//   `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
 // - When the table is full, an announcer that has `of_announcer` entries gets no more. Other announcers still
-// do: for each new entry, the announcer that has the most entries loses its newest one.
+//   do: for each new entry, the announcer that has the most entries loses its newest one.
 //
 // Uses no clock, thread or I/O.
 #pragma once

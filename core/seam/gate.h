@@ -29,7 +29,7 @@ class Gate {
         id_(gate_id(hash, min_period_us)),
         is_open_(false) {}
 
-  /// Any thread.
+  /// May be called by any thread.
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
   /// Returns the id of a gate with conditions (gate_id()); 0: it has none. Any thread.
   std::uint64_t id() const { return id_; }

@@ -104,7 +104,7 @@ class ReaderPort {
     /// one that was taken of a writer, or after the last one of a writer that was disconnected.
     std::uint64_t lost_unnoticed = 0;
   };
-  /// Any thread.
+  /// May be called by any thread.
   virtual Counters counters() const noexcept = 0;
 };
 
@@ -115,13 +115,13 @@ class BorrowingReader : public ReaderPort {
   /// those of others.
   virtual SampleHandle take_of(EndpointId writer) noexcept = 0;
   /// Returns true if a sample waits, even one that take() does not return because max_held samples are held.
-  /// Any thread.
+  /// May be called by any thread.
   virtual bool some_wait() const noexcept = 0;
   /// Wakes writers that wait for room in the queue, if take() has made room since the last call. To be called
   /// after take(), while no lock is held, since it may make a system call. Any thread.
   virtual void notify_room() noexcept = 0;
   /// Returns how often the next sample could not be taken because max_held samples of its writer were held.
-  /// Any thread.
+  /// May be called by any thread.
   virtual std::uint64_t held_too_many() const noexcept = 0;
 };
 

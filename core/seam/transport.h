@@ -51,7 +51,7 @@ class Transport {
   /// Returns the size of the largest body that it transports. Any thread.
   virtual std::size_t max_sample_bytes() const noexcept = 0;
   /// Returns one sentence about the state: how it works ("io_uring, GRO"), or why it does not and what to do.
-  /// Any thread.
+  /// May be called by any thread.
   virtual std::string description() const = 0;
 
   /// Datagrams or samples that were refused since the transport was opened, by reason. For tools and tests.
@@ -64,7 +64,7 @@ class Transport {
     /// no reader here is connected to.
     std::uint64_t rejected = 0;
   };
-  /// Any thread.
+  /// May be called by any thread.
   virtual Counters counters() const noexcept = 0;
 };
 
@@ -96,9 +96,9 @@ inline std::vector<NodeStatus::QuickPath> no_quick_paths(const std::string& why_
 
 class Network : public Transport {
  public:
-  /// Any thread.
+  /// May be called by any thread.
   virtual Result<std::unique_ptr<NetworkWriter>> open_writer(const WriterSpec& spec) = 0;
-  /// Any thread.
+  /// May be called by any thread.
   virtual Result<std::unique_ptr<NetworkReader>> open_reader(const ReaderSpec& spec) = 0;
 
   /// Returns the time at which poll() must be called again; Time::max() if there is no hurry. Called after

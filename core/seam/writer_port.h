@@ -47,7 +47,7 @@ struct WriterSpec {
   /// The longest time for which send() waits until reliable readers have room, so that none loses an older
   /// sample.
   std::chrono::nanoseconds max_blocking{0};
-  std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
+  std::uint64_t max_bytes_per_s = 0;  ///< limit over a network, for all readers together; 0: no limit
   bool asynchronous = false;          ///< PublisherOptions::asynchronous
   /// A NetworkWriter counts the fate of samples in this book, on the pages of DeliveryBook::Origin::network.
   /// Null: the counts are not needed.

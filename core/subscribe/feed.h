@@ -39,7 +39,7 @@ class Feed {
   struct Common {
     const TypeSupport& type;
     std::string_view topic;
-    std::chrono::nanoseconds timeout{0};  ///< see Intake::Options
+    std::chrono::nanoseconds timeout{0};  ///< the longest wait for diverted samples (Intake::Options)
     std::uint32_t depth = 0;              ///< SubscriberOptions::depth
     std::uint32_t memory_depth = 0;       ///< the part of `depth` that shared memory keeps; 0: all
     bool as_remote = false;               ///< SubscriberOptions::Recording::as_remote

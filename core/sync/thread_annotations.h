@@ -17,7 +17,8 @@
 /// The object behind the pointer is read and written only while this mutex is held.
 #define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
 
-/// A thread that takes both takes this mutex after (or before) the given ones (lock_order.h).
+/// A thread that takes several of these mutexes takes this one after (or before) the given ones
+/// (lock_order.h).
 #define SFT_ACQUIRED_AFTER(...) SFT_THREAD_ATTRIBUTE(acquired_after(__VA_ARGS__))
 #define SFT_ACQUIRED_BEFORE(...) SFT_THREAD_ATTRIBUTE(acquired_before(__VA_ARGS__))
 
