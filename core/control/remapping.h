@@ -44,7 +44,7 @@ class Remapping {
 
   /// Returns all rules as they were written, including those for other nodes.
   const std::vector<std::string>& rules() const { return texts_; }
-  /// Returns the rules for the name or the namespace of this node that were matched.
+  /// Returns the rules about node names and namespaces that match this node.
   const std::vector<std::string>& rules_of_node() const { return rules_of_node_; }
 
  private:

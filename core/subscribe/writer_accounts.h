@@ -46,7 +46,7 @@ class WriterAccounts {
   void ask(std::uint32_t min_period_us);
   /// Sets the conditions that the subscriber asks for, by their hash (Selection::gate_hash()); 0: none.
   void ask_conditions(std::uint64_t hash);
-  /// Called when no sample that passed conditions before these is under way, or waits, any more.
+  /// Called when no sample of requests before `these` is under way, or waits, any more.
   void forget_conditions_before(AskedGates::Number these) { asked_gates_.settle(these); }
   const AskedGates& asked_gates() const { return asked_gates_; }
   /// Returns true if, as far as the numbers show, no sample of its writer is missing before this one.

@@ -40,7 +40,7 @@ struct UdpSettings {
   std::size_t memory_limit_bytes = 256 * 1024 * 1024;   ///< the most for all samples outside of shared memory
   bool use_io_uring = true;                             ///< false: UDP uses plain sockets
   /// The most bytes per second that the node sends by UDP, with the headers of SFT; 0: no limit. Small
-  /// samples go first. Samples that do not fit into a full queue are dropped, the oldest first, and counted.
+  /// samples go first. If a queue is full meanwhile, its oldest samples are dropped, and counted.
   std::uint64_t max_bytes_per_s = 0;
   /// Says whether one copy of a sample may be sent to readers on several hosts together.
   Multicast multicast = Multicast::automatic;
@@ -53,8 +53,8 @@ struct ShmSettings {
   /// found beside the program, in ../libexec/sft from there, where SFT is installed, where it was built if it
   /// is a part of another project, and in PATH.
   std::string daemon_path{};
-  /// The time without any program that uses it after which a daemon that this node has started ends; 0: it
-  /// never ends. A daemon that was running already, that of a service for example, is not affected.
+  /// A daemon that this node has started ends when no program has used it for this time; 0: it never ends. A
+  /// daemon that was running already, that of a service for example, is not affected.
   std::chrono::seconds daemon_idle_exit = std::chrono::minutes(5);
   /// Users whose sftd is accepted, by name ("robot") or number, besides root, this program's own user, and
   /// the owner of the directory /run/sft. Such a user can read all samples in shared memory and end this
@@ -93,7 +93,7 @@ struct ThreadSettings {
 
   /// The numbers of the CPUs on which the threads may run. Empty: the CPUs that the program was started with.
   std::vector<unsigned> cpus{};
-  Policy policy = Policy::normal;  ///< real-time policies need a right: see NodeOptions::Threads
+  Policy policy = Policy::normal;  ///< real-time policies need a permission: see NodeOptions::Threads
   /// The priority: 1 (lowest) to 99 under a real-time policy, and 0 under the normal one.
   int priority = 0;
   /// The prefix of the threads' names in /proc/PID/task/TID/comm: with "nav-" the thread "sft-udp-recv" is
@@ -210,7 +210,7 @@ struct PublisherOptions {
   /// UdpSettings::memory_limit_bytes, on both sides.
   std::size_t max_sample_bytes = 64 * 1024 * 1024;
   /// The most bytes per second that are sent by UDP, over all masks and readers; 0: no limit. Small samples
-  /// go first. Samples that do not fit into a full queue are dropped, the oldest first, and counted.
+  /// go first. If a queue is full meanwhile, its oldest samples are dropped, and counted.
   std::uint64_t max_bytes_per_s = 0;
   /// True: publish() copies a sample of more than 16 KiB for readers on other hosts and returns; a thread of
   /// the node sends it. False: publish() itself sends it to one process at least, and copies nothing, so that
@@ -232,8 +232,8 @@ struct SubscriberOptions {
     /// The number of samples, at least 1, for which the subscriber asks for all fields at first. Then it asks
     /// for the fields that were read.
     std::uint32_t learn_samples = 3;
-    /// The number of samples in a row without a read of a field after which the subscriber no longer asks for
-    /// that field. 0: it asks for the field forever.
+    /// A field that was not read in this number of consecutive samples is no longer asked for. 0: a field
+    /// that was asked for once is always asked for.
     std::uint32_t narrow_after_samples = 100;
     /// True: samples from shared memory have only the fields that were asked for when they were taken, as
     /// they would on another host. So a program can be tried on one host before it runs on two. Whole
