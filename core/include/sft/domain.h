@@ -99,7 +99,7 @@ struct DomainSnapshot::Endpoint {
   bool may_use_udp = false;              ///< its options allow UDP
   bool shm_ready = false;                ///< its node has shared memory that it may use
   bool same_machine = false;             ///< it runs on the host of the node that was asked
-  std::vector<std::string> addresses{};  ///< the addresses of its samples by UDP: "10.0.0.5:40123"
+  std::vector<std::string> addresses{};  ///< its addresses for samples over UDP: "10.0.0.5:40123"
 
   // Publishers only.
   std::uint64_t max_sample_bytes = 0;  ///< the size of the largest body

@@ -118,8 +118,8 @@ class Node {
   Result<AccountInquiry> ask_accounts(std::string_view topic) const;
   /// Opens a subscriber of a topic of any type. `fields` is a text: "header.stamp, fields[].name", or "*" for
   /// all. It may name parts of fields, as TypeSupport::parse_selection() takes them: "data{x,y,z}[::4]".
-  /// Publishers on other hosts send just the part; in shared memory the sample is always whole. Without a
-  /// callback the program takes the samples.
+  /// Publishers on other hosts send just the part; in shared memory the part is read in the whole sample.
+  /// Without a callback the program takes the samples.
   [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                                      std::string_view fields,
                                                      const SubscriberOptions& options = {},
