@@ -1,4 +1,5 @@
-// The one place where the parts are put together, and where the environment is read.
+// The composition root: the only place where the parts of a node are connected, and where the environment is
+// read.
 #include <cstdlib>
 
 #include "core/control/remapping.h"
@@ -18,7 +19,7 @@ namespace sft {
 
 namespace {
 
-/// Of a node on one network interface and the loopback, with its first publishers and subscribers.
+/// The needs of a node on one network interface and the loopback, with its first publishers and subscribers.
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
@@ -31,7 +32,7 @@ NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, cons
   return result;
 }
 
-/// `options` with its defaults resolved.
+/// Opens UDP. The defaults in `options` have been resolved.
 Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
                                                 std::shared_ptr<core::BufferPool> heap) {
   Result<std::vector<std::string>> interfaces =
@@ -53,7 +54,8 @@ Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
 Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options) {
   shm::ShmOptions shm;
   shm.daemon_path = options.shm.daemon_path;
-  // Not in a program that has more rights than who started it: its environment is that one's.
+  // secure_getenv() ignores the environment in a program with more rights than the user who started it, since
+  // that user controls the environment.
   const char* daemon = secure_getenv("SFT_DAEMON");
   if (shm.daemon_path.empty() && daemon != nullptr && *daemon != '\0') {
     shm.daemon_path = daemon;
@@ -75,7 +77,7 @@ Result<std::shared_ptr<core::SimulatedClock>> open_clock(Node& node) {
       .map([](DynamicSubscriber&& samples) { return std::make_shared<SimulatedClock>(std::move(samples)); });
 }
 
-/// Adds what SubscriberOptions::further_selections ask for. `selection_of` reads one of these texts.
+/// Adds the selections of SubscriberOptions::further_selections. `selection_of` parses one of these texts.
 template <class SelectionOf>
 Result<void> add_further(detail::untyped::Requirement& requirement, const SubscriberOptions& options,
                          SelectionOf selection_of) {

@@ -1,5 +1,5 @@
-// This file has the values that the control topics carry, as the core uses them: they are checked, and free
-// of Cyclone's types.
+// The values that the control topics transport, in the form in which the core uses them: checked, and without
+// types of Cyclone DDS.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
 
-/// No request has a greater sequence: there is always one that is behind.
+/// The greatest sequence of a request. So there is always room for the sequence of a later one.
 inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
 
 using NodeId = std::uint64_t;  ///< random per incarnation, never 0
@@ -42,22 +42,23 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
-  std::uint32_t min_period_us = 0;  ///< one sample for each such period, no more; 0: all
-  /// Selection::to_bytes() of what is wanted but for the maximum rate, if that has parts of fields or
-  /// conditions; empty: whole fields of all samples. The type is not known where this is received, so the
-  /// bytes are decoded where samples are to be served.
+  std::uint32_t min_period_us = 0;  ///< at most one sample per period; 0: all samples
+  /// Selection::to_bytes() of the selection without its maximum rate, if it has parts of fields or
+  /// conditions; empty: whole fields of all samples. The receiving process may not know the type, so the
+  /// bytes are decoded only when the reader is served.
   std::vector<std::byte> parts{};
-  std::vector<EndpointId> listening;  ///< writers of which the reader takes datagrams
-  std::vector<EndpointId> attached;   ///< writers that the reader hears through shared memory
-  std::vector<EndpointId> begun;      ///< durable writers of which samples for this reader alone have come
+  std::vector<EndpointId> listening;  ///< writers whose datagrams the reader takes
+  std::vector<EndpointId> attached;   ///< writers to whose shared memory the reader is attached
+  /// Durable writers from which the reader has received samples that were sent to it alone.
+  std::vector<EndpointId> begun;
   friend bool operator==(const Request&, const Request&) = default;
 };
 
 /// The progress of one writer.
 struct Progress {
   EndpointId writer = 0;
-  std::uint64_t samples = 0;  ///< that it has sent to its readers so far
-  std::uint64_t bytes = 0;    ///< of their bodies, over the network, for each reader
+  std::uint64_t samples = 0;  ///< samples that it has sent to its readers so far
+  std::uint64_t bytes = 0;    ///< bytes of their bodies over the network, counted for each reader
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 
@@ -68,10 +69,10 @@ struct PairId {
   friend auto operator<=>(const PairId&, const PairId&) = default;
 };
 
-/// Each side of a pair has an account of it.
+/// Identifies an account. Each side of a pair has an account of it.
 struct AccountId {
   PairId pair{};
-  Role said_by{};  ///< whose node counts
+  Role said_by{};  ///< the side whose node counts
   friend auto operator<=>(const AccountId&, const AccountId&) = default;
 };
 
@@ -97,16 +98,17 @@ struct Account {
   friend bool operator==(const Account&, const Account&) = default;
 };
 
-/// A node wants to be told more than records say.
+/// A request of a node for information that records do not contain.
 struct Inquiry {
-  std::string topic{};          ///< of that topic; empty: of all topics
-  bool wants_accounts = false;  ///< of pairs; else how far publishers are, and which of them live
+  std::string topic{};  ///< the topic; empty: all topics
+  bool wants_accounts =
+      false;  ///< true: the accounts of pairs; false: the progress of writers, and which live
   friend auto operator<=>(const Inquiry&, const Inquiry&) = default;
 };
 
 /// A report of a node about its own endpoints, for the nodes that inquire.
 struct NodeReport {
-  std::vector<EndpointId> living{};  ///< writers that live, although nothing else tells so
+  std::vector<EndpointId> living{};  ///< writers that are alive, which their samples alone do not show
   std::vector<Progress> progress{};
   std::vector<Account> accounts{};
 
@@ -122,12 +124,12 @@ struct Endpoint {
   NodeId node_id = 0;
   std::string node;
   std::string topic;
-  std::string given_topic;  ///< as its program names it; empty if that is `topic`
+  std::string given_topic;  ///< the topic name that its program uses; empty if that is `topic`
   std::string type_name;
   std::uint64_t type_hash = 0;
   std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
   HostToken host;
-  std::string memory_failure;  ///< why its node has no shared memory; empty: it has, or may come to have it
+  std::string memory_failure;  ///< why its node has no shared memory; empty: it has it, or may get it
   std::uint64_t network = 0;
   bool may_use_memory = false;
   bool may_use_network = false;
@@ -137,11 +139,11 @@ struct Endpoint {
   bool waits = false;
   Qos qos;
   Request request;
-  AnnouncerId announcer = 0;  ///< the participant that wrote the report; does not travel
+  AnnouncerId announcer = 0;  ///< the participant that wrote the record; not transmitted
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 
-/// The version of the control topics. Control samples of another version are refused.
+/// Returns the version of the control topics. Control samples of another version are refused.
 std::uint32_t control_protocol_version();
 
 }  // namespace sft::core

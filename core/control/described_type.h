@@ -1,4 +1,4 @@
-// Type descriptions as they travel with endpoints: what we announce, and what others did.
+// The type descriptions that are announced with endpoints: encoding of our own, decoding of those of others.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +10,13 @@
 
 namespace sft::core {
 
-/// An error, which names the limit, for a type that is beyond what a description may be (DynamicType::Limits,
-/// type_description_bytes_max). It is announced without one, and works all the same between programs that
-/// were compiled with it.
+/// Returns the description of a type. Returns an error, which names the limit, if the type is too large for
+/// one (DynamicType::Limits, type_description_bytes_max). It is then announced without a description, and
+/// still works between programs that were compiled with it.
 Result<std::vector<std::byte>> announced_description(const StructType& type);
 
-/// The type that an endpoint describes. An error if it describes none, or one of another name or hash than it
-/// announces.
+/// Returns the type that an endpoint describes. Returns an error if it describes none, or if the name or hash
+/// of that type is not the announced one.
 Result<DynamicType> described_type(const Endpoint& endpoint);
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// Names of nodes, topics and types: what they may be. Whatever reaches a log or a terminal in a name has
-// passed these, or in_quotes().
+// Checks names of nodes, topics and types. A name is written to a log or a terminal only if it has passed
+// these checks or in_quotes().
 #pragma once
 
 #include <string_view>
@@ -12,10 +12,12 @@ namespace sft::core {
 /// UTF-8, or contains control characters. Returns an empty text if it can be one. A node may have the empty
 /// name.
 std::string_view fault_of_name(std::string_view name);
-/// The same of a topic, which has no empty parts between slashes, no blank at either end and no '~' either.
+/// The same for a topic, which also must not have empty parts between slashes, a blank at either end, or a
+/// '~'.
 std::string_view fault_of_topic(std::string_view topic);
 
-/// A topic as it is compared, announced and shown: "/points" and "points" are one. Refers to `topic`.
+/// Returns a topic as it is compared, announced and shown, since "/points" and "points" are the same. The
+/// result refers to `topic`.
 std::string_view without_slash(std::string_view topic);
 
 }  // namespace sft::core

@@ -13,14 +13,14 @@ using std::chrono::nanoseconds;
 constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
 constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
-constexpr std::chrono::milliseconds shortest_watched{1};  // the agent looks no more often
+constexpr std::chrono::milliseconds shortest_watched{1};  // the agent does not check more often
 
 Result<void> check_duration(const char* name, nanoseconds duration) {
   if (duration.count() >= 0) return {};
   return fail(Errc::invalid_argument, std::string(name) + " is negative; 0 is none");
 }
 
-/// Checks a period after which something has to be looked at again.
+/// Checks a deadline or lease, which the agent has to check in each such period.
 Result<void> check_period(const char* name, nanoseconds period) {
   if (auto ok = check_duration(name, period); !ok) return ok;
   if (period.count() == 0 || period >= shortest_watched) return {};
@@ -28,7 +28,7 @@ Result<void> check_period(const char* name, nanoseconds period) {
                                           text_of(shortest_watched) + ", or 0 for none");
 }
 
-/// The agent waits for a publish() that is under way.
+/// Checks max_blocking. It is limited because the agent may have to wait for a publish() that is under way.
 Result<void> check_max_blocking(nanoseconds longest) {
   if (auto ok = check_duration("max_blocking", longest); !ok) return ok;
   if (longest <= std::chrono::seconds(1)) return {};
@@ -41,7 +41,7 @@ Result<void> check_liveliness(Liveliness kind, nanoseconds lease) {
   return fail(Errc::invalid_argument, "liveliness manual_by_topic needs a liveliness_lease");
 }
 
-/// None is longer than any.
+/// Returns true if `offered` is at most `requested`. 0 means none, which is longer than any duration.
 bool at_most(nanoseconds offered, nanoseconds requested) {
   if (requested.count() == 0) return true;
   return offered.count() != 0 && offered <= requested;

@@ -32,7 +32,8 @@ class BodyWriter {
     const auto* const first = reinterpret_cast<const std::byte*>(text.data());
     bytes_.insert(bytes_.end(), first, first + size);
   }
-  /// `item(value)` writes one. Of a list that is too long the first ones are written.
+  /// Writes a list; `item(value)` writes one value. Of a list that is too long, only the first `most` are
+  /// written.
   template <class Value, class Item>
   void list(const std::vector<Value>& values, std::size_t most, Item item) {
     const auto size = static_cast<std::uint32_t>(std::min(values.size(), most));
@@ -46,7 +47,8 @@ class BodyWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what BodyWriter has written. From the first member on that does not fit, all are as they were.
+/// Reads what BodyWriter has written. The first member that does not fit and all members after it keep their
+/// values.
 class BodyReader {
  public:
   explicit BodyReader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -82,11 +84,11 @@ class BodyReader {
     for (std::size_t i = 0; i < size && is_sound_; ++i) item(values.emplace_back());
   }
 
-  /// True if all members were there, and nothing else.
+  /// Returns true if there were exactly the bytes of all members.
   bool is_complete() const { return is_sound_ && rest_.empty(); }
 
  private:
-  /// Empty if there are not that many octets.
+  /// Returns the next `size` octets; empty if there are not that many.
   std::span<const std::byte> take(std::size_t size) {
     is_sound_ &= size <= rest_.size();
     if (!is_sound_) return {};
@@ -99,7 +101,7 @@ class BodyReader {
   bool is_sound_ = true;
 };
 
-// Each function names the members of one type in their order, for writing as well as for reading.
+// Each of these functions lists the members of one type in their order, both for writing and for reading.
 
 template <class Body, class AnyAddress>
 void each_member_of_address(Body& body, AnyAddress& address) {
@@ -166,7 +168,7 @@ void each_member(Body& body,
   body.flag(inquiry.wants_accounts);
 }
 
-/// An account travels with the counts of the side that reports it, and without those of the other side.
+/// An account is transmitted only with the counts of the side that reports it.
 template <class Body, class AnyAccount>
 void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.pair.writer);
@@ -212,7 +214,7 @@ Result<What> read(std::span<const std::byte> bytes, const char* what) {
                                    " bytes that are cut, too many, or out of bounds");
 }
 
-/// The reason why the endpoint is none; empty if it is one.
+/// Returns why the endpoint is invalid; empty if it is valid.
 std::string fault_of(const Endpoint& endpoint) {
   const bool has_known_qos = endpoint.qos.reliability <= Reliability::reliable &&
                              endpoint.qos.durability <= Durability::transient_local &&
@@ -262,7 +264,8 @@ Result<Endpoint> endpoint_in(std::span<const std::byte> bytes) {
   if (const std::string fault = fault_of(*endpoint); !fault.empty())
     return fail(Errc::malformed, "an endpoint " + fault);
   endpoint->topic = without_slash(std::string(endpoint->topic));
-  // People read it. A text that was cut within a letter, or is none, is no reason to refuse the endpoint.
+  // This text is only for people. If it is invalid, for example because it was cut within a character, the
+  // endpoint is accepted without it.
   if (!fault_of_name(endpoint->memory_failure).empty()) endpoint->memory_failure.clear();
   std::erase_if(endpoint->addresses, [](const UdpAddress& one) { return !is_of_use(one); });
   endpoint->request.reader = endpoint->id;

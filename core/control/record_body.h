@@ -1,5 +1,5 @@
-// The bytes of records: an endpoint, what a subscriber asks for, or an inquiry; and those of reports. What
-// comes from outside is checked here: lengths, roles, names. Pure.
+// Encodes and decodes records (of an endpoint, a request or an inquiry) and reports. Bytes from other
+// processes are checked here: lengths, roles, names. Uses no clock, thread or I/O.
 //
 // Numbers are written with the lowest octet first. A text is one octet with its length, and its octets; a
 // list is four octets with its length, and its items. The members are in the order of record_body.cpp.
@@ -16,12 +16,12 @@
 
 namespace sft::core {
 
-/// No record has more bytes.
+/// The largest sizes of a record and of a report.
 inline constexpr std::size_t record_bytes_max = 131'072;
 inline constexpr std::size_t report_bytes_max = 16'384;
 
-/// What is longer than the bounds in control.h is cut, or left out if it makes no sense then. The request of
-/// a subscriber is a record of its own. What does not travel is left out: the announcer.
+/// Texts and lists that exceed the bounds in control.h are cut, or left out if they would be meaningless. The
+/// request of a subscriber is a record of its own. The announcer of an endpoint is not encoded.
 std::vector<std::byte> to_bytes(const Endpoint& endpoint);
 std::vector<std::byte> to_bytes(const Request& request);
 std::vector<std::byte> to_bytes(const Inquiry& inquiry);

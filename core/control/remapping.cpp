@@ -14,7 +14,7 @@ constexpr std::string_view blanks = " \t\r\n";
 constexpr std::string_view forms =
     "; a rule is FROM:=TO, NODE:FROM:=TO, __node:=NAME or __ns:=/NAMESPACE, as 'ros2 run ... -r' takes it";
 
-/// The same for names that may be private as fault_of_topic() for others.
+/// Does what fault_of_topic() does, but allows private names.
 std::string_view fault_of_given(std::string_view name) {
   if (name == "~") return {};
   return fault_of_topic(name.starts_with("~/") ? name.substr(1) : name);
@@ -28,7 +28,7 @@ std::string_view fault_of_namespace(std::string_view name) {
   return name.empty() || name == "/" ? std::string_view() : fault_of_topic(name);
 }
 
-/// Returns what stands behind the name of a service in one of its topics; nothing of another topic.
+/// Returns the suffix that a topic of a service has behind the service's name; empty for other topics.
 std::string_view end_of_service(std::string_view topic, std::string_view type) {
   if (type.find("::srv::") == type.npos) return {};
   if (type.ends_with("_Call") && topic.ends_with("/call")) return "/call";
@@ -49,11 +49,11 @@ Error TopicName::explained(Error error) const {
 
 struct Remapping::Rule {
   enum class About : std::uint8_t { topic, node_name, node_namespace };
-  std::string text;    ///< as it was written
-  std::string source;  ///< where it was written
-  std::string node{};  ///< empty: for all nodes
+  std::string text;    ///< the rule as it was written
+  std::string source;  ///< the place where the rule was written, for errors
+  std::string node{};  ///< the node that the rule is for; empty: all nodes
   About about = About::topic;
-  std::string from{};  ///< of a topic
+  std::string from{};  ///< the topic name to replace, for rules about topics
   std::string to{};
 
   tl::unexpected<Error> refused(const std::string& why) const {
@@ -134,12 +134,13 @@ Result<Remapping> Remapping::of(const NodeOptions& options, const char* environm
   return made;
 }
 
-/// `cam` is any node with that name; with a slash in it, or in front of it, it is one full name.
+/// Returns true if the rule is for this node. `cam` means any node with that name; a name that contains a
+/// slash is a full name.
 bool Remapping::is_for_node(const Rule& rule) const {
   return rule.node.empty() || rule.node == name_ || without_slash(rule.node) == node();
 }
 
-/// These rules look for the names that the program gave.
+/// Applies the rules for the node's name and namespace.
 void Remapping::name_node(const std::vector<Rule>& rules) {
   const Rule* name = nullptr;
   const Rule* space = nullptr;
@@ -165,7 +166,7 @@ Result<void> Remapping::add_topic_rule(const Rule& rule) {
 
 std::string Remapping::node() const { return name_.empty() ? name_ : joined(namespace_, name_); }
 
-/// The name in full, without a slash in front. `given` is sound.
+/// Returns the full name, without a slash in front. `given` is valid.
 Result<std::string> Remapping::full(std::string_view given) const {
   const std::string whole = given.starts_with('~')   ? node() + std::string(given.substr(1))
                             : given.starts_with('/') ? std::string(given.substr(1))

@@ -1,5 +1,5 @@
-// The names of a node and of its topics, as ROS 2 makes them: the namespace, relative and private names, and
-// remapping rules. Pure.
+// Resolves the names of a node and of its topics as ROS 2 does: with the namespace, relative and private
+// names, and remapping rules. Uses no clock, thread or I/O.
 //
 //   node 'cam' in the namespace 'left'       rules: '~/image:=raw'  '/left/cam:info:=a'
 //   the program says   '~/image'             'info'          'points'        '/clock'
@@ -16,13 +16,14 @@
 
 namespace sft::core {
 
-/// A topic as the program of a node names it, and as others see it.
+/// A topic as the program of a node names it, and as other nodes see it.
 struct TopicName {
-  std::string topic;    ///< without a slash in front
-  std::string given{};  ///< empty if the program says `topic`, with or without a slash in front
-  /// All rules that fit the name, as they were written. The first one was applied.
+  std::string topic;  ///< the resolved name, without a slash in front
+  std::string
+      given{};  ///< the name that the program uses; empty if that is `topic`, apart from a slash in front
+  /// All rules that match the name, as they were written. The first one was applied.
   std::vector<std::string> rules{};
-  /// Returns the error with the name that the program knows.
+  /// Returns the error with the name that the program uses.
   Error explained(Error error) const;
 };
 
@@ -30,19 +31,20 @@ class Remapping {
  public:
   /// No namespace, no rules, and a node without a name.
   Remapping() = default;
-  /// `environment`: SFT_REMAP, which may be null. Its rules stand before those of the options. The error
-  /// names what is wrong with a rule or the namespace; the name of the node is not checked.
+  /// `environment` is the value of SFT_REMAP, or null. Its rules come before those of the options. The error
+  /// says what is wrong with a rule or the namespace; the name of the node is not checked.
   static Result<Remapping> of(const NodeOptions& options, const char* environment);
 
-  /// The name of the node in its namespace: "left/cam". Empty if the node has no name.
+  /// Returns the full name of the node: "left/cam". Empty if the node has no name.
   std::string node() const;
-  /// The name of a topic that the program names. Errc::invalid_argument if that is none. A rule for the name
-  /// of a service is for both of its topics, which their types tell (sft/service.h). `type` may be empty.
+  /// Resolves a topic that the program names. Returns Errc::invalid_argument if the name is invalid. A rule
+  /// for the name of a service applies to both of its topics, which are recognized by their types
+  /// (sft/service.h). `type` may be empty.
   Result<TopicName> topic(std::string_view given, std::string_view type = {}) const;
 
-  /// All rules as they were written, also those for other nodes.
+  /// Returns all rules as they were written, including those for other nodes.
   const std::vector<std::string>& rules() const { return texts_; }
-  /// Those that fit the name or the namespace of this node.
+  /// Returns the rules about node names and namespaces that match this node.
   const std::vector<std::string>& rules_of_node() const { return rules_of_node_; }
 
  private:

@@ -16,7 +16,7 @@ void AcceptedRequests::asks_for(Wanted wanted, Time now) {
 }
 
 /// A best-effort reader must not accept an older request for long: another reader in this process may ask for
-/// just that, and its samples would be taken for ours.
+/// the same, and this reader would take the other one's samples.
 bool AcceptedRequests::look(Time now) {
   if (!reliable_) {
     return std::erase_if(requests_, [&](const Request& r) {

@@ -1,6 +1,6 @@
-// Keeps the requests of a reader under which samples may still come. A reliable reader gets samples however
-// late: not the time tells when a request is over, but the order of the samples (Accepted::request). Pure:
-// calls and times go in, answers come out.
+// Keeps the requests of a reader for which samples may still come. A reliable reader gets samples however
+// late they come. So for such a reader the order of the samples decides when a request is over
+// (Accepted::request), and not the time. Pure: calls and times are passed in, decisions are returned.
 #pragma once
 
 #include <chrono>
@@ -15,22 +15,22 @@ namespace sft::core {
 
 class AcceptedRequests {
  public:
-  /// For so long datagrams may be in flight, and writers may not know what a reader asks for.
+  /// The longest time for which datagrams may be in flight. After it all writers know a new request.
   static constexpr std::chrono::seconds in_flight_max{2};
-  /// If there are more requests, the oldest are forgotten.
+  /// The most requests that are kept. If there are more, the oldest ones are dropped.
   static constexpr std::size_t best_effort_max = 16, reliable_max = 64;
 
   AcceptedRequests() = default;
   AcceptedRequests(Wanted first, bool reliable);
 
-  /// The reader asks for that from now on. An earlier request is forgotten once nothing that was sent under
-  /// it can be under way any more.
+  /// Called when the reader asks for something else. An earlier request is dropped once no sample that was
+  /// sent for it can be under way any more.
   void asks_for(Wanted wanted, Time now);
-  /// True if all() has changed with time.
+  /// Drops requests, or sets Accepted::heard, if their time has come. Returns true if all() has changed.
   bool look(Time now);
 
   const Wanted& latest() const { return requests_.back().accepted.wanted; }
-  /// All requests; the latest is the last.
+  /// Returns all requests; the latest is the last.
   std::vector<Accepted> all() const;
 
  private:

@@ -1,4 +1,4 @@
-// Chooses the address of a reader that a publisher sends to, where the reader's host has several.
+// Chooses the address to which a publisher sends, if the reader's host has several.
 #pragma once
 
 #include <cstdint>
@@ -8,12 +8,13 @@
 
 namespace sft::core {
 
-/// Returns the first of the best addresses. The best ones are in a network that this host is in, too, by an
-/// interface of its own with a carrier; a wire at both ends is better than radio. Next come addresses that
-/// routes may lead to, of a family that this host has. Then come link-local addresses, since these look near
-/// everywhere; an interface of this host completes them. Last come addresses behind an interface without a
-/// carrier, and addresses that this host has as well: datagrams to these stay here (bridges of containers
-/// have the same addresses on all hosts). REQUIRES: there is one.
+/// Returns the first of the best addresses. The best ones are in a network to which this host is also
+/// connected, by an interface with a carrier; wired interfaces at both ends are better than wireless ones.
+/// Next come addresses that may be reached by routes, of an address family that this host has. Then come
+/// link-local addresses, which seem to be near on every host; their scope becomes that of an interface of
+/// this host. Last come addresses behind an interface without a carrier, and addresses that this host has as
+/// well. Datagrams to the latter would not leave this host (bridges of containers have the same addresses on
+/// all hosts). REQUIRES: `of_reader` is not empty.
 UdpAddress choose_address(std::span<const UdpAddress> of_reader, std::span<const Link> ours);
 
 }  // namespace sft::core

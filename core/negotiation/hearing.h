@@ -1,4 +1,5 @@
-// Derives from the known facts which writers one of our readers should hear, and by which paths. Pure.
+// Derives from the known facts which writers one of our readers should receive from, and by which paths. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +12,17 @@
 
 namespace sft::core {
 
-/// One writer that one of our readers should hear.
+/// One writer that one of our readers should receive from.
 struct Hearing {
   Source source;
   Qos offered;
-  std::uint32_t owed = 0;  ///< retained samples that should come first
+  std::uint32_t owed = 0;  ///< the number of retained samples that should come first
   bool memory = false;     ///< connect to it in shared memory
   bool network = false;
   SubscriberStatus::Writer status;
 };
 
-/// `reader`: one of ours.
+/// Returns the writers that `reader`, which is one of ours, should receive from.
 std::vector<Hearing> hearing_of(const TableEntry& reader, const KnownFacts& facts,
                                 TypeComparisons& comparisons);
 

@@ -1,5 +1,6 @@
-// Keeps which readers have got the retained samples of which durable writers, as far as the writer or the
-// reader is ours. A reader that begins anew, or comes back after it was forgotten, is owed them again. Pure.
+// Keeps which readers have got the retained samples of which durable writers, for pairs whose writer or
+// reader is ours. A reader that begins anew, or comes back after it was forgotten, must get them again. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstdint>
@@ -11,10 +12,12 @@ namespace sft::core {
 
 class HistoryState {
  public:
-  /// All that our writer has sent to this reader alone has left. Counts once the reader's request says that
-  /// it has begun to come. Returns true if that is news.
+  /// Called when all samples of our writer for this reader alone have left. Has an effect only if the
+  /// reader's request says that the first of them have arrived (Request::begun). Returns true if that is
+  /// news.
   bool given(EndpointId writer, const Endpoint& reader);
-  /// All retained samples of that writer have arrived at our reader. Returns true if that is news.
+  /// Called when all retained samples of that writer have arrived at our reader. Returns true if that is
+  /// news.
   bool came(EndpointId reader, EndpointId writer) { return came_.insert({writer, reader}).second; }
 
   /// Returns the number of retained samples that the reader is still to get.
@@ -22,18 +25,19 @@ class HistoryState {
   /// Returns true if all retained samples of that writer have arrived at our reader.
   bool has_come(EndpointId reader, EndpointId writer) const { return came_.contains({writer, reader}); }
 
-  /// A reader that lost a writer and found it again begins anew, although the writer may not have noticed:
-  /// the reader is owed the history of each writer that its request does not name as begun.
+  /// Called for each request of a reader. A reader that lost a writer and found it again begins anew,
+  /// although the writer may not have noticed. So each writer that the request does not name in `begun` owes
+  /// the reader its history again.
   void begins_anew(const Endpoint& reader);
-  /// Our reader does not hear that writer by one of the two paths any more.
+  /// Called when our reader no longer receives from that writer by one of the two paths.
   void disconnected(const Endpoint& reader, EndpointId writer);
-  /// The endpoint is gone. What one of our readers has got of a writer that is gone counts until the reader
-  /// is disconnected.
+  /// Called when the endpoint is gone. If it is a writer, our readers still count as having its history until
+  /// they are disconnected.
   void forget(EndpointId id);
 
  private:
-  std::set<PairId> given_;  ///< of our own writers
-  std::set<PairId> came_;   ///< of our own readers
+  std::set<PairId> given_;  ///< pairs of our own writers
+  std::set<PairId> came_;   ///< pairs of our own readers
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// Requests name the other endpoints of their pairs in lists of ids.
+// Functions for lists of ids, by which requests name the writers of a reader.
 #pragma once
 
 #include <algorithm>

@@ -1,5 +1,5 @@
 // All facts from which the negotiation derives the desired states: this host, the endpoints, and what is
-// noted of pairs of them. Nothing remains noted of an endpoint that is gone. Pure.
+// known of pairs of them. Nothing is kept of an endpoint that is gone. Uses no clock, thread or I/O.
 #pragma once
 
 #include "core/negotiation/endpoint_table.h"
@@ -15,9 +15,9 @@ struct KnownFacts {
   EndpointTable table;
   HistoryState history;
   UnreachableReaders unreachable;
-  mutable RequestedSelections requested{};  ///< follows from the requests in the table
+  mutable RequestedSelections requested{};  ///< decoded from the requests in the table
 
-  /// The endpoint is gone. If it comes back after this, it is owed the history again.
+  /// Removes an endpoint. If it comes back later, the history has to be sent to it again.
   void erase(EndpointId id) {
     if (!table.erase(id)) return;
     history.forget(id);

@@ -1,5 +1,5 @@
-// This node's host: what it gives to our endpoints for their announcements, and by which address it reaches
-// the readers of other nodes. Pure.
+// This node's host: what our endpoints announce about it, and by which address it reaches the readers of
+// other nodes. Uses no clock, thread or I/O.
 #pragma once
 
 #include <optional>
@@ -14,20 +14,20 @@ namespace sft::core {
 class LocalHost {
  public:
   const Self& self() const { return self_; }
-  /// Returns true if anything has changed. Our endpoints have to be equipped again then.
+  /// Returns true if anything has changed. Then equip() has to be called for our endpoints again.
   bool self_changed(const Self& self);
-  /// Our endpoints are reached at these addresses from now on, and others over these links. Our endpoints
-  /// have to be equipped again.
+  /// Sets the addresses at which our endpoints are reached, and the links by which others are reached. Then
+  /// equip() has to be called for our endpoints again.
   void network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
 
-  /// Gives one of our endpoints the token, the network and the addresses that are valid now.
+  /// Sets the token, the network and the addresses of one of our endpoints to those that are valid now.
   void equip(Endpoint& ours) const;
   /// Returns the address to which samples for that reader are sent. The reader has at least one address.
   UdpAddress address_of(const Endpoint& reader) const;
 
  private:
   Self self_;
-  std::optional<std::vector<UdpAddress>> addresses_;  ///< once they were told
+  std::optional<std::vector<UdpAddress>> addresses_;  ///< empty until network_changed() was called
   std::vector<Link> links_;
 };
 

@@ -44,17 +44,17 @@ bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, cons
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
   Endpoint equipped = endpoint;
   facts_.host.equip(equipped);
-  facts_.erase(endpoint.id);  // another process may have used the id
+  facts_.erase(endpoint.id);  // in case an endpoint of another process has the id
   facts_.table.add_ours(equipped, type);
 }
 
 void Negotiation::local_removed(EndpointId id) { facts_.erase(id); }
 
-/// Announcements of another process that used the id of our endpoint before are ignored.
+/// Announcements of another process with the id of one of our endpoints are ignored.
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const TableEntry* const known = facts_.table.find(endpoint.id);
   if (known != nullptr && known->is_ours()) return false;
-  bool concerns_ours = false;  // else no desired state depends on it
+  bool concerns_ours = false;  // if false, no desired state depends on the endpoint
   if (known == nullptr && !admit(endpoint, concerns_ours)) return false;
   const std::optional<Endpoint> before = facts_.table.enter(endpoint);
   concerns_ours |= facts_.table.is_topic_of_ours(endpoint.topic) ||
@@ -63,8 +63,8 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   return concerns_ours;
 }
 
-/// Returns true if there is room for a newcomer. Another endpoint may have to leave to make the room; sets
-/// `concerns_ours` if some endpoint of ours has its topic.
+/// Returns true if there is room for a new endpoint. Another endpoint may be removed to make room. Then
+/// `concerns_ours` becomes true if an endpoint of ours has the topic of the removed one.
 bool Negotiation::admit(const Endpoint& newcomer, bool& concerns_ours) {
   const TableShares::Admission admission = facts_.table.admit(newcomer);
   if (admission.instead_of) {
@@ -86,7 +86,8 @@ bool Negotiation::endpoint_lost(EndpointId id, Time now) {
   return facts_.table.lost(id, now) && is_of_our_topic(facts_.table, id);
 }
 
-/// A reader that was refused, or is lost, is seen again with the request that is in force then.
+/// Requests of readers that are lost or not in the table are ignored: when such a reader is seen again, its
+/// request in force comes with it.
 bool Negotiation::request_received(const Request& request) {
   TableEntry* const reader = facts_.table.find(request.reader);
   if (reader == nullptr || reader->is_ours() || reader->lost()) return false;

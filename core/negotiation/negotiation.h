@@ -1,8 +1,8 @@
-// The negotiation decides who gets what, by which path and under which mask. It is a pure state machine:
-// events go in, desired states come out, and there is no I/O and no clock in it. The events become facts
-// (known_facts.h), and the facts say what each of our writers should serve (serving.h) and what each of our
-// readers should hear (hearing.h). The order of events therefore does not matter. negotiation.md has the
-// rules as a table.
+// The negotiation decides which readers get which samples, by which path and under which mask. It is a pure
+// state machine: events are passed in, desired states are returned, and it uses no I/O and no clock. The
+// events become facts (known_facts.h). From the facts follow the routes of each of our writers (serving.h),
+// and the writers from which each of our readers receives (hearing.h). The order of events therefore does not
+// matter. negotiation.md has the rules.
 #pragma once
 
 #include <chrono>
@@ -23,7 +23,7 @@
 
 namespace sft::core {
 
-/// Entries of other nodes beyond these are refused and counted (table_shares.h has the rules).
+/// Limits for entries of other nodes. Further ones are refused and counted (table_shares.h has the rules).
 struct NegotiationLimits {
   std::size_t endpoints = 4096;
   std::chrono::seconds forget_lost_after{60};
@@ -36,52 +36,53 @@ class Negotiation {
   using Limits = NegotiationLimits;
   explicit Negotiation(const Limits& limits = {});
 
-  // Events. Each returns whether anything may have changed, that is, whether to ask for the desired states
-  // again. Most endpoints of a large system have topics that none of ours has: these change nothing.
+  // Events. Each returns true if the desired states may have changed, so that they have to be read again.
+  // Most endpoints of a large system have topics that none of ours has; these change nothing.
   bool self_changed(const Self& self);
-  /// Our endpoints are reached there from now on, and others from there.
+  /// Called when the addresses at which our endpoints are reached have changed, or the links by which others
+  /// are reached.
   bool network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
   /// `type` outlives the endpoint. The endpoint's host and network are taken from Self, its addresses from
   /// network_changed().
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
   void local_removed(EndpointId id);
-  // Discovery tells what it knows of the endpoints of others in its order: a request comes after its
-  // endpoint, and what comes later holds.
+  // Discovery reports endpoints of other nodes in order: a request comes after its endpoint, and a later
+  // report replaces an earlier one.
   bool endpoint_seen(const Endpoint& endpoint);
   bool endpoint_departed(EndpointId id);
   bool endpoint_lost(EndpointId id, Time now);
   bool request_received(const Request& request);
-  /// One of our readers needs other fields now.
+  /// Called when one of our readers needs other fields, parts or conditions.
   bool requirement_changed(EndpointId reader, const Selection& selection);
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
-  /// Tells that samples of a writer now arrive at one of our readers by that path, or no longer arrive.
+  /// Called when samples of a writer now arrive at one of our readers by that path, or no longer arrive.
   bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
-  /// Something of a durable writer has come for one of our readers alone.
+  /// Called when the first sample of a durable writer for one of our readers alone has arrived.
   bool history_began(EndpointId reader, EndpointId writer);
-  /// Tells that all retained samples for that reader have arrived.
+  /// Called when all retained samples for that reader have arrived.
   bool history_came(EndpointId reader, EndpointId writer);
-  /// All that one of our writers has sent to a late reader alone has left. Takes effect once the reader says
-  /// that it has begun to come.
+  /// Called when all samples of one of our writers for a late reader alone have left. Takes effect once the
+  /// reader's request says that the first of them have arrived.
   bool history_given(EndpointId writer, EndpointId reader);
-  /// Tells why the port of one of our writers cannot ring that reader's doorbell in shared memory; empty if
-  /// it can.
+  /// `why_not` says why the port of one of our writers cannot ring that reader's doorbell in shared memory;
+  /// empty if it can.
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Time now);
-  /// The desired states do not depend on it.
+  /// Stores the reported progress of a writer, on which no desired state depends.
   void progressed(const Progress& progress) { facts_.table.progressed(progress); }
 
-  // Desired states, from the facts as they are.
+  // Desired states, derived from the present facts.
   Serving serving(EndpointId writer) const;
   std::vector<Hearing> hearing(EndpointId reader) const;
-  /// Our endpoint as it should be announced, with the request in force.
+  /// Returns our endpoint as it should be announced, with the request in force.
   const Endpoint* local(EndpointId id) const;
 
-  /// All endpoints, ours and others'. What it returns is valid until the next event.
+  /// Returns all endpoints, ours and others'. Pointers that the table returns are valid until the next event.
   const EndpointTable& table() const { return facts_.table; }
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
-  /// Announcements that were refused, because the table was full.
+  /// Returns the number of announcements that were refused because the table was full.
   std::uint64_t ignored() const { return facts_.table.refused(); }
-  /// The same by the name of the node that they came from, where one was named, since this was last asked.
+  /// Returns the same number for each node that announced them, by its name, since the last call.
   std::map<std::string, std::uint64_t> take_refusals() { return facts_.table.take_refusals(); }
 
  private:

@@ -1,4 +1,5 @@
-// The request of one of our readers. Each change makes it a newer request: its sequence grows by one. Pure.
+// The request of one of our readers. Each change makes it a newer request: its sequence grows by one. Uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <cstdint>
@@ -17,11 +18,11 @@ class OwnRequest {
   // Each returns true if the request has changed.
   bool needs(const Selection& selection);
   bool takes_a_sample_per(std::uint32_t min_period_us);
-  /// Tells that samples of a writer now arrive by that path, or no longer arrive. A history begins again
-  /// after the path is lost by which it came.
+  /// Called when samples of a writer now arrive by that path, or no longer arrive. If the path is lost by
+  /// which retained samples came, they come again from the beginning.
   bool connection_changed(EndpointId writer, TransportKind path, bool connected);
   bool history_began(EndpointId writer);
-  /// The shared memory is gone, and all attachments with it.
+  /// Called when shared memory is lost. All attachments end.
   bool memory_lost();
 
  private:

@@ -1,4 +1,5 @@
-// Judges the pairs of one of our endpoints, and has only so many definitions of types compared for it.
+// Judges the pairs of one of our endpoints, and limits the number of type definitions that are compared for
+// it.
 #pragma once
 
 #include "core/negotiation/endpoint_table.h"
@@ -12,7 +13,7 @@ class PairEvaluator {
   /// Both outlive this object.
   PairEvaluator(const Self& self, TypeComparisons& comparisons) : self_(self), comparisons_(comparisons) {}
 
-  /// One of them is ours, or both.
+  /// At least one of the two endpoints is ours.
   Verdict evaluate(const TableEntry& writer, const TableEntry& reader) {
     const bool we_write = writer.is_ours();
     const TypeSupport& type = we_write ? *writer.type : *reader.type;
@@ -25,7 +26,7 @@ class PairEvaluator {
  private:
   const Self& self_;
   TypeComparisons& comparisons_;
-  int definitions_ = 0;  ///< others than ours that were met so far
+  int definitions_ = 0;  ///< the number of definitions other than ours that were met so far
 };
 
 }  // namespace sft::core

@@ -1,7 +1,7 @@
-// Watches promises: deadlines and liveliness, of our writers and of those that our readers hear. Pure: counts
-// of what has happened and times go in, answers come out. Publishers and subscribers only count, which they
-// do anyway. So a sign is as old as the look that found it, and a look is due twice in a period: a missed
-// deadline is told up to half a period later.
+// Watches deadlines and liveliness of our writers, and of the writers from which our readers receive. Pure:
+// counts and times are passed in, decisions are returned. The data path only counts samples, which it does
+// anyway. A change of a count is dated by the look that finds it. A look is due twice per period, so a missed
+// deadline is reported up to half a period late.
 #pragma once
 
 #include <chrono>
@@ -19,9 +19,9 @@ class ActivityMonitor {
   ActivityMonitor(std::chrono::nanoseconds period, std::uint64_t count, Time now)
       : period_(period), count_(count), active_at_(now) {}
 
-  /// Returns the periods that have ended without a sign, beyond those that were told before.
+  /// Returns how many periods have ended without a change of the count, apart from those returned before.
   std::uint64_t look(std::uint64_t count, Time now);
-  /// True if no sign had come in time at the last look.
+  /// Returns true if at the last look the count had not changed in time.
   bool quiet() const { return reported_ != 0; }
   std::chrono::nanoseconds pace() const { return period_ / 2; }
 
@@ -29,10 +29,11 @@ class ActivityMonitor {
   std::chrono::nanoseconds period_;
   std::uint64_t count_;
   Time active_at_;
-  std::uint64_t reported_ = 0;  ///< periods since then
+  std::uint64_t reported_ = 0;  ///< the periods without a change since then that look() has returned
 };
 
-/// Watches what one of our writers offers, and when its readers have to be told that it lives.
+/// Watches whether one of our writers keeps its offer, and decides when an assertion of its liveliness has to
+/// be sent to its readers.
 class OfferMonitor {
  public:
   struct Signs {
@@ -45,36 +46,36 @@ class OfferMonitor {
   std::uint64_t deadlines_missed() const { return deadlines_missed_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }
 
-  /// True if an assertion should be sent, which then counts as sent. Samples are signs of life themselves if
-  /// `samples_assert`: if every reader that wants to know gets each of them. Asked often.
+  /// Returns true if an assertion should be sent, which then counts as sent. `samples_assert`: every reader
+  /// with a lease gets each sample, so that samples are signs of life themselves. To be called often.
   bool assertion_due(const Signs& signs, bool samples_assert, Time now);
-  /// True while assertions of the program are not sent one by one.
+  /// Returns true while the last assertion was sent so recently that a further one need not be sent at once.
   bool rests(Time now) const { return now < reported_at_ + qos_.liveliness_lease / assertions_per_lease; }
 
   /// Returns the time between two looks; empty if there is nothing to watch.
   std::optional<std::chrono::nanoseconds> pace() const;
 
  private:
-  static constexpr int assertions_per_lease = 3;  // two may get lost
+  static constexpr int assertions_per_lease = 3;  // so that two may get lost
 
   Qos qos_;
   std::optional<ActivityMonitor> deadline_;
-  std::optional<ActivityMonitor> lease_;  ///< where the program has to assert
+  std::optional<ActivityMonitor> lease_;  ///< set if the program has to assert liveliness
   std::uint64_t deadlines_missed_ = 0;
-  Signs reported_;  ///< what readers know of
+  Signs reported_;  ///< the signs that readers know of
   Time reported_at_ = Time::min();
 };
 
-/// Watches one writer for one of our readers that has asked for something.
+/// Watches one writer for one of our readers that requests a deadline or a lease.
 class RequestMonitor {
  public:
-  /// The shortest lease of a writer that is watched. If less is offered, the requested lease is watched.
+  /// The shortest offered lease that is watched. If a writer offers less, the requested lease is watched.
   static constexpr std::chrono::milliseconds shortest_offer{10};
 
   /// `arrived` changes with each sample that arrives.
   RequestMonitor(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now);
 
-  /// Returns how many deadlines were missed since the look before.
+  /// Returns how many deadlines were missed since the previous look.
   std::uint64_t look(std::uint64_t arrived, Time now);
   void asserted() { ++assertions_; }
   bool alive() const { return !lease_ || !lease_->quiet(); }

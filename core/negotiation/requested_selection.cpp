@@ -24,7 +24,8 @@ double rate_hz_of(const Selection& selection) {
 
 namespace {
 
-/// The rule by which a part is meant has to be that of our type: rows and columns would be others.
+/// Returns an error if a part was meant for another layout rule than that of our type, since its rows and
+/// columns would be others.
 Result<Selection> with_our_rules(const TypeSupport& type, const Selection& asked) {
   for (const Selection::Part& part : asked.parts()) {
     const detail::Layout* const layout = type.layout_of(part.leaf);

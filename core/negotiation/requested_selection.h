@@ -1,4 +1,4 @@
-// What a reader asks for, as its writer understands it.
+// Decodes the selection that a reader requests, for its writer.
 #pragma once
 
 #include "core/control/control.h"
@@ -6,14 +6,14 @@
 
 namespace sft::core {
 
-/// Closed, and without a rate. An error if the request is for parts or has conditions that the type does not
-/// have: anybody may have sent it.
+/// Returns the selection, closed, and without a rate. Returns an error if parts or conditions of the request
+/// do not fit the type, since the request may be hostile.
 Result<Selection> requested_selection(const Request& request, const TypeSupport& type);
 
-/// The maximum rate of the selection, in Hz; 0: none.
+/// Returns the maximum rate of the selection, in Hz; 0: none.
 double rate_hz_of(const Selection& selection);
 
-/// The selection, closed, with its gate. An error if it is not one of that type.
+/// Returns the selection, closed, with its gate, or an error if it is not one of that type.
 Result<Selection> checked_selection(const TypeSupport& type, const Selection& selection);
 
 }  // namespace sft::core

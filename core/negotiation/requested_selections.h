@@ -1,6 +1,6 @@
-// What readers ask of our writers for, as it was understood last. Every pair is judged again after every
-// event: what has parts or conditions takes microseconds to decode, and a mask many instructions to close.
-// Pure.
+// A cache of the decoded requests of readers to our writers. Every pair is judged again after every event;
+// decoding a request with parts or conditions takes microseconds, and closing a mask many instructions. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -15,13 +15,13 @@ namespace sft::core {
 
 class RequestedSelections {
  public:
-  /// As requested_selection() says it. `type` is that of the writer. Valid until the next call.
+  /// Returns requested_selection() of this request. `type` is that of the writer. Valid until the next call.
   const Result<Selection>& of(const PairId& pair, const Request& request, const TypeSupport& type);
   void forget(EndpointId id) {
     std::erase_if(known_,
                   [&](const auto& item) { return item.first.writer == id || item.first.reader == id; });
   }
-  /// The number of requests that were decoded so far.
+  /// Returns the number of requests that were decoded so far.
   std::uint64_t decoded() const { return decoded_; }
 
  private:

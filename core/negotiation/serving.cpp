@@ -78,7 +78,8 @@ void serve(const TableEntry& writer, const TableEntry& reader, const Verdict& ve
   }
 }
 
-/// Liveliness is the same for all that match, served at present or not.
+/// Notes whether this reader needs assertions of liveliness. All matching readers count, served at present or
+/// not.
 void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& status, Serving& serving) {
   const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
   if (!matches || reader.qos.liveliness_lease.count() == 0) return;

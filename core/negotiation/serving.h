@@ -1,4 +1,5 @@
-// Derives from the known facts what one of our writers should send to whom. Pure.
+// Derives from the known facts which samples one of our writers should send to which readers. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <vector>
@@ -12,18 +13,20 @@ namespace sft::core {
 
 /// The desired state of one of our writers.
 struct Serving {
-  bool memory_port = false;  ///< be reachable in shared memory, even if no reader is attached yet
+  bool memory_port = false;  ///< the writer needs a port to shared memory, even if no reader is attached yet
   std::vector<Route> memory;
   std::vector<Route> network;
-  /// Over the network, to those of `memory` that listen there: for what does not go that way.
+  /// Routes over the network to those readers of `memory` that also listen there, for samples that shared
+  /// memory does not take.
   std::vector<Route> fallback;
-  std::vector<Route> unreached;  ///< would be in `memory`, but the port cannot tell these of samples
-  std::vector<PublisherStatus::Reader> readers;  ///< all of the topic, with reasons
-  bool lease_requested = false;                  ///< some reader wants to know whether the writer lives
-  bool samples_assert = true;                    ///< and each of these gets every sample
-  bool history_owed = false;                     ///< some route has a history
+  std::vector<Route>
+      unreached;  ///< routes that would be in `memory`, but the port cannot notify these readers
+  std::vector<PublisherStatus::Reader> readers;  ///< all readers of the topic, with reasons
+  bool lease_requested = false;                  ///< at least one reader requests a lease
+  bool samples_assert = true;                    ///< each reader that requests a lease gets every sample
+  bool history_owed = false;                     ///< at least one route has a history
 
-  /// Returns true if both send the same to the same readers. What status() tells of these readers may differ.
+  /// Returns true if both have the same routes. The status of the readers may differ.
   bool serves_like(const Serving& other) const {
     return memory_port == other.memory_port && memory == other.memory && network == other.network &&
            fallback == other.fallback;
@@ -31,7 +34,7 @@ struct Serving {
   friend bool operator==(const Serving&, const Serving&) = default;
 };
 
-/// `writer`: one of ours.
+/// Returns the desired state of `writer`, which is one of ours.
 Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons);
 
 }  // namespace sft::core

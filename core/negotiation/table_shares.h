@@ -1,12 +1,12 @@
-// Limits how much each participant may enter into a table that everybody on the network fills. A participant
-// that enters without end loses its own newest entries, and no other participant loses any:
+// Limits the number of entries that each announcer has in a table that all processes on the network fill. If
+// an announcer enters too many, it loses its own newest entries, and no other announcer loses any:
 //
-// - While the table has room, everybody may enter as much as it likes, with one exception: once a topic has
-// `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
-// - When the table is full, an announcer that has `of_announcer` entries gets no more. Another announcer
-// does: the announcer that has the most entries then loses its newest one.
+// - While the table has room, announcers may enter any number, with one exception: once a topic has
+//   `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
+// - When the table is full, an announcer that has `of_announcer` entries gets no more. Other announcers still
+//   do: for each new entry, the announcer that has the most entries loses its newest one.
 //
-// The class is pure.
+// Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -33,18 +33,18 @@ class TableShares {
 
   struct Admission {
     bool granted = false;
-    std::optional<EndpointId> instead_of{};  ///< the entry that has to be removed for it
+    std::optional<EndpointId> instead_of{};  ///< the entry that has to be removed for the new one
   };
-  /// Decides about an entry that is not in the table.
+  /// Decides whether an entry that is not in the table is admitted.
   Admission admit(AnnouncerId announcer, std::string_view topic) const;
 
   void enter(EndpointId id, AnnouncerId announcer, std::string_view topic);
-  /// Nothing happens if the entry is not in the table.
+  /// Does nothing if the entry is not in the table.
   void remove(EndpointId id);
 
   std::size_t size() const { return entries_.size(); }
   std::size_t of(AnnouncerId announcer) const;
-  /// Null if it is not in the table.
+  /// Returns the announcer of an entry; null if the entry is not in the table.
   const AnnouncerId* announcer_of(EndpointId id) const;
 
  private:
@@ -57,7 +57,7 @@ class TableShares {
     std::size_t entries = 0;
     std::map<AnnouncerId, std::size_t> of;
   };
-  using Newest = std::map<std::uint64_t, EndpointId>;  ///< by arrival
+  using Newest = std::map<std::uint64_t, EndpointId>;  ///< entries in the order of their arrival
   bool has_room(AnnouncerId announcer, std::string_view topic) const;
 
   Limits limits_;

@@ -1,6 +1,6 @@
-// Explains why two definitions of one type do not match. What was found is kept, since the same pairs are
-// judged again after every event, and the oldest is forgotten first. Others may announce as many definitions
-// as they like: no more than a few are compared between two refills.
+// Explains why two definitions of one type do not match. Results are kept, since the same pairs are judged
+// again after every event; the oldest ones are dropped first. Other processes may announce any number of
+// definitions, so only a few are compared between two calls of refill().
 #pragma once
 
 #include <cstddef>
@@ -19,24 +19,24 @@ namespace sft::core {
 
 class TypeComparisons {
  public:
-  /// Each may have 4096 fields and take half a millisecond.
+  /// The most comparisons between two refills. Each may have 4096 fields and take half a millisecond.
   static constexpr int compared_at_once = 16;
 
-  /// Never null. There is no difference to name without a description of `theirs`, nor where it is not known
-  /// yet and no comparison is left.
+  /// Returns the differences; never null. The texts are empty if `theirs` has no description, or if the
+  /// result is not known yet and no comparison is left.
   std::shared_ptr<const TypeMismatch> compare(const TypeSupport& ours, const Endpoint& theirs);
   void refill() { left_ = compared_at_once; }
   /// Returns the number of definitions that were compared so far.
   std::uint64_t compared() const { return compared_; }
 
  private:
-  /// The name of the type and the hashes of both definitions; hashes alone leave names of types out.
+  /// The name of the type and the hashes of both definitions. (The hashes do not cover the names of types.)
   using Definitions = std::tuple<std::string, std::uint64_t, std::uint64_t>;
   static std::size_t bytes_of(const TypeMismatch& mismatch);
   void forget_the_oldest();
 
   std::map<Definitions, std::shared_ptr<const TypeMismatch>> known_;
-  std::deque<Definitions> order_;  ///< in which they became known
+  std::deque<Definitions> order_;  ///< the keys of `known_` in the order in which they became known
   std::size_t bytes_ = 0;
   int left_ = compared_at_once;
   std::uint64_t compared_ = 0;

@@ -1,4 +1,5 @@
-// Keeps which readers in shared memory cannot be told of samples by which of our writers, and why. Pure.
+// Keeps which readers in shared memory cannot be notified of samples by which of our writers, and why. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <map>
@@ -11,12 +12,13 @@ namespace sft::core {
 
 class UnreachableReaders {
  public:
-  /// `why_not` is for people, and empty if the reader is reached. Returns true if that is news.
+  /// Stores `why_not`, a text for people, which is empty if the reader can be notified. Returns true if that
+  /// is news.
   bool changed(const PairId& pair, const std::string& why_not) {
     if (why_not.empty()) return reasons_.erase(pair) != 0;
     return std::exchange(reasons_[pair], why_not) != why_not;
   }
-  /// Null if the reader is reached.
+  /// Returns why the reader cannot be notified; null if it can.
   const std::string* why(const PairId& pair) const {
     const auto reason = reasons_.find(pair);
     return reason == reasons_.end() ? nullptr : &reason->second;

@@ -1,5 +1,6 @@
-// The node's agent: one thread that does whatever may take a while or must not happen twice at once:
-// negotiation, opening and closing of ports, announcements, looking after transports. Others post to it.
+// The node's agent: one thread for all work that may take a while or must not be done by two threads at once:
+// negotiation, opening and closing of ports, announcements, maintenance of transports. Other threads post
+// tasks to it.
 #pragma once
 
 #include <atomic>
@@ -22,12 +23,12 @@ class Agent {
  public:
   using Task = std::function<void()>;
 
-  /// `tick` is called when the time is over that its last call named, and `idle` after each batch of tasks:
-  /// the next tick may have to come sooner after that.
+  /// `tick` is called when the time has passed that its last call returned. `idle` is called after each batch
+  /// of tasks, since the next tick may then have to come sooner. Both return the time until the next tick.
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
-    /// Called for each piece of work that held the thread up. If it is empty, nothing is measured.
+    /// Called for each piece of work that took the thread too long. If it is empty, nothing is measured.
     HoldUpMonitor::Report held_up{};
     ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that times the pieces
   };
@@ -39,15 +40,18 @@ class Agent {
 
   Result<void> start(const ThreadSpec& thread, Duties duties);
 
-  /// Any thread, before start() too; returns at once. Tasks run in the order in which they were posted.
+  /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread, even
+  /// before start().
   void post(Task task, std::source_location by = std::source_location::current());
-  /// The same for a task that has time until the next tick. It wakes the agent only if so many wait.
+  /// The same for a task that can wait until the next tick. It wakes the agent only if `waiting_max` tasks
+  /// wait.
   void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
-  /// True if at least `behind_from` tasks wait: threads that post without end should wait for the agent then.
+  /// Returns true if at least `behind_from` tasks wait. Then threads that post very many tasks should wait
+  /// for the agent.
   bool is_behind();
   static constexpr std::size_t behind_from = 256;
-  /// Runs what was posted before, then ends the thread; what is posted later is not run.
+  /// Runs the tasks that were posted before, then ends the thread. Tasks that are posted later are not run.
   void stop();
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
 

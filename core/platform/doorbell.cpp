@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char* page_directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
-constexpr std::string_view no_directory = "/memfd:";  // in links to files that never had a path
+constexpr std::string_view no_directory = "/memfd:";  // links to files that never had a path begin with this
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
 
 Doorbell* map(int fd) {
@@ -40,13 +40,13 @@ bool is_whole(int fd) {
   return fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
 }
 
-/// An open, locked file of a page's size, or -1.
+/// Creates a locked file of a page's size. Returns its descriptor, or -1.
 int create_file(const std::string& path) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
   if (fd < 0) return -1;
-  // posix_fallocate, because writing to a page that a full tmpfs cannot give later would be a SIGBUS.
-  // fchmod, because whoever shares our group rings as well, whatever the umask.
+  // posix_fallocate(), because a write to a page that a full tmpfs cannot allocate later would cause a
+  // SIGBUS. fchmod(), because other members of our group must be able to ring, whatever the umask.
   if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0)
     return fd;
   unlink(path.c_str());
@@ -54,7 +54,7 @@ int create_file(const std::string& path) {
   return -1;
 }
 
-/// The same without a path, so that no space in /dev/shm is needed.
+/// The same, but creates a file without a path, which needs no space in /dev/shm.
 int create_nameless_file(std::uint64_t id) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = memfd_create((std::string(prefix) + in_hex(id)).c_str(), MFD_CLOEXEC);
@@ -68,7 +68,7 @@ bool is_number(const char* text) {
   return *text != '\0' && std::strspn(text, "0123456789") == std::strlen(text);
 }
 
-/// The id of a page that this link leads to, if the page has no path, or not any more.
+/// Returns the id of the page to which this link leads, if it leads to a page that has no path (any more).
 std::optional<std::uint64_t> nameless_id(const std::filesystem::path& link) {
   std::error_code ignored;
   const std::string target = std::filesystem::read_symlink(link, ignored);
@@ -92,7 +92,7 @@ void note_nameless_pages(const std::filesystem::path& process, std::map<std::uin
 }  // namespace
 
 void Doorbell::wake() noexcept {
-  // Everybody: two threads of a process may wait on one word, and each checks for itself what it waits for.
+  // Wakes all threads: two threads of a process may wait on one word, and each checks its own condition.
   syscall(SYS_futex, &rings, FUTEX_WAKE, 0x7fffffff, nullptr, nullptr, 0);
 }
 
@@ -158,7 +158,7 @@ Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open_nameless(std::uint64_t 
 }
 
 Result<std::unique_ptr<DoorbellPage>> DoorbellPage::share(std::uint64_t id, const FileDescriptor& file) {
-  // A shorter file would make every ring a SIGBUS.
+  // With a shorter file every ring would cause a SIGBUS.
   Doorbell* bells = is_whole(file.get()) ? map(file.get()) : nullptr;
   if (bells == nullptr) return fail(Errc::malformed, path_of(id) + ": not a doorbell page");
   return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, -1));
@@ -171,7 +171,7 @@ std::size_t DoorbellPage::sweep() noexcept {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const auto file = open_trusted_file(entry.path(), O_RDWR, {.everybody = true});
-    // A new page is empty until its owner has locked it: leave those alone.
+    // A new page is empty until its owner has locked it, so empty pages must not be removed.
     if (!file || !is_whole(file->get())) continue;
     if (flock(file->get(), LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
   }

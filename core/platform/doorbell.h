@@ -1,9 +1,11 @@
-// Waking a sleeping reader, in this process or another: a word in a page that the reader's process shares
-// through /dev/shm. Ringing costs one atomic addition while the reader is awake, and one futex call when it
-// sleeps; whoever rings several may do the first at once and leave the second to another thread.
+// A doorbell wakes a sleeping reader, in this process or another. It is a word in a page that the reader's
+// process shares through /dev/shm. Ringing costs one atomic addition while the reader is awake, and also a
+// futex call if it sleeps. A thread that rings several doorbells may do the additions at once, and leave the
+// calls to another thread.
 //
-// A page is a file `/dev/shm/sft_bell_<id in hex>`, locked (flock) by its owner as long as the process lives;
-// whoever finds one unlocked may remove it, so that killed processes leave nothing for long.
+// A page is a file `/dev/shm/sft_bell_<id in hex>`, which its owner locks (flock) as long as the process
+// lives. Any process may remove a page that is not locked, so that pages of killed processes do not stay for
+// long.
 #pragma once
 
 #include <atomic>
@@ -24,13 +26,14 @@ struct alignas(64) Doorbell {
   std::atomic<std::uint32_t> rings{0};
   std::atomic<std::uint32_t> sleepers{0};
 
-  // Any thread or process, after it made data visible.
+  // These are called by any thread or process, after it has made data visible.
 
-  /// Wakes all who sleep.
+  /// Wakes all sleeping threads.
   void ring() noexcept {
     if (announce()) wake();
   }
-  /// The first half of ring(): whoever is awake knows. True if somebody sleeps: then wake() has to follow.
+  /// The first half of ring(), which suffices for threads that are awake. Returns true if a thread sleeps.
+  /// Then wake() must be called.
   [[nodiscard]] bool announce() noexcept {
     rings.fetch_add(1, std::memory_order_seq_cst);
     return has_sleepers();
@@ -38,15 +41,15 @@ struct alignas(64) Doorbell {
   void wake() noexcept;
   bool has_sleepers() const noexcept { return sleepers.load(std::memory_order_seq_cst) != 0; }
 
-  /// Since `rings` was `seen`.
+  /// Returns true if the doorbell was rung since `rings` was `seen`.
   bool rung(std::uint32_t seen) const noexcept { return rings.load(std::memory_order_seq_cst) != seen; }
 
-  /// Keeps the core busy until the doorbell was rung since `rings` was `seen`, or the time is over; tells
-  /// which. Lets others run that wait for this core.
+  /// Keeps the core busy until the doorbell was rung since `rings` was `seen`, and returns true, or until the
+  /// time is over, and returns false. Lets other threads run that wait for this core.
   bool spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept;
 
-  /// Sleeps until `ready()` holds, the doorbell was rung, or the deadline passed. Spurious returns are
-  /// possible.
+  /// Sleeps until the doorbell is rung or the deadline has passed. Does not sleep if `ready()` returns true.
+  /// Spurious returns are possible.
   template <class Ready>
   void wait(std::chrono::steady_clock::time_point deadline, Ready&& ready) noexcept {
     const std::uint32_t seen = rings.load(std::memory_order_seq_cst);
@@ -63,21 +66,22 @@ class DoorbellPage {
  public:
   static constexpr std::uint32_t slots = 1024;
 
-  /// A page of this process under a random id. Where /dev/shm cannot be used, because it is full for example,
-  /// the page has no path, and processes of this account find it as one of nameless_pages(). Where that fails
-  /// too, it is private memory with id 0: local readers work, and no other process can ring.
+  /// Creates a page of this process with a random id. If /dev/shm cannot be used, for example because it is
+  /// full, the page has no path, and processes of this account find it by nameless_pages(). If that fails,
+  /// too, the page is private memory with id 0. Then readers of this process work, but no other process can
+  /// ring.
   static std::unique_ptr<DoorbellPage> create();
-  /// A page of another process (or of this one), to ring. Only one of these accounts: whoever owns a page can
-  /// make it shorter, which would end whoever rings in it.
+  /// Opens a page of another process (or of this one), to ring its doorbells. The page must belong to one of
+  /// these accounts, because its owner can truncate it, which would crash processes that ring in it.
   static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id, const TrustedAccounts& accounts = {});
-  /// A page may have had no path from the beginning, or somebody may have removed it: a clean-up script, or a
-  /// service manager at log-out. Those of processes of this account are found among what these have open:
-  /// links to open them by. Looks through all processes, which takes milliseconds.
+  /// Returns the pages without a path of all processes of this account, by id: links by which they can be
+  /// opened. Such a page never had a path, or the path was removed, by a clean-up script or by a service
+  /// manager at log-out. Reads the open files of all processes, which takes milliseconds.
   static std::map<std::uint64_t, std::string> nameless_pages();
   static Result<std::unique_ptr<DoorbellPage>> open_nameless(std::uint64_t id, const std::string& link);
   /// Returns the path of the page with that id.
   static std::string path_of(std::uint64_t id);
-  /// Removes the pages of processes that are gone; returns how many.
+  /// Removes the pages of processes that have ended. Returns how many.
   static std::size_t sweep() noexcept;
 
   ~DoorbellPage();

@@ -5,8 +5,8 @@
 
 namespace sft::core {
 
-/// A member of everything that is of one process only. A process that is forked while any of it lives is a
-/// copy.
+/// A member of each object that works in one process only. A process that is forked while any such object
+/// lives is a copy.
 class OfOneProcess {
  public:
   OfOneProcess() noexcept;
@@ -16,10 +16,10 @@ class OfOneProcess {
 };
 
 /// Returns true if this process was forked, directly or not, from one in which a node lived, and has not
-/// begun another program since.
+/// executed another program since.
 bool is_forked_copy() noexcept;
 
-/// What everything that a copy asks for is answered with.
+/// The message of errors that functions return in a copy.
 inline constexpr const char* refuses_forked_copies =
     "this process was forked from one that has a node: open nodes only after fork(), or begin another "
     "program in the new process (exec)";

@@ -1,6 +1,6 @@
-// Reports what holds up a thread that should wait for nothing but its own events. The thread marks the begin
-// of each piece of its work. A piece that took too long is reported with its place in the source. A piece may
-// also take long because the system gave the thread no processor meanwhile.
+// Reports what delays a thread that should wait for nothing but its own events. The thread marks the
+// beginning of each piece of its work. A piece that took too long is reported with its place in the source. A
+// piece may also take long because the thread got no processor meanwhile.
 #pragma once
 
 #include <chrono>
@@ -18,13 +18,13 @@ class HoldUpMonitor {
   using Report = std::function<void(std::source_location what, std::chrono::milliseconds held_up)>;
   static constexpr std::chrono::milliseconds held_up_max{50};
 
-  /// If `report` is empty, the watch does nothing.
+  /// If `report` is empty, the monitor does nothing.
   explicit HoldUpMonitor(Report report, ReadTime time = &std::chrono::steady_clock::now);
   ~HoldUpMonitor();
   HoldUpMonitor(const HoldUpMonitor&) = delete;
   HoldUpMonitor& operator=(const HoldUpMonitor&) = delete;
 
-  /// Begins a piece of work, which ends the one before.
+  /// Begins a piece of work, which ends the previous one.
   void begin(std::source_location what);
   void end();
 
@@ -38,7 +38,7 @@ class HoldUpMonitor {
   std::optional<Piece> piece_;
 };
 
-/// Marks that the calling thread begins another piece of its work. Does nothing on threads without a watch.
+/// Marks that the calling thread begins another piece of its work. Does nothing on threads without a monitor.
 void next_piece_of_work(std::source_location what = std::source_location::current());
 
 }  // namespace sft::core

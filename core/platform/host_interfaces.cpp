@@ -37,7 +37,8 @@ IpAddress ip_of(const sockaddr& address) noexcept {
   return ip;
 }
 
-/// Counts the set bits, since the address is a mask. The system may leave out the family of a mask.
+/// Returns the prefix length of a network mask: the number of its set bits. `family` is passed, because the
+/// system may not set that of the mask.
 std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
   std::array<std::uint8_t, sizeof(sockaddr_in6)> bytes{};
   const std::size_t begin =
@@ -49,8 +50,9 @@ std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
   return static_cast<std::uint8_t>(bits);
 }
 
-/// IPv6 addresses that are not to be announced: temporary ones, beside which there is a lasting one, and
-/// those that are not yet, or no longer, in use. proc(5) lists them; getifaddrs() does not tell.
+/// Returns IPv6 addresses that must not be announced: temporary ones, besides which there is a permanent one,
+/// and those that are not yet, or no longer, in use. They are read from /proc (proc(5)), since getifaddrs()
+/// does not show this.
 std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
   constexpr unsigned unfit = IFA_F_TEMPORARY | IFA_F_TENTATIVE | IFA_F_DADFAILED | IFA_F_DEPRECATED;
   std::set<IpAddress::Bytes> avoid;
@@ -79,7 +81,7 @@ HostInterface without_address(const ifaddrs& entry) {
   return interface;
 }
 
-/// Empty for an entry that is no address which others could use.
+/// Returns the interface with the address of this entry; empty if other hosts could not use the address.
 std::optional<HostInterface> with_address(const ifaddrs& entry, const std::set<IpAddress::Bytes>& avoid) {
   if (entry.ifa_addr == nullptr || entry.ifa_netmask == nullptr) return {};
   const int family = entry.ifa_addr->sa_family;
@@ -108,8 +110,8 @@ std::optional<std::vector<HostInterface>> host_interfaces() {
     if (std::ranges::find(interfaces, name, &HostInterface::name) == interfaces.end())
       interfaces.push_back(without_address(*i));
   }
-  // An index takes a descriptor to ask for. Without one, or where an interface has just gone, the next look
-  // tells.
+  // The system needs a descriptor to find an index. If there is none, or if an interface has just
+  // disappeared, the caller has to try again.
   if (std::ranges::find(interfaces, 0U, &HostInterface::index) != interfaces.end()) return {};
   return interfaces;
 }
@@ -119,7 +121,7 @@ bool is_named(const HostInterface& interface, const std::string& text) {
   if (!network) return text == interface.name;
   if (interface.ip.is_any()) return false;
   if (network->prefix_bits) return in_one_network(network->ip, interface.ip, *network->prefix_bits);
-  // The address of the interface, or of its network, in which all other bits are 0.
+  // The text is the address of the interface, or of its network, in which all other bits are 0.
   if (network->ip.bytes == interface.ip.bytes) return true;
   return in_one_network(network->ip, interface.ip, interface.prefix_bits) &&
          network_of(network->ip, interface.prefix_bits) == network->ip;

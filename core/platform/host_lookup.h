@@ -11,8 +11,9 @@ namespace sft::core {
 
 enum class IpFamily { ipv4, ipv6 };
 
-/// Returns the addresses in ascending order, each once. The error has the system's reason why there are none.
-/// The call may take minutes if a name server is silent, so it needs a thread that has nothing else to do.
+/// Returns the addresses in ascending order, each once. The error contains the system's reason why there are
+/// none. The call may take minutes if a name server does not answer, so it needs a thread that has nothing
+/// else to do.
 Result<std::vector<IpAddress>> addresses_of_host(const std::string& name, IpFamily family);
 
 }  // namespace sft::core

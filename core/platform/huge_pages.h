@@ -7,10 +7,10 @@
 
 namespace sft::core {
 
-/// Blocks of memory that are at least as large ask for huge pages.
+/// Blocks of memory that have at least this size ask for huge pages.
 inline constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 
-/// Empty: such memory lies in huge pages, as far as the system has some free. Or else why not.
+/// Returns why such memory does not get huge pages. Empty: it does, as far as the system has free ones.
 std::string why_no_huge_pages(const std::filesystem::path& root = "/");
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// A number for people, the same whatever locale the program has chosen.
+// Formats a number for people, independently of the locale of the program.
 #pragma once
 
 #include <charconv>
@@ -6,7 +6,7 @@
 
 namespace sft::core {
 
-/// With six digits at most, as in "0.0001" or "1e+06".
+/// Returns the number with at most six digits: "0.0001" or "1e+06".
 inline std::string in_digits(double value) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, value, std::chars_format::general, 6).ptr;

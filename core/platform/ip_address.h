@@ -1,4 +1,4 @@
-// IP addresses of both families, the networks that they are in, and both as text.
+// IP addresses of both families, their networks, and conversion of both from and to text.
 #pragma once
 
 #include <array>
@@ -11,13 +11,13 @@
 
 namespace sft::core {
 
-/// An IPv4 address is held as it looks in IPv6, "IPv4-mapped" (RFC 4291, 2.5.5.2): as ::ffff:a.b.c.d. All
-/// bytes 0: none, or any.
+/// An IP address. An IPv4 address is stored in its IPv6 form, "IPv4-mapped" (RFC 4291, 2.5.5.2):
+/// ::ffff:a.b.c.d. If all bytes are 0, it means no address, or any.
 struct IpAddress {
   using Bytes = std::array<std::uint8_t, 16>;
 
   constexpr IpAddress() = default;
-  /// IPv4, as a number in host byte order, as INADDR_LOOPBACK is one; 0: any.
+  /// Makes an IPv4 address from a number in host byte order, like INADDR_LOOPBACK; 0: any.
   constexpr IpAddress(std::uint32_t ipv4) {  // NOLINT(google-explicit-constructor): as they are written
     if (ipv4 == 0) return;
     bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
@@ -39,12 +39,13 @@ struct IpAddress {
     for (std::size_t i = 12; i < 16; ++i) number = number << 8 | bytes[i];
     return number;
   }
-  /// Means one host only where it is known by which interface: of IPv6, since that of IPv4 is routed.
+  /// Returns true for a link-local IPv6 address, which identifies a host only together with an interface.
+  /// (Link-local IPv4 addresses are routed, so they do not count.)
   constexpr bool is_link_local() const { return bytes[0] == 0xfe && (bytes[1] & 0xc0) == 0x80; }
   constexpr bool is_multicast() const { return is_ipv4() ? bytes[12] >> 4 == 0xe : bytes[0] == 0xff; }
 
   Bytes bytes{};
-  std::uint32_t scope = 0;  ///< index of the interface that a link-local address is meant on
+  std::uint32_t scope = 0;  ///< the index of the interface to which a link-local address belongs
 
   friend constexpr auto operator<=>(const IpAddress&, const IpAddress&) = default;
 };
@@ -52,28 +53,30 @@ struct IpAddress {
 inline constexpr IpAddress loopback_ipv4{0x7f000001};
 inline constexpr IpAddress loopback_ipv6{IpAddress::Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
 
-/// Returns the address with all bits 0 but the first `prefix_bits`: 0 to 32 of IPv4, 0 to 128 of IPv6.
+/// Returns the address with all bits set to 0 except the first `prefix_bits`: 0 to 32 for IPv4, 0 to 128 for
+/// IPv6.
 IpAddress network_of(const IpAddress& address, unsigned prefix_bits);
 
-/// Returns true if both addresses are of one family and their first `prefix_bits` are equal. All link-local
-/// networks look the same, so for link-local addresses the interface counts, too, as far as it is known of
-/// both.
+/// Returns true if both addresses are of one family and their first `prefix_bits` are equal. Since all
+/// link-local networks have the same prefix, the interfaces of link-local addresses are also compared, if
+/// both are known.
 bool in_one_network(const IpAddress& a, const IpAddress& b, unsigned prefix_bits);
 
 struct IpNetwork {
   IpAddress ip;
-  std::optional<unsigned> prefix_bits;  ///< none: it was not said
+  std::optional<unsigned> prefix_bits;  ///< empty: the text named none
   friend bool operator==(const IpNetwork&, const IpNetwork&) = default;
 };
 
-/// "10.99.1.2", "fd00::7", "fe80::1%eth0".
+/// Returns an address as text: "10.99.1.2", "fd00::7", "fe80::1%eth0".
 std::string format(const IpAddress& address);
-/// "10.99.1.2:7000", "[fe80::1%eth0]:7000".
+/// Returns an address with a port as text: "10.99.1.2:7000", "[fe80::1%eth0]:7000".
 std::string format(const IpAddress& address, std::uint16_t port);
 
-/// Addresses as format() writes them; an interface that this host does not have makes it none.
+/// Parses an address that has the form of format(). Returns nothing if it names an interface that this host
+/// lacks.
 std::optional<IpAddress> parse_ip_address(std::string_view text);
-/// An address, or one and how many of its bits are the network's: "10.0.0.0/24", "fd00::/64".
+/// Parses an address, or an address with a prefix length: "10.0.0.0/24", "fd00::/64".
 std::optional<IpNetwork> parse_ip_network(std::string_view text);
 
 }  // namespace sft::core

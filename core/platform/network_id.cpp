@@ -14,8 +14,8 @@ std::uint64_t network_id() noexcept {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat space {};
-  // No process is known to share our network if there is no /proc. A random id never takes another host for
-  // this one.
+  // Without /proc it is unknown which processes share our network. With a random id none of them seems to,
+  // and no other host is taken for this one.
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
   detail::Fnv1a hash;
   hash.add(boot);

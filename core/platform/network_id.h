@@ -6,7 +6,8 @@
 
 namespace sft::core {
 
-/// Hash of the boot's id, and below it, in the lower half, one of the network namespace as well.
+/// Returns the id. The upper half is a hash of the boot id, so that it identifies the machine. The lower half
+/// also depends on the network namespace.
 std::uint64_t network_id() noexcept;
 
 constexpr bool on_one_machine(std::uint64_t network, std::uint64_t other) {

@@ -24,7 +24,7 @@ bool NetworkMonitor::is_another_file() const noexcept {
   return ::fstat(netlink_.get(), &file) != 0 || file.st_ino != inode_;
 }
 
-/// This function only takes the messages out of the way. The callers ask elsewhere for what has changed.
+/// This function only removes the messages from the socket. The callers determine elsewhere what has changed.
 bool NetworkMonitor::changed() noexcept {
   if (!netlink_) return true;
   was_closed_ = is_another_file();
@@ -32,7 +32,7 @@ bool NetworkMonitor::changed() noexcept {
   for (bool any = false;; any = true) {
     char start_of_message = 0;
     const bool came = ::recv(netlink_.get(), &start_of_message, sizeof start_of_message, 0) >= 0;
-    if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: more than the socket holds
+    if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: the socket has lost messages
   }
 }
 

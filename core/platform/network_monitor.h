@@ -1,5 +1,5 @@
-// Notices that the host's interfaces, addresses or routes have changed: by a netlink socket (rtnetlink(7)),
-// which costs nothing while they have not.
+// Detects changes of the host's interfaces, addresses or routes by a netlink socket (rtnetlink(7)), which
+// costs nothing while there are no changes.
 #pragma once
 
 #include <cstdint>
@@ -16,11 +16,11 @@ class NetworkMonitor {
   /// Returns true if anything may have changed since the last call. Always returns true if the system refuses
   /// the socket.
   bool changed() noexcept;
-  /// True if the program has closed the socket, and with it probably all descriptors of this process. Its
-  /// number may be that of another file by now.
+  /// Returns true if the program has closed the socket, and probably all other descriptors of this process.
+  /// The number of the descriptor may now be that of another file.
   bool was_closed() const noexcept { return was_closed_; }
-  /// For several who share a watch, and call nothing else: a number that has risen if anything may have
-  /// changed.
+  /// For several users that share a monitor, and call only this function: returns a number that has grown if
+  /// anything may have changed.
   std::uint64_t changes() noexcept {
     if (changed()) ++changes_;
     return changes_;
@@ -30,7 +30,7 @@ class NetworkMonitor {
   bool is_another_file() const noexcept;
 
   FileDescriptor netlink_;
-  std::uint64_t inode_ = 0;  ///< of the socket
+  std::uint64_t inode_ = 0;  ///< the inode of the socket
   std::uint64_t changes_ = 0;
   bool was_closed_ = false;
 };

@@ -10,13 +10,13 @@ namespace sft::core {
 
 namespace {
 
-/// A name server that can be reached answers within this time.
+/// A name server that can be reached usually answers within this time.
 constexpr std::chrono::milliseconds usual_answer{200};
-/// The pauses between two looks for an answer grow with the time that the lookup takes.
+/// The limits of the pauses between two checks for an answer, which grow with the time that the lookup takes.
 constexpr std::chrono::milliseconds answer_pause_min{20}, answer_pause_max{1'000};
 
-/// "udp/robot.local:7410" has the parts "udp/", "robot.local" and ":7410". A colon in an IPv6 number begins
-/// no port.
+/// The parts of a peer: "udp/robot.local:7410" has the parts "udp/", "robot.local" and ":7410". A colon
+/// within an IPv6 address does not begin a port.
 struct Parts {
   std::string transport;
   std::string host;
@@ -84,8 +84,8 @@ void PeerAddresses::network_changed() {
   for (auto& [name, host] : hosts_) host.is_due = true;
 }
 
-/// There are no more threads than names. The answer to a lookup that is under way when the network changes is
-/// taken, and the name is looked up again.
+/// Begins a lookup. A name has at most one thread. If the network changes while a lookup is under way, its
+/// answer is used, and then the name is looked up again.
 void PeerAddresses::begin(const std::string& name, Host& host, Time now) {
   host.is_due = false;
   host.asked_at = now;
@@ -100,7 +100,7 @@ void PeerAddresses::begin(const std::string& name, Host& host, Time now) {
   take({name, *family_, tl::unexpected(thread.error())}, now);
 }
 
-/// Returns true if other addresses are known from now on.
+/// Takes an answer. Returns true if the known addresses change.
 bool PeerAddresses::take(Answer answer, Time now) {
   Host& host = hosts_.at(answer.name);
   host.asked_at.reset();

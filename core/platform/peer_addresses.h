@@ -1,7 +1,7 @@
-// The addresses of the peers that users name. Cyclone DDS would look names up itself whenever a link is made,
-// and hold up the thread that makes the link for as long as a name server is silent. So Cyclone is given
-// numbers only. Each lookup has a thread of its own, so that no other thread depends on the answer. This
-// thread ends with the answer, even if the answer is not needed any more. The last good answer holds until
+// The addresses of the peers that users name. Cyclone DDS would look up names itself whenever a link is made,
+// and would block the thread that makes the link while a name server does not answer. So Cyclone gets numeric
+// addresses only. Each lookup has a thread of its own, so that no other thread depends on the answer. This
+// thread ends with the answer, even if the answer is not needed any more. The last good answer is used until
 // there is another one.
 #pragma once
 
@@ -24,14 +24,14 @@
 
 namespace sft::core {
 
-/// The addresses of hosts by their names. A host is in it once its addresses are known.
+/// The addresses of hosts, by their names. It contains only hosts whose addresses are known.
 using KnownHosts = std::map<std::string, std::vector<IpAddress>>;
 
-/// Returns the name in a peer: "robot.local" of the peer "robot.local:7410". Returns nothing if the peer is a
-/// number.
+/// Returns the host name in a peer: "robot.local" in "robot.local:7410". Returns nothing if the peer is a
+/// numeric address.
 std::optional<std::string> name_in(const std::string& peer);
-/// Returns the peer in numbers, as Cyclone takes them on links of that family. The result is empty if no such
-/// number is known.
+/// Returns the numeric addresses of a peer, in the form that Cyclone takes on links of that family. Empty if
+/// none is known.
 std::vector<std::string> in_numbers(const std::string& peer, IpFamily family, const KnownHosts& hosts);
 
 /// Used by one thread at a time.
@@ -39,23 +39,24 @@ class PeerAddresses {
  public:
   using Ask = std::function<Result<std::vector<IpAddress>>(const std::string& name, IpFamily family)>;
 
-  /// This number of addresses of one name is asked. Further ones are left out.
+  /// The most addresses of one name that are used. Further ones are left out.
   static constexpr std::size_t addresses_max = 4;
   /// A name is looked up again after this time, since its address may have changed.
   static constexpr std::chrono::seconds ask_again_after{120};
 
-  /// `ask` is called on threads with these settings, also when this object is gone.
+  /// `ask` is called on threads with these settings, possibly even after this object was destroyed.
   PeerAddresses(const std::vector<std::string>& peers, ThreadSettings threads, Ask ask = &addresses_of_host);
 
-  /// Sets the family of the links that ask the peers. If there is none, no name is looked up.
+  /// Sets the family of the links that use the peers. If there is none, no name is looked up.
   void used_on(std::optional<IpFamily> family);
-  /// The network has changed: names may have other addresses, and another name server may answer.
+  /// Called when the network has changed. Names are looked up again, since they may have other addresses, and
+  /// another name server may answer.
   void network_changed();
 
   struct Look {
-    bool addresses_changed = false;  ///< known() differs from before
-    bool warnings_changed = false;   ///< warnings() differ from before
-    std::vector<std::string> news;   ///< the warnings that are new
+    bool addresses_changed = false;  ///< known() has changed
+    bool warnings_changed = false;   ///< warnings() have changed
+    std::vector<std::string> news;   ///< the new warnings
     Time next = Time::max();         ///< the latest time for the next call
   };
   /// Begins the lookups that are due, and takes the answers that have come.
@@ -64,7 +65,7 @@ class PeerAddresses {
   void wait_for_answers(Time deadline);
 
   const KnownHosts& known() const { return known_; }
-  /// Tells people which peers are not looked for, or only at their last known addresses.
+  /// Returns warnings for people about peers that are not looked for, or only at their last known addresses.
   std::vector<std::string> warnings() const;
 
  private:
@@ -80,11 +81,11 @@ class PeerAddresses {
     std::vector<Answer> answers SFT_GUARDED_BY(mutex);
   };
   struct Host {
-    std::optional<Time> asked_at{};  ///< the begin of the lookup that is under way
+    std::optional<Time> asked_at{};  ///< the beginning of the lookup that is under way
     bool is_due = true;              ///< a lookup has to begin, whatever `next` is
     Time next{};                     ///< the time of the next lookup
     Retry retry{};
-    std::string why_not{};  ///< the reason why the last lookup has brought nothing so far
+    std::string why_not{};  ///< why the last lookup has not found an address (so far)
   };
 
   void begin(const std::string& name, Host& host, Time now);
@@ -95,7 +96,7 @@ class PeerAddresses {
   const ThreadSettings threads_;
   const Ask ask_;
   const std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
-  std::vector<std::string> numbers_;  ///< the peers that are given as numbers
+  std::vector<std::string> numbers_;  ///< the peers that users named by numeric addresses
   std::map<std::string, Host> hosts_;
   KnownHosts known_;
   std::optional<IpFamily> family_;

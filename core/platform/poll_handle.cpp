@@ -19,12 +19,13 @@ Result<std::unique_ptr<PollHandle>> PollHandle::create() {
 }
 
 void PollHandle::raise() noexcept {
-  // An exchange in any case: lower() then sees what was there to be told, even where it was raised already.
+  // An exchange even if the handle is raised already, so that the thread that lowers it sees the data of this
+  // one.
   if (!raised_.exchange(true, std::memory_order_seq_cst)) ::eventfd_write(event_.get(), 1);
 }
 
-/// The order matters: in the other order a raise() between the two steps would be read away and still count
-/// as told.
+/// The order matters: in the other order, the event of a raise() between the two steps would be consumed,
+/// although the handle would still count as raised.
 void PollHandle::lower() noexcept {
   std::uint64_t ignored = 0;
   ::eventfd_read(event_.get(), &ignored);

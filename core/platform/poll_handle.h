@@ -1,4 +1,4 @@
-// A file descriptor to wait on in an event loop (epoll, asio), readable while it is raised.
+// A file descriptor for waiting in an event loop (epoll, asio). It is readable while the handle is raised.
 #pragma once
 
 #include <atomic>
@@ -11,8 +11,8 @@
 
 namespace sft::core {
 
-/// Any thread, at any time. Whoever lowers it looks afterwards whether there is something to raise it for
-/// again: what came in before that is not told twice.
+/// Any thread, at any time. After lower(), the caller must check whether there is a reason to raise the
+/// handle again: an event that raised it before lower() does not raise it a second time.
 class PollHandle {
  public:
   static Result<std::unique_ptr<PollHandle>> create();
@@ -20,7 +20,7 @@ class PollHandle {
   void raise() noexcept;
   void lower() noexcept;
   bool is_raised() const noexcept { return raised_.load(std::memory_order_seq_cst); }
-  /// Until it is raised, or the time is over. Spurious returns are possible.
+  /// Waits until the handle is raised or the time is over. Spurious returns are possible.
   void wait(std::chrono::steady_clock::time_point deadline) const noexcept;
   int descriptor() const { return event_.get(); }
 
@@ -28,7 +28,7 @@ class PollHandle {
   explicit PollHandle(FileDescriptor event) : event_(std::move(event)) {}
 
   const FileDescriptor event_;       ///< an eventfd
-  std::atomic<bool> raised_{false};  ///< so that what is readable already costs no system call
+  std::atomic<bool> raised_{false};  ///< saves system calls: a raised handle need not be raised again
 };
 
 }  // namespace sft::core

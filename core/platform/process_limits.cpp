@@ -34,7 +34,7 @@ std::string limit_of(Resource resource) {
   return std::to_string(limit.rlim_cur);
 }
 
-/// So many free descriptors, those with the lowest numbers. Fewer if there are no more: errno says why.
+/// Takes `count` free descriptors, those with the lowest numbers. If it returns fewer, errno says why.
 std::vector<FileDescriptor> take_descriptors(std::size_t count) {
   std::vector<FileDescriptor> taken;
   taken.reserve(count);
@@ -76,7 +76,7 @@ class SpareThreads {
     for (const pthread_t thread : threads_) ::pthread_join(thread, nullptr);
   }
 
-  int error() const { return error_; }  ///< why a thread could not be started, or 0
+  int error() const { return error_; }  ///< the error number if a thread could not be started, or 0
 
  private:
   static constexpr std::size_t stack_bytes = 128 * 1024;
@@ -92,8 +92,9 @@ class SpareThreads {
   int error_ = 0;
 };
 
-/// Reserves the addresses that so many threads take at most. The GNU C library gives a thread that allocates
-/// memory an arena of its own, and reserves its addresses at once: mallopt(3), HEAP_MAX_SIZE in its source.
+/// Checks that the addresses that `threads` threads need at most can be reserved. The GNU C library gives
+/// each thread that allocates memory an arena of its own, and reserves its addresses at once: mallopt(3),
+/// HEAP_MAX_SIZE in its source.
 Result<void> check_addresses(std::size_t threads) {
   constexpr std::size_t arena = std::size_t{64} << 20;
   constexpr std::size_t besides = std::size_t{64} << 20;
@@ -121,8 +122,8 @@ bool is_far_from_the_limits(std::size_t threads) {
   return threads_left(of_user.rlim_cur).value_or(0) >= threads + that_others_may_start;
 }
 
-/// Trying costs a node that opens more than a millisecond: threads that have ended keep the processor busy
-/// for a while.
+/// Checks that `count` threads can be started. Threads are only started if a limit is near, because this
+/// costs more than a millisecond: threads that have ended keep the processor busy for a while.
 Result<void> check_threads(std::size_t count) {
   if (is_far_from_the_limits(count)) return {};
   const SpareThreads spare(count);

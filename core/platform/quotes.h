@@ -1,4 +1,4 @@
-// Texts of others as people may see them: UTF-8 without what could act on a terminal.
+// Makes texts of other processes safe to print: UTF-8 without characters that could control a terminal.
 #pragma once
 
 #include <cstddef>
@@ -8,18 +8,18 @@
 namespace sft::core {
 
 struct Character {
-  std::size_t bytes = 0;  ///< 0: not UTF-8
+  std::size_t bytes = 0;  ///< the length in bytes; 0: not UTF-8
   char32_t code = 0;
 };
 
-/// Returns the first character of a text that is not empty.
+/// Returns the first character of a text, which must not be empty.
 Character first_of(std::string_view text);
 
-/// True of control characters, of what breaks a line, and of what turns the direction of the text that
-/// follows.
+/// Returns true for control characters, line breaks, and characters that change the direction of the text
+/// that follows.
 bool acts_on_terminals(char32_t code);
 
-/// Within quotation marks, cut where it is long, and with escapes for what is no text.
+/// Returns the text within quotation marks, cut if it is long, and with escapes for what is not printable.
 std::string in_quotes(std::string_view text);
 
 }  // namespace sft::core

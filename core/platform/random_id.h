@@ -1,4 +1,5 @@
-// Ids that are unique without asking anybody: endpoints, doorbell pages, control sequences of incarnations.
+// Ids that are unique without any coordination: for endpoints, doorbell pages, control sequences of
+// incarnations.
 #pragma once
 
 #include <cstdint>
@@ -6,11 +7,11 @@
 
 namespace sft::core {
 
-/// 64 random bits of the kernel's, never 0. Aborts nothing: falls back to time and address where getrandom
-/// fails.
+/// Returns 64 random bits of the kernel, never 0. If getrandom() fails, it uses the time and an address
+/// instead.
 std::uint64_t random_id() noexcept;
 
-/// An id in names of files and services: 16 digits.
+/// Returns an id as in names of files and services: 16 hex digits.
 std::string in_hex(std::uint64_t id);
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// Decides when something that failed is tried again, ever more seldom. The reason is told once for as long as
-// it stays the same. Pure.
+// Decides when something that failed is tried again, with growing pauses. A reason is news only once, as long
+// as it stays the same. Pure: times are passed in, decisions are returned.
 #pragma once
 
 #include <algorithm>
@@ -16,13 +16,13 @@ class Retry {
   static constexpr std::chrono::milliseconds pause_min{500};
   static constexpr std::chrono::milliseconds pause_max{10'000};
 
-  /// True if it may be tried.
+  /// Returns true if an attempt may be made.
   bool due(Time now) const { return now >= next_; }
-  /// True if it has failed, and may be tried again.
+  /// Returns true if the last attempt has failed, and another one may be made.
   bool due_again(Time now) const { return pause_.count() != 0 && due(now); }
 
-  /// Returns true if that is news: it did not fail before, or failed for another reason. `longest`: the
-  /// longest pause until it may be tried again.
+  /// Called when an attempt has failed. Returns true if that is news: the previous attempt did not fail, or
+  /// failed for another reason. `longest` limits the pause until the next attempt.
   bool failed(std::string why, Time now, std::chrono::milliseconds longest = pause_max) {
     pause_ = std::clamp(pause_ * 2, pause_min, longest);
     next_ = now + pause_;
@@ -31,11 +31,11 @@ class Retry {
     return is_news;
   }
   void succeeded() { *this = {}; }
-  /// Returns the time from which on it may be tried again, or Time{} if it did not fail.
+  /// Returns the earliest time of the next attempt, or Time{} if the last one did not fail.
   Time next() const { return next_; }
-  /// The reason of the last failure.
+  /// Returns the reason of the last failure.
   const std::string& reason() const { return why_; }
-  /// Pauses it until then, although it did not fail.
+  /// Forbids attempts until then, although none has failed.
   void hold(Time until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
@@ -44,7 +44,7 @@ class Retry {
     hold(until);
     why_ = std::move(why);
   }
-  /// Pauses it for as long as the other one pauses, and for the same reason.
+  /// Forbids attempts for as long as `other` does, and for the same reason.
   void hold_with(const Retry& other) {
     hold(other.next_);
     why_ = other.why_;

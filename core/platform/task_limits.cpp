@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
-/// "max" stands for no limit.
+/// Returns the number in a file; "max" means no limit.
 std::optional<std::uint64_t> number_in(const fs::path& file) {
   std::ifstream stream(file);
   std::string word;
@@ -25,7 +25,7 @@ std::optional<std::uint64_t> number_in(const fs::path& file) {
   return number;
 }
 
-/// Field 4 of /proc/loadavg, "running/total".
+/// Returns the total of field 4 of /proc/loadavg, "running/total".
 std::optional<std::uint64_t> threads_of_the_system(const fs::path& root) {
   std::ifstream stream(root / "proc/loadavg");
   std::string load, running;
@@ -36,10 +36,11 @@ std::optional<std::uint64_t> threads_of_the_system(const fs::path& root) {
 
 struct ControlGroup {
   fs::path mounted_at;
-  fs::path path;  ///< of the group, below that
+  fs::path path;  ///< the path of the group below the mount point
 };
 
-/// The control group that limits threads: that of the controller `pids`, or else of the unified hierarchy.
+/// Returns the control group that limits threads: that of the controller `pids`, or else that of the unified
+/// hierarchy.
 std::optional<ControlGroup> control_group(const fs::path& root) {
   std::ifstream stream(root / "proc/self/cgroup");
   std::optional<ControlGroup> unified;
@@ -54,7 +55,7 @@ std::optional<ControlGroup> control_group(const fs::path& root) {
   return unified;
 }
 
-/// The number of threads that the group and all groups above it leave.
+/// Returns the number of threads that the group and all groups above it leave.
 std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   const std::optional<ControlGroup> group = control_group(root);
   std::error_code missing;

@@ -1,4 +1,4 @@
-// The text of a file that may vanish while it is read, as those of processes in /proc do.
+// Reads the text of a file that may disappear while it is read, as those of processes in /proc do.
 #pragma once
 
 #include <filesystem>
@@ -9,8 +9,8 @@
 
 namespace sft::core {
 
-/// Returns as much of the file as could be read: nothing if the file is not there. Where a process ends
-/// meanwhile, an iterator over the buffer of the stream would throw.
+/// Returns as much of the file as could be read; empty if there is no such file. It uses no iterator over the
+/// stream buffer, since that would throw if the process of the file ends meanwhile.
 inline std::string text_of(const std::filesystem::path& file) {
   std::ostringstream text;
   text << std::ifstream(file, std::ios::binary).rdbuf();

@@ -19,14 +19,14 @@ namespace sft::core {
 
 namespace {
 
-/// New threads inherit the mask that is in force when they start.
+/// Blocks signals in this thread, so that threads that it starts inherit the blocked mask.
 class BlockedSignals {
  public:
   BlockedSignals() {
     sigset_t all;
     ::sigfillset(&all);
-    // Signals that a thread brings on itself stay unblocked: blocked, they would end the process without its
-    // crash handler.
+    // Signals that a thread causes itself stay unblocked. If they were blocked, they would end the process
+    // without running its crash handler.
     for (const int fault : {SIGSEGV, SIGBUS, SIGFPE, SIGILL, SIGTRAP, SIGSYS, SIGABRT})
       ::sigdelset(&all, fault);
     ::pthread_sigmask(SIG_SETMASK, &all, &before_);
@@ -39,7 +39,7 @@ class BlockedSignals {
   sigset_t before_;
 };
 
-/// A set of CPUs in the kernel's form, for as many CPUs as a kernel can be built for.
+/// A set of CPUs in the kernel's form, large enough for the most CPUs that a kernel can be built for.
 class CpuSet {
  public:
   static constexpr unsigned size = 8192;
@@ -67,9 +67,9 @@ class CpuSet {
   std::array<cpu_set_t, size / CPU_SETSIZE> bits_{};
 };
 
-/// Looked at when the library is loaded, which is before the program can have pinned its threads. Whoever
-/// started the program may have chosen these (taskset, a service manager), and that choice holds for all
-/// threads.
+/// The CPUs of the program, read when the library is loaded, before the program can have pinned its threads.
+/// The user may have chosen them when starting the program (taskset, a service manager), and that choice
+/// holds for all threads.
 const CpuSet cpus_at_start = CpuSet::of_thread(::getpid());
 
 bool is_real_time(const ThreadSettings& settings) {
@@ -99,8 +99,8 @@ tl::unexpected<Error> refused_policy(const ThreadSettings& settings, int error) 
 
 Result<void> take_cpus(const std::vector<unsigned>& cpus) {
   if (cpus.empty()) {
-    // The CPUs that the program was started with may be gone since. The thread then keeps the CPUs that it
-    // has.
+    // The CPUs that the program was started with may have been removed since. The thread then keeps the CPUs
+    // that it has.
     if (!cpus_at_start.empty() && cpus_at_start != CpuSet::of_thread(0))
       (void)cpus_at_start.give_to_this_thread();
     return {};
@@ -126,14 +126,15 @@ Result<void> take_policy(const ThreadSettings& settings) {
     if (::sched_setscheduler(0, policy, &parameters) == 0) return {};
     return refused_policy(settings, errno);
   }
-  // Others than the real-time policies are those of the whole program: of a batch job, for example.
+  // An inherited policy that is not real-time is that of the whole program, a batch job for example, and is
+  // kept.
   const int inherited = ::sched_getscheduler(0);
   const sched_param parameters{.sched_priority = 0};
   if (inherited == SCHED_FIFO || inherited == SCHED_RR) ::sched_setscheduler(0, SCHED_OTHER, &parameters);
   return {};
 }
 
-/// Pure.
+/// Checks the values without system calls.
 Result<void> check_values(const ThreadSettings& settings) {
   const int least = is_real_time(settings) ? 1 : 0, most = is_real_time(settings) ? 99 : 0;
   if (settings.priority < least || settings.priority > most)
@@ -148,9 +149,10 @@ Result<void> check_values(const ThreadSettings& settings) {
   return {};
 }
 
-/// A thread has the name of the one that started it until it has begun to run and taken its own name.
+/// Returns the names of all threads once they have names of their own. Until a new thread has begun to run
+/// and has set its name, it has the name of the thread that started it.
 ThreadNames names_once_given() {
-  constexpr int looks = 1000;  // one in a millisecond
+  constexpr int looks = 1000;  // one per millisecond
   ThreadNames names = thread_names();
   for (int i = 0; i < looks; ++i) {
     const std::string own = names[std::to_string(::gettid())];
@@ -161,7 +163,7 @@ ThreadNames names_once_given() {
   return names;
 }
 
-/// Gives this thread what they say.
+/// Applies the settings to this thread.
 Result<void> take(const ThreadSettings& settings) {
   if (Result<void> sound = check_values(settings); !sound) return sound;
   if (Result<void> taken = take_cpus(settings.cpus); !taken) return taken;
@@ -183,7 +185,7 @@ Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> b
       ::pthread_setname_np(::pthread_self(), spec.name.substr(0, 15).c_str());
       const Result<void> taken = take(spec.settings);
       const bool goes_on = taken.has_value();
-      promise.set_value(taken);  // `spec` may be gone from here on
+      promise.set_value(taken);  // `spec` may be destroyed from here on
       if (goes_on) body();
     });
   } catch (const std::system_error& error) {

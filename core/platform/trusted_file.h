@@ -1,8 +1,8 @@
-// Files in directories that every account of the host can write to (/dev/shm, /tmp). Another account may have
-// put anything at a path there before us: a FIFO, which would block who opens it, a link to a file of ours, a
-// file whose words are lies, or one that it truncates once it is mapped. So such a path is opened in one way
-// only: the call never waits and follows no link, and what was opened is believed only if it is a regular
-// file with one name, of an account that is trusted.
+// Opens files in directories to which every account of the host can write (/dev/shm, /tmp). Another account
+// may have put anything at a path there: a FIFO, which would block the thread that opens it, a link to a file
+// of ours, a file with forged contents, or one that it truncates once it is mapped. So such a path is opened
+// in one way only: the call never waits and follows no link, and the file is accepted only if it is a regular
+// file with one name, of a trusted account.
 #pragma once
 
 #include <sys/stat.h>
@@ -16,28 +16,29 @@
 
 namespace sft::core {
 
-/// The accounts whose files are believed. Root and this process's own account always are among them.
+/// The accounts whose files are accepted. Root and this process's own account are always among them.
 struct TrustedAccounts {
   std::vector<uid_t> users{};
-  /// Only a member of a group can give a file to that group: such a file is by one of its members.
+  /// Files of these groups are accepted, too. Only a member of a group can give a file to that group.
   std::vector<gid_t> groups{};
-  bool everybody = false;  ///< for commands that only show what is there
+  bool everybody = false;  ///< true: files of all accounts; for commands that only display them
 
   bool include_user(uid_t user) const;
   bool include_owner_of(const struct stat& file) const;
   friend bool operator==(const TrustedAccounts&, const TrustedAccounts&) = default;
 };
 
-/// Opens an existing file of one of these accounts. `access` is O_RDONLY or O_RDWR. Errc::unavailable if
-/// there is none, Errc::address_in_use if something else is in its place or it is of another account,
-/// Errc::no_permission if this account may not open it. The error names the file, its owner, and what to do.
+/// Opens an existing file of one of these accounts. `access` is O_RDONLY or O_RDWR. Returns Errc::unavailable
+/// if there is no such file, Errc::address_in_use if something else is in its place or the file belongs to
+/// another account, and Errc::no_permission if this account must not open it. The error names the file, its
+/// owner, and what to do.
 Result<FileDescriptor> open_trusted_file(const std::string& path, int access,
                                          const TrustedAccounts& accounts = {});
 
-/// "user alice", or "user 1234" where that has no name.
+/// Returns "user alice", or "user 1234" if the user has no name.
 std::string account_name(uid_t user);
 
-/// Returns true if the path still names the open file: somebody may have removed or replaced it.
+/// Returns true if the path still names the open file, which may have been removed or replaced.
 bool still_names(const std::string& path, int descriptor) noexcept;
 
 }  // namespace sft::core

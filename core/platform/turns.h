@@ -1,4 +1,5 @@
-// Gives turns where many have something to say again and again, and not all of them fit in at once. Pure.
+// Chooses in turn (round robin) which of many participants come next when there is not room for all of them
+// at once. Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -7,12 +8,13 @@
 
 namespace sft::core {
 
-/// `Key` sorts those who take turns.
+/// `Key` identifies the participants, and defines their order.
 template <class Key>
 class Turns {
  public:
-  /// Offers a turn to each of `all`, a set of keys or a map of them, beginning behind the one that took the
-  /// last turn. `take` tells whether that one takes its turn. Ends once `most` have taken theirs.
+  /// Offers a turn to each participant in `all`, a set of keys or a map with them, beginning after the
+  /// participant that took the last turn. `take` returns true if the participant takes its turn. Ends once
+  /// `most` participants have taken a turn.
   template <class Sorted, class Take>
   void go_round(Sorted& all, std::size_t most, Take take) {
     std::size_t taken = 0;

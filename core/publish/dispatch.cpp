@@ -15,7 +15,7 @@ bool is_among(const std::vector<Route>& routes, const Route& to) {
   return std::ranges::find(routes, to.reader, &Route::reader) != routes.end();
 }
 
-/// The routes of `some`, and those of `others` to other readers.
+/// Returns the routes of `some`, and those of `others` that lead to other readers.
 std::vector<Route> joined(const std::vector<Route>& some, const std::vector<Route>& others) {
   std::vector<Route> all = some;
   const auto is_new = [&](const Route& route) { return !is_among(some, route); };
@@ -23,7 +23,7 @@ std::vector<Route> joined(const std::vector<Route>& some, const std::vector<Rout
   return all;
 }
 
-/// The routes of `before` to readers to whom `elsewhere` has routes.
+/// Returns the routes of `before` to readers to which `elsewhere` also has routes.
 std::vector<Route> changing_over(const std::vector<Route>& before, const std::vector<Route>& elsewhere) {
   std::vector<Route> some;
   const auto is_elsewhere = [&](const Route& route) { return is_among(elsewhere, route); };
@@ -44,15 +44,16 @@ Dispatch::Dispatch(Setup setup)
   outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
 }
 
-/// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
-/// there does not begin anything there either.
+/// Makes these outlets the ones by which the publisher's thread sends and counts. If they do not use the
+/// network, begin() is called once, so that the network port turns its page, too, and no longer counts for
+/// former readers.
 void Dispatch::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Origin::publisher, outlets.page);
   if (network_ != nullptr && !outlets.to_network) static_cast<void>(network_->begin());
   in_force_ = &outlets;
 }
 
-/// Puts outlets in force by which samples go to the ports of before and to those of from now on.
+/// Puts outlets in force by which samples go to the ports of `before` and to those of `after`.
 void Dispatch::send_by_both(const Outlets& before, const Outlets& after) {
   auto both = std::make_shared<Outlets>(before.with(after));
   if (after.memory != nullptr) {
@@ -71,15 +72,15 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
       make_outlets(type_, serving, gates_, {std::move(memory), network_ != nullptr, history_ != nullptr});
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->provides_for(*after)) {
-    // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
-    // new routes need together, wait for a call that may have begun before that, and only then change the
-    // routes.
+    // A route must never need a field that is not encoded, or a gate that was not asked. So first put outlets
+    // in force that suffice for the old and the new routes, then wait for a call that may have begun before,
+    // and only then change the routes.
     outlets_.replace(std::make_shared<Outlets>(before->with(*after)));
     outlets_.wait_for_reader();
   }
   book_->enter(after->page);
-  // A reader that changes over must not fall between two ports: for a moment both send it samples, and it
-  // takes them once.
+  // A reader that changes from one port to the other must not miss samples. So for a moment both ports send
+  // samples to it, and it takes each only once.
   const std::vector<Route> leave_memory = changing_over(in_memory_, serving.network);
   const std::vector<Route> leave_network = changing_over(over_network_, serving.memory);
   std::vector<Route> network = serving.network;
@@ -120,7 +121,7 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
   return PublishStatus::no_memory;
 }
 
-/// Counts the reason why shared memory has not lent memory for such a body.
+/// Counts why shared memory could not lend memory for a body of this size.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
   (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)
@@ -137,7 +138,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   sample->trust_header();
   if (history_ != nullptr) {
     history_->add(sample);
-    look_at_outlets();  // see LateReaders
+    look_at_outlets();  // they may have changed: late_readers.h says why they are read again
   }
   const Outlets& outlets = *in_force_;
   PublishStatus status = PublishStatus::ok;
@@ -164,7 +165,8 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   return status;
 }
 
-/// The sample may have been lent elsewhere, before shared memory came up or while it had no chunk free.
+/// Sends by shared memory. If the sample lies elsewhere, because it was made before shared memory was
+/// available or while no chunk was free, it is copied.
 SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& timeout) noexcept {
   LendingWriter& memory = *in_force_->memory;
   const std::span gates(in_force_->memory_gates);
@@ -184,7 +186,8 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
   return status;
 }
 
-/// Shared memory does not take the sample: those readers miss it that have no fallback route.
+/// Called if shared memory does not take the sample. Counts it as dropped for the readers that have no
+/// fallback route.
 PublishStatus Dispatch::divert(const SampleBuffer& sample) noexcept {
   if (in_force_->has_fallback) note_sent_over_network_alone(sample);
   PublishStatus status = PublishStatus::ok;

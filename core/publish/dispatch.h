@@ -1,9 +1,9 @@
-// Sends the samples of one publisher to where its readers are: by shared memory, over the network, or by
-// both; and what shared memory does not take, over the network to the readers that have a fallback route.
+// Sends the samples of one publisher to its readers: by shared memory, over the network, or by both. Samples
+// that shared memory does not take are sent over the network to the readers that have a fallback route.
 //
 // The agent puts outlets in force (serve()), and the publisher's thread sends by them. No route may ever ask
-// for more than a sample has. Therefore the publisher's thread does everything within a Call, and whoever
-// replaces the outlets may wait for the Call that began with the ones before.
+// for more than a sample has. Therefore the publisher's thread does everything within a Call, and the agent,
+// when it replaces the outlets, can wait for the Call that began with the previous ones.
 #pragma once
 
 #include <atomic>
@@ -27,7 +27,7 @@ namespace sft::core {
 
 class Dispatch {
  public:
-  /// The type, the book and the ports that the dispatch works with. All of them outlive the dispatch.
+  /// The type, the book and the ports that a Dispatch uses. All of them outlive it.
   struct Setup {
     const TypeSupport* type = nullptr;
     std::shared_ptr<NetworkWriter> network;  ///< null if the publisher must not use it
@@ -39,7 +39,7 @@ class Dispatch {
 
   // The publisher's thread.
 
-  /// The outlets that are in force for one call of the program, from the beginning to the end of the scope.
+  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope.
   class Call {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
@@ -53,26 +53,27 @@ class Dispatch {
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
-    /// The outlets in force. Sending a sample may replace them.
+    /// Returns the outlets in force. Sending a sample may replace them.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:
     Published<Outlets>::Reading reading_;
     const Dispatch& dispatch_;
-    NetworkWriter* yielding_ = nullptr;  ///< the port that makes way meanwhile; null: none
+    NetworkWriter* yielding_ = nullptr;  ///< the port whose threads leave the processor meanwhile; null: none
   };
 
-  /// The verdict of the gates on one sample.
+  /// The decision of the gates on one sample.
   struct Admission {
-    bool passes = false;                       ///< the sample is for somebody
-    std::optional<Transmission> transmission;  ///< of the sample; empty if it does not use the network
+    bool passes = false;  ///< at least one reader, or the history, takes the sample
+    std::optional<Transmission>
+        transmission;  ///< the sample's transmission; empty: it does not use the network
   };
 
   // Within a Call.
 
   /// Asks each gate once about the sample, before it is encoded. (A durable publisher makes every sample, and
-  /// sends it by the routes that are in force once the sample is in the history, see serve(): its
-  /// transmissions begin then.)
+  /// sends it by the routes that are in force once the sample is in the history, see LateReaders. Its
+  /// transmissions begin only then.)
   Admission admit(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     const Outlets& outlets = *in_force_;
     Admission admission;
@@ -85,45 +86,48 @@ class Dispatch {
     }
     return admission;
   }
-  /// The message that was admitted has been encoded: later ones are compared with it.
+  /// Called when the admitted message has been encoded. Later messages are compared with it.
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     for (const auto& gate : in_force_->gates) gate->made(sample, stamp_ns);
   }
-  /// The message that was admitted is not published after all.
+  /// Called when the admitted message is not published after all.
   void refuse() noexcept {
     for (const auto& gate : in_force_->gates) gate->refused();
   }
-  /// Admits a sample that is encoded already; empty: there was no memory for it.
+  /// Asks the gates about a sample that is encoded already. An empty handle: there was no memory for it.
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
-  /// True if nobody but the network gets the sample, which takes copies that are postponed.
+  /// Returns true if copies of parts of the sample may be postponed: only the network gets it, and its port
+  /// allows that.
   bool may_postpone() const noexcept { return postpones_ && in_force_->to_network && !in_force_->to_memory; }
-  /// Counts samples that nobody wants, so that readers can tell.
+  /// Gives sequences to samples that no reader wants, so that readers see that these were withheld.
   PublishStatus withhold(std::size_t samples = 1) noexcept {
     sequence_.fetch_add(samples, std::memory_order_relaxed);
     return PublishStatus::ok;
   }
-  /// Counts a sample that could not be made, so that readers see that one is missing.
+  /// Gives a sequence to a sample that could not be made, so that readers see that it is missing, and counts
+  /// it as dropped.
   PublishStatus miss(Admission&& admission, std::uint32_t body_bytes) noexcept;
-  /// Sends a whole sample, or one that the outlets asked for. Waits for readers for at most `timeout`, and
-  /// subtracts the time that it waited from it.
+  /// Sends a whole sample, or one with the fields that the outlets need. Waits for readers for at most
+  /// `timeout`, and subtracts the time that it waited from `timeout`.
   PublishStatus send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
                      std::chrono::nanoseconds& timeout) noexcept;
 
-  /// Returns nothing if the publisher does not use the network.
+  /// Begins a batch. Returns nothing if the publisher does not use the network.
   std::optional<Batch> batch(BatchTimeout timeout) noexcept;
-  /// Counts samples that were handed over and were not sent after all.
+  /// Counts samples that a port took and did not send after all.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
   // The agent's thread.
 
-  /// Gives the routes their gates, and puts a new division of readers between the ports in force. `memory` is
-  /// null while there is no shared memory. Returns what samples have from now on.
+  /// Gives the routes their gates, and puts the routes of both ports in force. `memory` is null while there
+  /// is no shared memory. Returns the fields that samples have from now on.
   FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory);
 
   // Any thread.
 
   std::uint64_t published() const noexcept { return sequence_.load(std::memory_order_relaxed); }
-  /// Samples that did not get to each route, as far as that was known when they were sent.
+  /// Returns the number of samples that were not sent by all of their routes, as far as that was known when
+  /// they were sent.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
   PublisherStatus::Diverted diverted() const noexcept;
 
@@ -142,8 +146,8 @@ class Dispatch {
     return reach == Reach::usual_routes ? network_->send(sample) : network_->begin().send(sample, reach);
   }
   PublishStatus divert(const SampleBuffer& sample) noexcept;
-  /// Samples in shared memory that come later tell their readers that they may have to wait for this one,
-  /// which is under way for longer.
+  /// Remembers a sample that is sent over the network only. Later samples in shared memory name it, so that
+  /// readers can wait for it, since it is under way for longer.
   void note_sent_over_network_alone(const SampleBuffer& sample) noexcept {
     diverted_sequence_ = sample.sequence;
     diverted_stamp_ns_ = sample.source_stamp_ns;
@@ -166,9 +170,9 @@ class Dispatch {
   std::atomic<std::uint64_t> unavailable_{0};
 
   // The publisher's thread.
-  const Outlets* in_force_ = nullptr;    ///< deliveries are counted on their page
-  std::uint64_t diverted_sequence_ = 0;  ///< of the last sample sent over the network alone
-  std::int64_t diverted_stamp_ns_ = 0;   ///< when that was published
+  const Outlets* in_force_ = nullptr;    ///< the outlets on whose page deliveries are counted
+  std::uint64_t diverted_sequence_ = 0;  ///< the sequence of the last sample sent over the network only
+  std::int64_t diverted_stamp_ns_ = 0;   ///< when that sample was published
 
   // The agent's thread.
   Gates gates_;

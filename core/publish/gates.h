@@ -1,5 +1,5 @@
-// The gates of one writer: one for each set of conditions and limit that its readers ask for, shared by all
-// that ask for the same.
+// The gates of one writer: one for each combination of conditions and maximum rate that its readers ask for.
+// Readers that ask for the same share a gate.
 #pragma once
 
 #include <cstdint>
@@ -22,15 +22,15 @@ class Gates {
   /// `type` is the type of the writer's messages, and outlives this object.
   explicit Gates(const TypeSupport& type) : type_(type) {}
 
-  /// Before routes are given theirs: lets go of gates that nobody has used for long, beyond a few. Until then
-  /// they are kept: their numbers go on when somebody asks for the same again.
+  /// Removes unused gates if there are more than a few. To be called before give(). (Unused gates are kept
+  /// until then, so that their ordinals continue when a reader asks for the same again.)
   void tidy();
   /// Gives each route the gate that its reader asks for, or none.
   void give(std::span<Route> routes);
-  /// The gate that give() gave to the route.
+  /// Returns the gate that give() gave to the route.
   const std::shared_ptr<Gate>& of(const Route& route) const;
-  /// The routes are in force: there is no earlier sample for those readers that have asked for something else
-  /// before, or for nothing.
+  /// Called when the routes are in force. For readers whose gate or selection is new, the next sample is not
+  /// compared with earlier ones (Gate::reader_begins()).
   void open_for(const Serving& serving);
 
  private:
@@ -39,14 +39,14 @@ class Gates {
     std::vector<Selection::Condition> conditions{};
     std::shared_ptr<Gate> gate{};
   };
-  /// The gate and the selection of a reader.
+  /// The gate of a reader, and the hash of its selection.
   using Asked = std::pair<const Gate*, std::uint64_t>;
 
   std::shared_ptr<Gate>& find(const Route& route);
 
   const TypeSupport& type_;
   std::vector<Entry> gates_;
-  std::map<EndpointId, Asked> asked_;  ///< of readers behind gates with conditions
+  std::map<EndpointId, Asked> asked_;  ///< only readers whose gates have conditions
 };
 
 }  // namespace sft::core

@@ -11,14 +11,16 @@ namespace sft::core {
 
 class History {
  public:
-  /// Samples older than `lifespan_ns` are let go of; 0: none is too old.
+  /// Samples older than `lifespan_ns` are dropped; 0: samples never expire.
   History(std::uint32_t depth, std::int64_t lifespan_ns);
 
-  /// Keeps a sample whose sequence and stamp are set, and lets go of the oldest beyond the depth.
+  /// Keeps a sample whose sequence and stamp are set, and drops the oldest one if there are more than
+  /// `depth`.
   void add(const SampleHandle& sample);
-  /// Keeps this one for the one with its sequence, if that is still kept.
+  /// Replaces the kept sample that has the same sequence by `sample`. Does nothing if that one is no longer
+  /// kept.
   void replace(const SampleHandle& sample);
-  /// At most the last `count`, the oldest first.
+  /// Returns at most the last `count` samples that have not expired, the oldest first.
   std::vector<SampleHandle> last(std::size_t count, std::int64_t now_ns) const;
   void expire(std::int64_t now_ns);
 
@@ -26,9 +28,10 @@ class History {
   bool is_expired(const SampleHandle& sample, std::int64_t now_ns) const;
 
   const std::int64_t lifespan_ns_;
-  mutable Mutex mutex_;  // held for a few instructions; samples are let go of outside
-  std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring, empty handles where nothing is kept
-  std::size_t next_ SFT_GUARDED_BY(mutex_) = 0;  ///< place of the next sample, which is that of the oldest
+  mutable Mutex mutex_;  // held for a few instructions; samples are released after it is unlocked
+  std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring; unused places have empty handles
+  std::size_t next_ SFT_GUARDED_BY(mutex_) =
+      0;  ///< the place of the next sample, where the oldest one is now
 };
 
 }  // namespace sft::core

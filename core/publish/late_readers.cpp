@@ -27,7 +27,8 @@ void LateReaders::serve(const Serving& serving, std::shared_ptr<LendingWriter> m
   give_history();
 }
 
-/// Routes of readers that are to be given the history over the network now, and not already at that address.
+/// Returns the routes of readers to which the history must be sent over the network now, because it was not
+/// yet sent to them at that address.
 std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
   std::map<EndpointId, Locator> begun;
@@ -42,13 +43,14 @@ std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
 }
 
 void LateReaders::give_history() {
-  constexpr int attempts = 20;  // each one lost to a sample that was published meanwhile
+  constexpr int attempts = 20;  // an attempt fails if a sample is published meanwhile
   for (const Route& route : late_in_memory_) {
     for (int i = 0; memory_ != nullptr && i < attempts && !give_history(*memory_, route); ++i) continue;
   }
 }
 
-/// True if that is done. Asked first is what was held back: all of that, at least, is in the history then.
+/// Returns true if the reader has got the history. The number of samples held back is read first, so that at
+/// least these are in the history when that is read.
 bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   const auto held_back = memory.held_back(route.reader);
   if (!held_back) return true;
@@ -75,8 +77,8 @@ std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
   return wanted;
 }
 
-/// Samples that were published before there was shared memory are copied there now. A sample for which there
-/// is no room is missing, as any sample would be.
+/// Returns the retained samples in shared memory. Those that were published before there was shared memory
+/// are copied now. A sample for which there is no room is left out, and counts as missed.
 std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, const Route& route) {
   std::vector<SampleHandle> samples = retained_for(route);
   for (SampleHandle& sample : samples) {

@@ -1,10 +1,11 @@
-// Gives readers that come late what the publisher has retained, before they get what is sent from then on.
+// Gives late readers the samples that the publisher has retained, before they get the samples that are sent
+// from then on.
 //
 // A late reader gets retained samples from here, and samples that are published meanwhile from its port. Over
-// the network these wait in the port from set_routes() on; in shared memory they are held back, and are in
-// the history by the time that it is looked at, because a sample is in the history before the publisher looks
-// for its outlets. What send() sends by earlier routes or outlets does not reach the late reader, but is in
-// the history, too. Both may hold the same sample; the reader takes it once.
+// the network the latter wait in the port from set_routes() on. In shared memory they are held back; they are
+// in the history by the time that it is read, because a sample is put into the history before the publisher
+// reads its outlets. Samples that send() sends by earlier routes or outlets do not reach the late reader, but
+// are in the history, too. A sample may come by both ways; the reader takes it once.
 //
 // The agent's thread calls everything, except missed().
 #pragma once
@@ -24,21 +25,20 @@ namespace sft::core {
 
 class LateReaders {
  public:
-  /// `network` is null if the publisher must not use it; `history` is null if the publisher retains nothing,
-  /// and outlives this.
+  /// `network` is null if the publisher must not use it. `history` is null if the publisher retains nothing;
+  /// it outlives this object.
   LateReaders(const TypeSupport& type, std::shared_ptr<NetworkWriter> network,
               std::shared_ptr<DeliveryBook> book, History* history);
 
-  /// Serves the late readers among these. The routes have to be in force. `memory` is null while there is no
+  /// Serves the late readers in `serving`, whose routes must be in force. `memory` is null while there is no
   /// shared memory.
   void serve(const Serving& serving, std::shared_ptr<LendingWriter> memory);
-  /// Gives the history to late readers in shared memory as soon as they can be given it. To be called now and
-  /// then.
+  /// Gives the history to late readers in shared memory that are ready for it. To be called now and then.
   void give_history();
-  /// True if all has left that was for that reader alone.
+  /// Returns true if all samples for that reader alone have left.
   bool history_sent(EndpointId reader) const { return network_ == nullptr || network_->history_sent(reader); }
 
-  /// Retained samples that shared memory had no room for. Any thread.
+  /// Returns the number of retained samples that shared memory had no room for. Any thread.
   std::uint64_t missed() const noexcept { return missed_.load(std::memory_order_relaxed); }
 
  private:
@@ -51,9 +51,10 @@ class LateReaders {
   const std::shared_ptr<NetworkWriter> network_;
   const std::shared_ptr<DeliveryBook> book_;
   History* const history_;
-  std::map<EndpointId, Locator> begun_;  ///< readers that are being given it over the network, and where
+  std::map<EndpointId, Locator>
+      begun_;  ///< readers that get the history over the network, and their addresses
   std::shared_ptr<LendingWriter> memory_;
-  std::vector<Route> late_in_memory_;  ///< to readers that are, or will be, given it in shared memory
+  std::vector<Route> late_in_memory_;  ///< routes to readers that get the history in shared memory
   std::atomic<std::uint64_t> missed_{0};
 };
 

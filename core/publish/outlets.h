@@ -1,5 +1,5 @@
-// Outlets say where the samples of a publisher go, and what each sample has to have for that. They are made
-// of what the negotiation wants, for the publisher's thread. Immutable once in force.
+// Outlets say where the samples of a publisher are sent, and which fields each sample needs for that. They
+// are derived from the desired state of the negotiation, for the publisher's thread. Immutable once in force.
 #pragma once
 
 #include <memory>
@@ -14,11 +14,11 @@
 namespace sft::core {
 
 struct Outlets {
-  /// Readers in shared memory with one limit.
+  /// Readers in shared memory that share a gate.
   struct MemoryGroup {
     std::shared_ptr<const Gate> gate;
     std::shared_ptr<DeliveryTally> tally;
-    bool have_fallback;  ///< what shared memory does not take can be sent to them over the network
+    bool have_fallback;  ///< samples that shared memory does not take can be sent to them over the network
     bool wants_sample() const { return gate == nullptr || gate->passes(); }
   };
 
@@ -27,17 +27,18 @@ struct Outlets {
   bool to_memory = false;
   bool to_network = false;
   bool has_fallback = false;                 ///< some of `memory_groups` have a fallback
-  std::vector<std::shared_ptr<Gate>> gates;  ///< to be asked about each sample
-  /// Some reliable reader in shared memory can be sent nothing over the network instead.
+  std::vector<std::shared_ptr<Gate>> gates;  ///< the gates that must be asked about each sample
+  /// True: a reliable reader in shared memory has no fallback route over the network.
   bool needs_memory = false;
-  bool to_all = false;  ///< some reader gets every sample
-  FieldMask mask;       ///< to be encoded: everything for shared memory, else the union of what is asked for
-  bool whole = false;   ///< `mask` is all there is
+  bool to_all = false;  ///< at least one reader gets every sample
+  FieldMask mask;       ///< the fields to encode: all for shared memory, otherwise the union of all requests
+  bool whole = false;   ///< `mask` has all fields
   std::vector<MemoryGroup> memory_groups;
-  std::vector<std::shared_ptr<Gate>> memory_gates;  ///< those of `gates` that samples name
-  DeliveryBook::Page page;                          ///< of these readers
+  std::vector<std::shared_ptr<Gate>>
+      memory_gates;         ///< those of `gates` that samples name in their gate table
+  DeliveryBook::Page page;  ///< the page of these readers
 
-  /// True if each sample is made so that the others' routes can send it.
+  /// Returns true if each sample is made so that the routes of `other` can send it.
   bool provides_for(const Outlets& other) const;
   /// Returns these outlets, but with every field and every gate that `other` needs.
   Outlets with(const Outlets& other) const;
@@ -50,7 +51,7 @@ struct Means {
   bool retains = false;  ///< the publisher retains samples; late readers may ask for any field of them
 };
 
-/// REQUIRES: each route in `serving` has its gate from `gates`.
+/// Makes the outlets for `serving`. REQUIRES: each route in `serving` has its gate from `gates`.
 std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& serving, const Gates& gates,
                                       Means means);
 

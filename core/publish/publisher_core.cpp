@@ -10,8 +10,8 @@ namespace sft::core {
 
 namespace {
 
-/// The most samples of a span that one call sends: whoever changes the outlets waits no longer than for
-/// these.
+/// The most samples of a span that are sent within one Call. So the agent, which waits for a Call when it
+/// changes the outlets, waits for no more than these.
 constexpr std::size_t span_at_once = 1024;
 
 bool equal_but_for_number(PublisherStatus::Reader a, const PublisherStatus::Reader& b) {
@@ -104,7 +104,7 @@ PublishedSpan PublisherCore::publish(const void* values, std::size_t count, std:
   return all;
 }
 
-/// In one call, as far as whoever changes the outlets can tell.
+/// Publishes values within one Dispatch::Call.
 PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t count, std::size_t stride,
                                           BatchTimeout share, std::chrono::nanoseconds& timeout) {
   const Dispatch::Call call(dispatch_);

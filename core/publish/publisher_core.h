@@ -1,10 +1,9 @@
-// One publisher without its message type: encodes each sample once and hands it to the ports that have
-// readers. The work is done by its parts: SampleMaker makes samples, Dispatch sends them, LateReaders gives
-// those that come late what was retained. This class tells them of each other and tells the program of
-// readers.
+// One publisher without its message type: encodes each sample once and passes it to the ports that have
+// readers. Its parts do the work: SampleMaker makes samples, Dispatch sends them, LateReaders gives retained
+// samples to late readers. This class connects them, and reports readers to the program.
 //
-// publish(), publish_cdr(), loan() and commit() are called by one thread at a time, the publisher's; what is
-// marked so by the agent; all else by anybody.
+// publish(), publish_cdr(), loan() and commit() are called by one thread at a time, the publisher's thread.
+// The agent's thread calls the functions that are marked so. Any thread may call the others.
 #pragma once
 
 #include <atomic>
@@ -42,41 +41,44 @@ class PublisherCore {
     Qos qos{};
     std::function<void(const PublisherStatus&)> on_readers_changed{};
     Event::Callback on_event{};
-    /// Where these two are called; null: where they are due.
+    /// The thread that calls these two functions; null: they are called at once, on the thread that causes
+    /// them.
     CallbackThread* callbacks = nullptr;
-    /// Called where the program asserts its liveliness: any thread, posts and returns.
+    /// Called when the program asserts its liveliness, by any thread. Posts and returns.
     std::function<void()> asserted{};
-    /// Called with the fault of a message that was refused, now and then: the publisher's thread, posts and
-    /// returns.
+    /// Called with the reason when a message is refused, at most once per second, by the publisher's thread.
+    /// Posts and returns.
     std::function<void(const std::string& why)> refused = [](const std::string&) {};
     std::chrono::nanoseconds max_blocking{0};
-    /// The publisher counts in this book what became of samples; so does its port to the network.
+    /// The publisher and its port to the network count the fate of samples in this book.
     std::shared_ptr<DeliveryBook> book = std::make_shared<DeliveryBook>();
   };
 
-  /// `heap` lends memory while nobody reads in shared memory; `network` is null where the publisher rules it
-  /// out.
+  /// `heap` lends memory while no reader uses shared memory. `network` is null if the publisher must not use
+  /// it.
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<NetworkWriter> network);
 
   PublishStatus publish(const void* value);
-  /// Publishes `count` values, each `stride` bytes behind the one before.
+  /// Publishes `count` values, each `stride` bytes behind the previous one.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
                             detail::ReservedMemory memory);
-  /// `has_gaps`: sequences of it were shortened where they lie.
+  /// Publishes a loan. `has_gaps`: sequences of it were shortened, and the gaps behind them are not closed
+  /// yet.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
-  /// The fault of the last message that publish() refused. The publisher's thread.
+  /// Returns why publish() refused the last message that it refused. The publisher's thread.
   const std::string& why_invalid() const { return maker_.why_invalid(); }
 
   void assert_liveliness();
 
-  /// After it returns no callback runs any more, except for one in which it is called itself.
+  /// Ends callbacks. After it returns no callback runs any more, except for one from which it was called.
   void close();
 
   PublisherStatus status() const;
-  /// Until so many readers are served, or the time is over; tells which. Any thread but the agent's.
+  /// Waits until `count` readers are served, and returns true, or until the time is over, and returns false.
+  /// Any thread but the agent's.
   bool wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const;
   PublisherStatus::Diverted diverted() const { return dispatch_.diverted(); }
   const TypeSupport& type() const { return *spec_.type; }
@@ -86,30 +88,29 @@ class PublisherCore {
 
   // The agent's thread.
 
-  /// Puts a new division of readers between the ports in force. `memory` is null while there is no shared
-  /// memory.
+  /// Puts the routes of both ports in force. `memory` is null while there is no shared memory.
   void serve(Serving serving, std::shared_ptr<LendingWriter> memory);
-  /// Only what status() says of readers has changed. A request with another number and nothing new in it is
-  /// no change to tell the program of.
+  /// Called when only the status of readers has changed, and no route. Calls on_readers_changed, unless only
+  /// the numbers of requests differ.
   void show(std::vector<PublisherStatus::Reader> readers);
 
-  /// The fate of the publisher's samples for one reader.
+  /// Returns the fate of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }
 
-  // The signs of life that the program gave, from which status() tells whether the publisher keeps its
-  // promises.
+  /// Returns how often the program published and asserted liveliness, by which OfferMonitor judges whether
+  /// the publisher keeps its promises.
   OfferMonitor::Signs signs() const;
-  /// Counts samples that went to all of its routes, so that it is a lower bound.
+  /// Counts only samples that were sent by all routes, so that the result is a lower bound.
   Progress progress() const;
-  /// Makes the next assertion of the program be told again.
+  /// Makes the next assertion of the program call Spec::asserted again.
   void listen_for_assertions() { assertion_reported_.store(false, std::memory_order_relaxed); }
-  /// Returns true if status() differs by it.
+  /// Sets what status() says of the publisher's promises. Returns true if it changes.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
-  /// True if all that was for a late reader alone has left.
+  /// Returns true if all samples for a late reader alone have left.
   bool history_sent(EndpointId reader) const { return late_readers_.history_sent(reader); }
   bool retains() const { return history_ != nullptr; }
   void expire_history();
-  /// To late readers in shared memory, as soon as they can be given it.
+  /// Gives the history to late readers in shared memory that are ready for it.
   void give_history() { late_readers_.give_history(); }
 
  private:
@@ -121,11 +122,11 @@ class PublisherCore {
   std::size_t served() const SFT_REQUIRES(status_mutex_);
 
   const Spec spec_;
-  const std::shared_ptr<NetworkWriter> network_;  ///< null where the publisher rules it out
-  const std::unique_ptr<History> history_;        ///< null unless durability asks for it
-  SampleMaker maker_;                             ///< of the publisher's thread
+  const std::shared_ptr<NetworkWriter> network_;  ///< null if the publisher must not use it
+  const std::unique_ptr<History> history_;        ///< null unless the publisher is durable
+  SampleMaker maker_;                             ///< used by the publisher's thread
   Dispatch dispatch_;
-  LateReaders late_readers_;  ///< of the agent's thread
+  LateReaders late_readers_;  ///< used by the agent's thread
 
   std::atomic<std::uint64_t> asserted_{0};
   std::atomic<bool> assertion_reported_{false};
@@ -136,7 +137,7 @@ class PublisherCore {
 
   mutable Mutex status_mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);
-  mutable Condition readers_known_;  ///< that they may be others than before
+  mutable Condition readers_known_;  ///< notified when the readers may have changed
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
   FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded at present
 };

@@ -15,17 +15,17 @@ namespace sft::core {
 
 namespace {
 
-/// The pause between two refusals that are logged.
+/// The least time between two refusals that are reported.
 constexpr std::chrono::seconds refusals_pause{1};
 
-/// By default, publishers may send the largest samples that there are.
+/// Returns a hint for a message that is too large. The default of the option is the largest possible size.
 std::string what_to_do_about(std::size_t max_sample_bytes) {
   return max_sample_bytes < PublisherOptions().max_sample_bytes
              ? ": raise PublisherOptions::max_sample_bytes"
              : ", which no option raises: divide it into several samples";
 }
 
-/// Waits until a reader gives memory back, as long as timeout lasts.
+/// Waits until readers have released memory, for at most `timeout`. Empty if they have not.
 SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& timeout) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds pause{1};
@@ -80,7 +80,7 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
   return made;
 }
 
-/// Looks for what is wrong with a message; nobody does before it failed.
+/// Determines and reports why the message is invalid. This is done only once encoding has failed.
 PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
   why_invalid_ = fault_of(message, mask).message;
   if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_logged_) {
@@ -106,8 +106,8 @@ Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payloa
   if (size.bytes > product_.max_sample_bytes) {
     return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
                                           std::to_string(size.bytes) + " bytes; at most " +
-                                          std::to_string(product_.max_sample_bytes) +
-                                          " may be sent" + what_to_do_about(product_.max_sample_bytes));
+                                          std::to_string(product_.max_sample_bytes) + " may be sent" +
+                                          what_to_do_about(product_.max_sample_bytes));
   }
   return size.bytes;
 }
@@ -159,8 +159,8 @@ PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
   return PublishStatus::no_memory;
 }
 
-/// Nothing of the body lies further behind then than before, so that it can be moved front to back within the
-/// same memory; what a segment is copied over was moved already.
+/// Closes the gaps of a loan within its memory. No byte moves backward in the body, so segments are moved one
+/// after the other from the front: a segment only overwrites bytes that were moved already.
 PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   std::byte* const body = sample.data + layout_.body_offset;
   detail::SampleState state = state_of(sample, type_.index_slots());
@@ -185,7 +185,7 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   const std::size_t with_gates = bytes + gate_table_bytes(outlets.memory_gates.size());
   SampleHandle sample;
   if (outlets.to_memory) sample = outlets.memory->loan(with_gates);
-  if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // then it names no gates
+  if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // without a gate table
   if (!sample && outlets.needs_memory && timeout.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, timeout);
   // The sample can still go over the network if there is no chunk for it.
@@ -205,7 +205,7 @@ void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   header.body_bytes = body_bytes;
   buffer.mask = mask;
   buffer.whole_bytes = body_bytes;
-  // Between index and encapsulation nothing may remain of what the memory held before.
+  // Nothing that the memory contained before may remain between index and encapsulation.
   std::byte* const encapsulation = buffer.data + layout_.body_offset - detail::encapsulation_bytes;
   auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + type_.index_slots());
   std::fill(index_end, encapsulation, std::byte{0});

@@ -1,6 +1,6 @@
-// The thread that calls a program back with events, with the readers of a publisher and with lines of the
-// log, one after the other in the order in which they were posted. The agent does not call back itself: it
-// would do nothing else meanwhile, and would wait for a callback that waits for the agent.
+// The thread that runs callbacks of the program for events, for the readers of a publisher and for lines of
+// the log, one after the other, in the order in which they were posted. The agent does not run callbacks
+// itself: it would do nothing else meanwhile, and would deadlock with a callback that waits for the agent.
 #pragma once
 
 #include <atomic>
@@ -18,14 +18,17 @@ class CallbackThread {
  public:
   explicit CallbackThread(ThreadSpec spec) : spec_(std::move(spec)) {}
 
-  /// Before the first post(); does nothing if it was called before. Any thread.
+  /// Starts the thread. To be called before the first post(); does nothing if it was called before. Any
+  /// thread.
   Result<void> start();
-  /// Any thread; returns at once. If too many wait, because a callback does not return, the call is left out.
+  /// Posts a call, and returns at once. If too many calls wait, because a callback does not return, this call
+  /// is dropped. Any thread.
   void post(Agent::Task call);
   /// Calls what was posted before, then ends the thread.
   void stop() { agent_.stop(); }
   bool is_current_thread() const { return agent_.is_current_thread(); }
-  /// Returns how many calls were left out since it was called last, once there is room for calls again.
+  /// Returns how many calls were dropped since the last call of this function. Returns 0 while there is no
+  /// room for calls.
   std::uint64_t take_left_out();
 
  private:

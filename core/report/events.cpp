@@ -46,7 +46,7 @@ using Reader = PublisherStatus::Reader;
 using Writer = SubscriberStatus::Writer;
 using Diverted = PublisherStatus::Diverted;
 
-// The two kinds of peer differ in a name only: a reader is served, a writer is heard.
+// The two kinds of peers only differ in a name: a reader is `served`, a writer is `matched`.
 bool matched(const Reader& reader) { return reader.served; }
 bool matched(const Writer& writer) { return writer.matched; }
 
@@ -89,15 +89,15 @@ void add_changes(const Peer& before, const Peer& after, std::vector<Event>& even
   }
 }
 
-/// "height, width, at most 10 Hz"
+/// Returns a request as text: "height, width, at most 10 Hz".
 std::string request_text(const FieldMask& mask, double max_rate_hz, const TypeSupport& type) {
   std::string text = mask.empty() ? "no fields" : type.format_mask(mask);
   if (max_rate_hz == 0) return text;
   return text + ", at most " + in_digits(max_rate_hz) + " Hz";
 }
 
-/// Both may be a reader as its publisher serves it, or a subscriber; where nothing is asked for yet there is
-/// no mask at all.
+/// Returns true if the request of a reader or of a subscriber has changed. A mask without leaves means that
+/// there was no request yet.
 template <class Asking>
 bool request_changed(const Asking& before, const Asking& after) {
   if (before.mask.leaves() == 0 || after.mask.leaves() == 0) return false;
@@ -110,7 +110,7 @@ const Peer* find(const std::vector<Peer>& peers, std::uint64_t id) {
   return found == peers.end() ? nullptr : &*found;
 }
 
-/// Calls `changed(before, after)` for each peer that is there, and tells of those that are not any more.
+/// Calls `changed(before, after)` for each present peer, and adds events for peers that have departed.
 template <class Peer, class Changed>
 void compare(const std::vector<Peer>& before, const std::vector<Peer>& after, std::vector<Event>& events,
              Changed changed) {
@@ -161,7 +161,7 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   add(&Diverted::unavailable, "by UDP within the host: shared memory is unavailable at the moment");
 }
 
-/// Says what was lost although the subscriber asked for reliability, and what helps against that.
+/// Returns a text about samples that were lost although the subscriber asked for reliability, with a remedy.
 std::string reliable_loss_text(const Writer& writer, std::uint64_t lost) {
   const bool in_memory = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +

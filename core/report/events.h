@@ -1,4 +1,4 @@
-// These functions find the events between two states of a publisher or subscriber. They are pure.
+// Pure functions that derive the events between two states of a publisher or subscriber.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace sft::core {
 
-/// `type` is what it publishes or subscribes to; it names fields.
+/// `type` is the message type, which is needed to name fields.
 std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
                                   const TypeSupport& type);
-/// `reliability`: that the subscriber asks for.
+/// `reliability` is what the subscriber asks for.
 std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
                                   const TypeSupport& type, Reliability reliability = best_effort);
 

@@ -12,8 +12,8 @@ namespace {
 
 constexpr std::string_view names[] = {"debug", "info", "warning", "error"};  // by LogLevel
 
-/// One call of the system for a line, so that lines of several processes do not mix. A standard error that
-/// cannot be written to is nothing that a line of it could tell.
+/// Writes a line with one system call, so that lines of several processes do not mix. Errors are ignored,
+/// since there is no other place to report them.
 void write_to_standard_error(LogLevel level, std::string_view text) {
   std::string line = "[sft] " + std::string(names[static_cast<std::size_t>(level)]) + ": ";
   line.append(text).push_back('\n');

@@ -1,5 +1,6 @@
-// Where the lines of a node's log go, and from which level on: to the sink of the program, or else warnings
-// and errors to the standard error, unless the environment variable SFT_LOG says otherwise.
+// Determines where the lines of a node's log go, and from which level on. They go to the sink of the program.
+// Without one, warnings and errors go to the standard error, unless the environment variable SFT_LOG names
+// another level.
 #pragma once
 
 #include <string>
@@ -11,10 +12,10 @@ namespace sft::core {
 struct LogSetting {
   NodeOptions::LogSink sink{};  ///< empty: there is no log
   LogLevel threshold = LogLevel::warning;
-  std::string complaint{};  ///< about the environment; not empty: to be logged as a warning
+  std::string complaint{};  ///< what is wrong with SFT_LOG, to be logged as a warning; empty: nothing
 };
 
-/// `environment`: SFT_LOG, which may be null.
+/// `environment` is the value of SFT_LOG, or null.
 LogSetting log_setting(const NodeOptions& options, const char* environment);
 
 }  // namespace sft::core

@@ -1,9 +1,9 @@
-// Writes to the log sink of a node's program: lines from one level on, and never more than a few lines of one
-// kind about one topic in a row, so that neither a peer nor a fault that comes again and again can flood it.
-// A warning that says the same as before, but for its numbers, waits for a pause that grows. Lines that are
-// omitted are counted, and the next line of their kind tells how many.
+// Writes lines from one level on to the log sink of a node's program. It writes only a few lines of one kind
+// about one topic in a row, so that neither a peer nor a repeated fault can flood the log. A warning that
+// differs from an earlier one only in numbers is not written again before a pause is over, which grows. Lines
+// that are left out are counted, and the next line of their kind says how many.
 //
-// Used by the agent's thread only, so that no lock is needed and none is held. Other threads post to it.
+// Used by the agent's thread only, so that no lock is needed. Other threads post to that thread.
 #pragma once
 
 #include <array>
@@ -20,33 +20,34 @@
 
 namespace sft::core {
 
-/// Lines that may be written: so many at once, then one for each period. Pure.
+/// Limits lines: `burst` lines may be written at once, then one in each period. Pure: times are passed in,
+/// decisions are returned.
 class LineBudget {
  public:
   static constexpr int burst = 10;
   static constexpr std::chrono::seconds period{5};
 
-  /// True if a line may be written now; if not, it is counted.
+  /// Returns true if a line may be written now. Otherwise the line counts as left out.
   bool take(Time now);
-  /// Lines that were not written since the last that was; forgets them.
+  /// Returns how many lines were left out since the last call.
   std::uint64_t take_left_out();
-  /// Nothing was taken lately, and no line waits to be counted.
+  /// Returns true if the whole burst may be written, and no lines were left out.
   bool is_whole(Time now) const { return left_out_ == 0 && next_ <= now - (burst - 1) * period; }
 
  private:
-  Time next_{};  ///< when the budget is whole again, less (burst - 1) periods
+  Time next_{};  ///< the time at which the budget is whole again, minus (burst - 1) periods
   std::uint64_t left_out_ = 0;
 };
 
-/// Pauses between lines that say the same: each is twice as long as the one before, unless the line did not
-/// come for the longest pause. Pure.
+/// The pauses between equal lines. Each is twice as long as the previous one, unless the line did not occur
+/// for the longest pause. Pure: times are passed in, decisions are returned.
 class RepeatPause {
  public:
   static constexpr std::chrono::seconds first{5}, longest{640};
 
   bool is_over(Time now) const { return now >= next_; }
   void begin(Time now);
-  /// The next pause is the first one again.
+  /// Returns true if the line has not occurred for so long that the pauses begin anew.
   bool is_forgotten(Time now) const { return now >= next_ + longest; }
   void leave_out() { ++left_out_; }
   std::uint64_t take_left_out();
@@ -60,7 +61,7 @@ class RepeatPause {
 /// Returns the text without the numbers in it, except for those in names and quotation marks.
 std::string without_numbers(std::string_view text);
 
-/// Names a topic and, of a subscriber with several selections, which one a line is about.
+/// Returns a text that names a topic and, if a subscriber has several selections, the selection.
 std::string text_of_topic(std::string_view topic, std::size_t selection);
 
 class NodeLog {
@@ -68,21 +69,20 @@ class NodeLog {
   NodeLog(std::string node, LogLevel threshold, NodeOptions::LogSink sink);
 
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
-  /// Writes what the node itself does, or cannot do.
+  /// Writes a line about the node itself.
   void write(LogLevel level, const std::string& text, Time now = std::chrono::steady_clock::now());
-  /// Writes what happened to a pair, or to one of our publishers or subscribers. That is a warning if it will
-  /// never work as it is set up, or if a promise was broken: a deadline was missed, or samples were lost that
-  /// should come reliably. A pair has at most one line about losses in a second. Changes of requests are
-  /// frequent, and are for debugging.
+  /// Writes an event of a pair, or of one of our publishers or subscribers. It is a warning if the pair can
+  /// never work as it is configured, if a deadline was missed, or if a reliable pair lost samples. A pair has
+  /// at most one line about losses in a second. Changes of requests are frequent, and have the level `debug`.
   void write(const std::string& topic, const Event& event, Time now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
-  /// Writes losses of reliable pairs that were not written yet, once their time has come. Called now and
-  /// then.
+  /// Writes losses of reliable pairs that were not written yet and may be written now. Called now and then.
   void tick(Time now);
 
  private:
   static constexpr std::size_t log_levels = static_cast<std::size_t>(LogLevel::error) + 1;
-  /// Further topics and warnings share the budgets of all that are not known.
+  /// The numbers of topics and of repeated warnings that are tracked. Further topics share one set of
+  /// budgets.
   static constexpr std::size_t topics_max = 256, repeats_max = 256;
   using TopicBudgets = std::map<Event::Kind, LineBudget>;
 
@@ -94,9 +94,9 @@ class NodeLog {
   /// Losses of a reliable pair.
   struct Losses {
     std::string topic;
-    Time next_line{};              ///< no line before
-    std::chrono::seconds pause{};  ///< between the last two lines
-    std::uint64_t untold = 0;      ///< samples that no message has named yet
+    Time next_line{};              ///< the earliest time of the next line
+    std::chrono::seconds pause{};  ///< the pause between the last two lines
+    std::uint64_t untold = 0;      ///< lost samples that no line has reported yet
     void begin_pause(Time now);
   };
   const std::string node_;
@@ -105,8 +105,8 @@ class NodeLog {
   std::map<std::string, TopicBudgets> of_topics_;
   TopicBudgets of_other_topics_;
   std::array<LineBudget, log_levels> of_node_;
-  std::map<std::string, RepeatPause> pauses_;  ///< of warnings, by their text without numbers
-  std::map<std::string, Losses> losses_;       ///< by the name of the pair; pairs that lost something lately
+  std::map<std::string, RepeatPause> pauses_;  ///< the pauses of warnings, by their text without numbers
+  std::map<std::string, Losses> losses_;       ///< pairs that lost samples recently, by their names
 };
 
 }  // namespace sft::core

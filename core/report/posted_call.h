@@ -1,5 +1,5 @@
-// A callback of the program that is called on the thread for callbacks, and can be taken away: after clear()
-// it is not called any more, though calls of it may still wait there.
+// A callback of the program that runs on the callback thread and can be cleared: after clear() it is not
+// called any more, even if calls of it still wait there.
 #pragma once
 
 #include <functional>
@@ -11,24 +11,25 @@
 
 namespace sft::core {
 
-/// The function may be empty.
+/// A callback with one argument. The function may be empty.
 template <class Argument>
 class PostedCall {
  public:
   using Function = std::function<void(const Argument&)>;
-  /// `thread` outlives this object; null: the function is called at once, on the thread that asks for it.
+  /// `thread` outlives this object; null: the function is called at once, on the calling thread.
   PostedCall(Function function, CallbackThread* thread)
       : call_(function ? std::make_shared<GuardedCall<const Argument&>>(std::move(function)) : nullptr),
         thread_(thread) {}
 
-  /// True if a call would do anything now.
+  /// Returns true if a call would have any effect now.
   bool is_set() const noexcept { return call_ != nullptr && call_->is_set(); }
   void operator()(Argument argument) {
     if (!is_set()) return;
     if (thread_ == nullptr) return (*call_)(argument);
     thread_->post([call = call_, argument = std::move(argument)] { (*call)(argument); });
   }
-  /// When it returns, no call is inside any more, but for one that clears itself: see CallGate::close().
+  /// When it returns, no call is running any more, except for one that called this itself
+  /// (CallGate::close()).
   void clear() noexcept {
     if (call_ != nullptr) call_->clear();
   }

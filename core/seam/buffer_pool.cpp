@@ -21,24 +21,25 @@ constexpr std::size_t capacity_of(std::size_t size_class) {
   return round + std::min(round / 8, extra_bytes_max);
 }
 
-/// The smallest that holds so much.
+/// Returns the smallest class whose buffers hold `bytes`.
 constexpr std::size_t class_for(std::size_t bytes) {
-  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more
+  const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more than `bytes`
   if (shift <= min_shift) return 0;
   const std::size_t below = shift - 1 - min_shift;
   return bytes <= capacity_of(below) ? below : below + 1;
 }
 
-/// The smallest that stock() keeps ready, the part of the limit that one buffer may take for that, and the
-/// number of buffers: one may be taken while the other one is made.
+/// What stock() prepares: the least size of a buffer, the fraction of the limit (1/8) that such a buffer may
+/// have at most, and the number of buffers of each size. One may be taken while the other one is made.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
-constexpr std::size_t page_bytes = 4096;  // or more
+constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
 
 constexpr std::align_val_t alignment_of(std::size_t capacity) {
   return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};
 }
 
-/// Large ones lie in huge pages, where the system has them: copying from and to cold memory is faster there.
+/// Allocates a buffer. Large buffers lie in huge pages, if the system has them, because copying from and to
+/// cold memory is faster there.
 std::byte* allocate(std::size_t capacity) noexcept {
   auto* data = static_cast<std::byte*>(::operator new(capacity, alignment_of(capacity), std::nothrow));
   if (data != nullptr && capacity >= huge_page_bytes)
@@ -50,7 +51,7 @@ void release(std::byte* data, std::size_t capacity) noexcept {
   ::operator delete(data, alignment_of(capacity));
 }
 
-/// The allocator may keep a large block for the program; the system gets its pages all the same.
+/// Frees a buffer. The pages of a large one return to the system even if the allocator keeps the block.
 void destroy(SampleBuffer* buffer) noexcept {
   if (buffer->capacity >= huge_page_bytes)
     ::madvise(buffer->data, buffer->capacity / page_bytes * page_bytes, MADV_DONTNEED);
@@ -111,7 +112,7 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
   }
 }
 
-/// The one that was used last, which is the likeliest to be in a cache; null if none is kept.
+/// Returns the kept buffer that was used last, which is the likeliest to be in a cache; null if none is kept.
 SampleBuffer* BufferPool::pick(std::size_t size_class) noexcept {
   auto& list = free_[size_class];
   if (list.empty()) return nullptr;
@@ -168,7 +169,7 @@ void BufferPool::stock() noexcept {
   }
 }
 
-/// False if there are enough, or there is no memory for more.
+/// Prepares one buffer. Returns false if there are enough, or if there is no memory for more.
 bool BufferPool::stock_one(std::size_t size_class) noexcept {
   const std::size_t capacity = capacity_of(size_class);
   {
@@ -183,8 +184,8 @@ bool BufferPool::stock_one(std::size_t size_class) noexcept {
   return true;
 }
 
-/// Those that have not been used for longest are the first of their list. There may be very many small ones:
-/// what one call leaves, the next one gives back.
+/// The buffers that have been unused for the longest time come first in their list. There may be very many
+/// small buffers: one call returns only some of them to the system, and later calls return the rest.
 void BufferPool::give_back(Time now) noexcept {
   if (now < period_ends_) return;
   std::array<SampleBuffer*, 1024> unneeded{};

@@ -1,10 +1,10 @@
 // The fate of a publisher's samples, for each of its readers.
 //
-// Counts are kept for groups of readers that get the same. Whoever sends adds to the tally of a group: three
-// additions for a sample, however many readers there are. A page says which tallies belong to which reader.
-// New routes bring new pages, and tallies and pages go with old routes. The book carries each reader's counts
-// from page to page. The publisher's thread turns the page, between two samples, at the moment from which it
-// counts by other tallies. So no sample is missed, and none counts twice.
+// Counts are kept for groups of readers that get the same samples. The sender adds to the tally of a group:
+// three additions for a sample, however many readers there are. A page says which tallies belong to which
+// reader. New routes bring new tallies and pages; the old ones end with the old routes. The book carries each
+// reader's counts from page to page. The publisher's thread turns the page, between two samples, at the
+// moment from which it counts by other tallies. So no sample is missed, and none counts twice.
 #pragma once
 
 #include <atomic>
@@ -28,16 +28,16 @@ struct Delivered {
   std::uint64_t withheld = 0;
   std::uint64_t dropped = 0;
   std::uint64_t retained = 0;
-  std::uint64_t diverted = 0;     ///< of `sent`: by a fallback route
-  std::uint64_t bytes = 0;        ///< of what was sent
-  std::uint64_t bytes_saved = 0;  ///< of the fields that were left out of it
+  std::uint64_t diverted = 0;     ///< the part of `sent` that went by a fallback route
+  std::uint64_t bytes = 0;        ///< bytes that were sent
+  std::uint64_t bytes_saved = 0;  ///< bytes of the fields that were left out of the samples sent
   friend bool operator==(const Delivered&, const Delivered&) = default;
 };
 
 /// The counts of one group of readers. Any thread.
 class DeliveryTally {
  public:
-  /// `whole_bytes`: of the sample with all its fields.
+  /// `bytes` were sent; `whole_bytes` is the size of the samples with all their fields.
   void sent(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
     sent_.fetch_add(samples, std::memory_order_relaxed);
     bytes_.fetch_add(bytes, std::memory_order_relaxed);
@@ -50,7 +50,8 @@ class DeliveryTally {
   std::atomic<std::uint64_t> sent_{0}, dropped_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The losses of the readers behind one queue: samples that counted as sent and did not leave it. Any thread.
+/// The losses of the readers behind one queue: samples that counted as sent and never left the queue. Any
+/// thread.
 class LossTally {
  public:
   void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
@@ -64,10 +65,10 @@ class LossTally {
   std::atomic<std::uint64_t> lost_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The tallies that count for a reader while one page is open. Each of them may be missing.
+/// The tallies that count for a reader while one page is open. Each of them may be null.
 class DeliveryMeter {
  public:
-  /// Sums of the past; they only make sense as differences.
+  /// The values of the tallies at one time. Only differences of two readings are meaningful.
   struct Reading {
     std::uint64_t sent = 0, dropped = 0, bytes = 0, whole_bytes = 0;
     std::uint64_t lost = 0, lost_bytes = 0, lost_whole_bytes = 0;
@@ -87,39 +88,41 @@ class DeliveryMeter {
 
 class DeliveryBook {
  public:
-  /// Those who count: the publisher itself, or its port to the network. Each turns pages of its own.
+  /// Which component counts: the publisher itself, or its port to the network. Each turns pages of its own.
   enum class Origin : std::uint8_t { publisher, network };
-  using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< by id of the reader
+  using Page =
+      std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< the id of each reader, and its meter
 
   // The agent's thread.
 
-  /// Opens accounts for these readers. Called before the page can be turned to.
+  /// Opens accounts for the readers of the page. Must be called before turn_to() is called with this page.
   void enter(const Page& page);
-  /// Counts samples of the past that were sent to a reader first.
+  /// Counts retained samples that were sent to a reader first.
   void retained(std::uint64_t reader, std::uint64_t samples);
-  /// Forgets all other readers, which do not come back: from here on they only count in total().
+  /// Removes the accounts of all other readers, which do not come back. From then on their counts are only in
+  /// total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// Tells whether tallies of the page before may still be added to until the next turn. Such tallies must
-  /// not be on the new page, too.
+  /// Says whether the tallies of the previous page may still grow until the next turn (`to_come`). Such
+  /// tallies must not be on the new page, too.
   enum class LateCounts : std::uint8_t { none, to_come };
 
-  /// Turns to that page. The publisher's thread. Allocates nothing.
+  /// Makes `page` the open page of `origin`. The publisher's thread. Allocates nothing.
   void turn_to(Origin origin, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // Any thread.
 
   Delivered of(std::uint64_t reader) const;
-  /// The counts of all readers, including those that are gone.
+  /// Returns the counts of all readers together, including departed ones.
   Delivered total() const;
 
  private:
-  struct Counts {  ///< of one origin
+  struct Counts {  ///< the counts of one origin for one reader
     DeliveryMeter::Reading before{};
-    DeliveryMeter::Reading at_first{};  ///< on the present page
+    DeliveryMeter::Reading at_first{};  ///< the reading of `meter` when the present page was opened
     DeliveryMeter meter{};
-    DeliveryMeter::Reading at_last{};  ///< on the page before
-    DeliveryMeter late{};              ///< its tally
+    DeliveryMeter::Reading at_last{};  ///< the reading of `late` when the previous page was closed
+    DeliveryMeter late{};              ///< the meter of the previous page, if it may still grow
     void close(LateCounts late_counts) noexcept;
     DeliveryMeter::Reading sum() const noexcept;
   };

@@ -1,5 +1,5 @@
-// The gate of a writer for those of its readers that want the same samples: those that fulfil certain
-// conditions, and no more than so many a second. Pure: samples and stamps in, answers out.
+// A gate decides which samples of a writer go to those of its readers that ask for the same conditions and
+// the same maximum rate. Pure: samples and stamps are passed in, decisions are returned.
 #pragma once
 
 #include <atomic>
@@ -11,31 +11,32 @@
 
 namespace sft::core {
 
-/// Names a gate with conditions, wherever readers tell by it what they were sent. `conditions` is the hash of
-/// a Selection's gate without a rate. 0: there are no conditions.
+/// Returns the id of a gate with conditions, by which samples name the gate that they have passed; 0: no
+/// conditions. `conditions` is the hash of a Selection's gate without a rate, or 0.
 std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
 
-/// Used by the publisher's thread, except where a function says more.
+/// Used by the publisher's thread, except for functions that say otherwise.
 class Gate {
  public:
-  /// A gate for a maximum rate alone. It begins with one sample, not with a burst. (A reader's budget begins
-  /// full: it must not have less.)
+  /// Makes a gate for a maximum rate alone. It begins with a budget for one sample, so that there is no
+  /// burst. (The budget of a reader begins full, because it must never be less than that of the writer.)
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
-  /// A gate with conditions, which Conditions::check() has accepted. Nothing passes before reader_begins()
-  /// was called for its first reader. `hash` is that of the selection's gate without a rate.
+  /// Makes a gate with conditions, which Conditions::check() has accepted. Nothing passes before
+  /// reader_begins() was called for its first reader. `hash` is that of the selection's gate without a rate.
   Gate(std::uint32_t min_period_us, detail::Conditions conditions, std::uint64_t hash)
       : budget_(min_period_us, 1),
         conditions_(std::move(conditions)),
         id_(gate_id(hash, min_period_us)),
         is_open_(false) {}
 
-  /// Any thread.
+  /// May be called by any thread.
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
-  /// The name of a gate with conditions (gate_id()); 0: it has none. Any thread.
+  /// Returns the id of a gate with conditions (gate_id()); 0: it has none. Any thread.
   std::uint64_t id() const { return id_; }
 
-  /// Called once for every sample. A sample that passes is then reported by made() or refused(); if it could
-  /// not be made, its readers miss it, and later ones are compared with the one before.
+  /// Decides whether a sample passes. Called once for every sample. If it passes, made() or refused() is
+  /// called next. If neither is called, because the sample could not be made, its readers miss it, and later
+  /// samples are compared with the one before it.
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
@@ -46,26 +47,27 @@ class Gate {
       add(withheld_, 1);
     }
   }
-  /// The sample that passed is sent: later ones are compared with it.
+  /// Called when the sample that passed is sent. Later samples are compared with it.
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     if (passes_ && id_ != 0) conditions_.passed(sample, stamp_ns);
   }
-  /// The message was refused, as if it had never been published.
+  /// Called when the message is refused. Undoes consider(), as if the message had never been published.
   void refused() {
     if (!passes_) return;
     budget_ = before_;
     --ordinal_;
     add(passed_, -1);
   }
-  /// A request is in force. The next sample that the conditions let pass is its first one, for which nothing
-  /// is compared with earlier samples, and the rate is not asked. Any thread.
+  /// Called when the request of a reader takes effect. The next sample that fulfils the conditions is its
+  /// first one: it is not compared with earlier samples, and passes whatever the rate. Any thread.
   void reader_begins() noexcept { reader_begins_.store(true, std::memory_order_relaxed); }
 
-  /// True if the sample that was considered last is for the readers behind this gate.
+  /// Returns true if the sample that was considered last is for the readers behind this gate.
   bool passes() const { return passes_; }
-  /// The number of the last sample that passed. Readers tell by it what was lost from what was withheld.
+  /// Returns the number of the last sample that passed. By it readers distinguish lost samples from withheld
+  /// ones.
   std::uint32_t ordinal() const { return ordinal_; }
-  // Any thread: how many samples passed, and how many did not.
+  // The numbers of samples that passed, and that did not. Any thread.
   std::uint64_t passed() const { return passed_.load(std::memory_order_relaxed); }
   std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
 
@@ -73,14 +75,14 @@ class Gate {
   using Count = std::atomic<std::uint64_t>;
 
   bool decide(const detail::FieldSource& sample, std::int64_t stamp_ns);
-  /// Nobody else writes it.
+  /// Adds without a locked instruction, because only this thread writes the count.
   static void add(Count& count, int more) {
     count.store(count.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(more),
                 std::memory_order_relaxed);
   }
 
   RateBudget budget_;
-  RateBudget before_;  ///< the sample that was considered last
+  RateBudget before_;  ///< the budget before the sample that was considered last
   detail::Conditions conditions_;
   std::uint64_t id_ = 0;
   bool is_open_ = true;

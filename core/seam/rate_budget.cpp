@@ -10,13 +10,13 @@ RateBudget RateBudget::spent(std::uint32_t min_period_us, std::int64_t stamp_ns)
   return budget;
 }
 
-/// Rounded down, below zero too.
+/// Returns the number of the slot of a stamp, rounded down, also for negative stamps.
 std::int64_t RateBudget::slot_of(std::int64_t stamp_ns) const {
   const std::int64_t period_ns = std::int64_t{min_period_us_} * 1000;
   return stamp_ns / period_ns - (stamp_ns % period_ns < 0 ? 1 : 0);
 }
 
-/// Saved until then, without a bound.
+/// Returns what would be saved by then if there were no bound.
 std::int64_t RateBudget::worth(std::int64_t stamp_ns) const {
   if (slot_ == never) return saved_;
   return saved_ + std::max<std::int64_t>(0, slot_of(stamp_ns) - slot_);

@@ -1,6 +1,6 @@
-// The memory of one encoded sample, whoever lends it: a chunk in shared memory, a reassembly buffer, a heap
-// buffer. Handles share it; when the last one goes, it returns to its owner, which each buffer that is out
-// keeps alive.
+// The memory of one encoded sample: a chunk in shared memory, a reassembly buffer, or a heap buffer. Handles
+// share it. When the last handle is destroyed, the memory returns to its owner. Each lent buffer keeps its
+// owner alive.
 #pragma once
 
 #include <algorithm>
@@ -24,33 +24,34 @@ struct SampleBuffer;
 class BufferOwner {
  public:
   virtual ~BufferOwner() = default;
-  /// Called once the last handle is gone, on that handle's thread.
+  /// Called when the last handle is destroyed, on the thread that destroys it.
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// Filled by the owner when it hands the buffer out, but for `elements`, which is then empty. Ports of
-/// readers set the origin once they have checked the header, and publishers set it.
+/// The owner sets the members when it lends the buffer; `elements` is empty then. The origin is set by
+/// publishers, and by ports of readers once they have checked the header.
 struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
-  FieldMask mask;                     ///< leaves that the sample has
-  std::uint64_t parts = 0;            ///< of some only a part: Selection::parts_hash(); 0: all are whole
-  detail::ElementIndex elements;      ///< what readers found out about this sample
+  FieldMask mask;           ///< leaves that the sample has
+  std::uint64_t parts = 0;  ///< Selection::parts_hash() if it has parts of some fields; 0: all are whole
+  detail::ElementIndex elements;      ///< positions of elements, as readers find them
   std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
-  /// On the sending side, for what is counted as saved: of the body with all fields; 0: unknown.
+  /// On the sending side: the bytes of the body with all fields, to count what is saved; 0: unknown.
   std::uint32_t whole_bytes = 0;
-  /// On the sending side, while publish() runs: what of the body is still in the program's own memory; null:
-  /// nothing.
+  /// On the sending side, while publish() runs: the parts of the body that are still in the program's own
+  /// memory; null: none.
   detail::PostponedCopies* postponed = nullptr;
   std::shared_ptr<BufferOwner> owner;
-  void* owner_data = nullptr;  ///< the owner's own
+  void* owner_data = nullptr;  ///< private data of the owner
   std::atomic<std::uint32_t> references{0};
 
   detail::SampleHeader& header() const { return *reinterpret_cast<detail::SampleHeader*>(data); }
-  /// Takes over what the header says, which only this process can write so far.
+  /// Copies the origin from the header, which so far only this process can write.
   void trust_header() noexcept { trust(header()); }
   SampleOrigin& origin() noexcept { return *this; }
-  /// Before anybody else sees the body, or publish() returns.
+  /// Copies the postponed parts. To be called before another thread or process reads the body, and before
+  /// publish() returns.
   void complete() noexcept {
     if (detail::PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();
   }
@@ -59,10 +60,10 @@ struct SampleBuffer : SampleOrigin {
   }
 };
 
-/// The state that getters and projections read, of a sample with so many slots. Every process of the host can
-/// write a header in shared memory, also after it was checked. Therefore the beginning of the body is not
-/// read from there, and the body is bounded by the buffer. The state does not have the buffer's `elements`,
-/// which belong to a reader.
+/// Returns the state that getters and projections read, of a sample whose type has `slots` index slots. Every
+/// process of the host can write to a header in shared memory, even after it was checked. Therefore the
+/// beginning of the body is not read from the header, and the body is bounded by the buffer. The state does
+/// not have the buffer's `elements`, which belong to a reader.
 inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
   const std::size_t body_offset = detail::SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
@@ -99,10 +100,11 @@ class SampleHandle {
     owner->recycle(*buffer);
   }
 
-  /// Nobody else has one of it, nor sees any more what others did with theirs.
+  /// Returns true if this is the only handle. All accesses by way of former handles have then happened
+  /// before.
   bool is_only() const noexcept { return buffer_->references.load(std::memory_order_acquire) == 1; }
 
-  /// Gives the reference away, and takes over one that was given away.
+  /// Gives the reference away; adopt() takes over a reference that was given away.
   [[nodiscard]] SampleBuffer* release() noexcept { return std::exchange(buffer_, nullptr); }
   static SampleHandle adopt(SampleBuffer* buffer) noexcept {
     SampleHandle handle;

@@ -1,5 +1,5 @@
-// The facts about the origin of a sample by which readers order, count and choose samples: its writer's
-// numbers and stamps, and what the writer said to the readers with it.
+// The origin of a sample, by which readers order, count and choose samples: its writer's numbers and stamps,
+// and what else the writer sent with the sample.
 #pragma once
 
 #include <cstdint>
@@ -11,27 +11,27 @@ namespace sft::core {
 
 struct SampleOrigin {
   // These are the values of the header at the time when it could be trusted. A header in shared memory is
-  // never asked again.
+  // never read again, since other processes may have changed it.
 
   EndpointId writer = 0;
   std::uint64_t sequence = 0;
   std::int64_t source_stamp_ns = 0;
-  std::uint64_t diverted_sequence = 0;  ///< of no meaning for a sample that came by UDP
+  std::uint64_t diverted_sequence = 0;  ///< meaningless for a sample that came by UDP
   std::int64_t diverted_stamp_ns = 0;
 
-  // Samples that were received by UDP have the values that follow. In shared memory oldest_retained is set,
-  // and the values of a gate with conditions (gate_table.h).
+  // Samples that were received by UDP have the following values. Of samples in shared memory only
+  // oldest_retained and the values of a gate with conditions (gate_table.h) are set.
 
   /// The maximum rate of the gate that the sample passed at its writer; 0: none.
   std::uint32_t min_period_us = 0;
-  std::uint64_t gate = 0;     ///< that gate, if it has conditions (gate_id()); 0: it has none
-  std::uint32_t ordinal = 0;  ///< its number among the samples that passed the gate
+  std::uint64_t gate = 0;     ///< the id of that gate if it has conditions (gate_id()); 0: it has none
+  std::uint32_t ordinal = 0;  ///< the sample's number among those that passed the gate
   EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all
   /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.
   std::uint64_t oldest_retained = 0;
-  /// Counts how often the sequences of the writer began anew, since those before made no sense.
+  /// How often the sequences of the writer began anew because the earlier ones were implausible.
   std::uint32_t numbering = 0;
-  bool merged = false;  ///< the mask is the union of those of several readers
+  bool merged = false;  ///< the mask is the union of the masks of several readers
 
   void trust(const detail::SampleHeader& header) noexcept {
     writer = header.writer;

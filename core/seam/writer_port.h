@@ -1,23 +1,23 @@
 // The sending end of a transport, for one writer. There are two kinds, because samples leave a process in two
 // ways that have little in common:
 //
-//   LendingWriter   Samples lie in memory that the transport lends, and readers look at that memory. So a
-//                   sample can only be sent from a loan, it is there once for all readers, and what is held
-//                   back for a late reader is kept by whoever retains samples.
-//   NetworkWriter   Samples travel as bytes, from any memory. So each reader can be sent its own fields, late
-//                   readers are given their history apart from all others, and small samples can share
+//   LendingWriter   Samples lie in memory that the transport lends, and readers read that memory. So a
+//                   sample can only be sent from a loan, and it exists once for all readers. The publisher's
+//                   history keeps the samples that are held back for a late reader.
+//   NetworkWriter   Samples are sent as bytes, from any memory. So each reader can get its own fields, late
+//                   readers get their history separately from all others, and small samples can share
 //                   datagrams.
 //
-// The publisher (core/publish) needs to know which kind it talks to, and no more: another shared memory is a
+// The publisher (core/publish) needs to know only which kind it uses: another shared memory is a
 // LendingWriter, a relay or another network is a NetworkWriter.
 //
-// Ownership. A port belongs to one writer, and may outlive the transport that opened it: it then answers
-// SendStatus::lost_port. Nothing that a port is given refers to the caller once the call has returned, except
+// Ownership. A port belongs to one writer, and may outlive the transport that opened it: then it returns
+// SendStatus::lost_port. When a call has returned, the port keeps no reference to its arguments, except for
 // samples, whose handles share their memory.
 //
 // Threads. The publisher's thread is whichever thread publishes, one at a time. It calls send(),
-// set_timeout() and whatever else is marked with its name. All else is called by the node's agent thread,
-// except what is marked "any thread". Both threads may call at the same time.
+// set_timeout() and the functions that are marked so. The node's agent thread calls all others, except those
+// marked "any thread". Both threads may call at the same time.
 #pragma once
 
 #include <cassert>
@@ -42,148 +42,151 @@ namespace sft::core {
 struct WriterSpec {
   EndpointId id = 0;
   const TypeSupport* type = nullptr;  ///< outlives the port
-  /// The writer keeps samples for late readers. False: LendingWriter::begin_with() is never called.
+  /// True: the writer keeps samples for late readers. False: LendingWriter::begin_with() is never called.
   bool retains = true;
-  /// send() may wait for so long until what is sent reliably costs no reader an older sample.
+  /// The longest time for which send() waits until reliable readers have room, so that none loses an older
+  /// sample.
   std::chrono::nanoseconds max_blocking{0};
-  std::uint64_t max_bytes_per_s = 0;  ///< over a network, to all readers together; 0: no limit
-  bool asynchronous = false;          ///< PublisherOptions
-  /// A NetworkWriter counts in this book what becomes of samples, on the pages of
-  /// DeliveryBook::Teller::network. Null: nobody asks.
+  std::uint64_t max_bytes_per_s = 0;  ///< limit over a network, for all readers together; 0: no limit
+  bool asynchronous = false;          ///< PublisherOptions::asynchronous
+  /// A NetworkWriter counts the fate of samples in this book, on the pages of DeliveryBook::Origin::network.
+  /// Null: the counts are not needed.
   std::shared_ptr<DeliveryBook> book{};
 };
 
 enum class SendStatus : std::uint8_t {
-  sent,       ///< handed over for every route
-  displaced,  ///< handed over, but a reader that was waited for had no room in the end, and lost its oldest
-              ///< sample
-  dropped,    ///< at least one route did not get it (queue full, socket error); counted by the port
-  lost_port,  ///< the transport is gone; the agent has been told through Transport::poll
+  sent,       ///< passed on for every route
+  displaced,  ///< passed on, but a reader still had no room after the wait, and lost its oldest sample
+  dropped,    ///< at least one route missed the sample (queue full, socket error); counted by the port
+  lost_port,  ///< the transport is gone; Transport::poll() reports it to the agent
 };
 
 class WriterPort {
  public:
   virtual ~WriterPort() = default;
 
-  /// Sends an encoded sample to the routes in force whose gates it passes; the gates were asked on this
-  /// thread before. The caller may go on reading the sample while it keeps a handle, but may write into it
-  /// only if nobody else has one. Waits for readers as WriterSpec says. The mask of every route must be a
-  /// subset of sample->mask. Called by the publisher's thread.
+  /// Sends an encoded sample by the routes in force whose gates it passes (Gate::passes()). The caller may go
+  /// on reading the sample while it keeps a handle, but may write to it only if that is the only handle.
+  /// Waits for readers as WriterSpec says. The mask of every route must be a subset of sample->mask. Called
+  /// by the publisher's thread.
   virtual SendStatus send(const SampleHandle& sample) noexcept = 0;
 
-  /// Limits what send() waits from now on, together with the limit of WriterSpec. Called by the publisher's
-  /// thread.
+  /// Limits the waiting of send() from now on, in addition to the limit of WriterSpec. Called by the
+  /// publisher's thread.
   virtual void set_timeout(std::chrono::nanoseconds at_most) noexcept = 0;
 
-  /// Replaces the routes. The publisher's thread goes on with the earlier ones until the next sample. A
-  /// reader without a route gets nothing, also if it is attached.
+  /// Replaces the routes. The publisher's thread uses the earlier ones until the next sample. A reader
+  /// without a route gets nothing, even if it is attached.
   virtual void set_routes(std::vector<Route> routes) = 0;
 };
 
 /// A writer whose samples lie in memory of the transport.
 class LendingWriter : public WriterPort {
  public:
-  /// Memory for a sample of `bytes` in all (header, index, body); empty if there is none now. Owner, data and
-  /// capacity are set, and the header is a fresh one. Called by the publisher's thread.
+  /// Lends memory for a sample of `bytes` in all (header, index, body). Empty if there is no memory now.
+  /// Owner, data and capacity are set, and the header is a fresh one. Called by the publisher's thread.
   virtual SampleHandle loan(std::size_t bytes) noexcept = 0;
-  /// Returns the largest loan that can ever succeed, so that the caller can tell why one failed. May be
-  /// called by any thread.
+  /// Returns the size of the largest loan that can ever succeed. It shows whether a failed loan was too
+  /// large. Any thread.
   virtual std::size_t largest_loan_bytes() const noexcept = 0;
-  /// True if send() can take the sample: this port lent it, and it was not sent yet. Called by the
+  /// Returns true if send() can take the sample: this port lent it, and it was not sent yet. Called by the
   /// publisher's thread.
   virtual bool can_send(const SampleBuffer& sample) const noexcept = 0;
-  /// True if this port lent the sample, sent or not. May be called by any thread.
+  /// Returns true if this port lent the sample, sent or not. Any thread.
   virtual bool owns(const SampleBuffer& sample) const noexcept = 0;
 
-  /// The rest of the time that the last send() might have waited. Called by the publisher's thread.
+  /// Returns what the last send() has left of the time that it might have waited. Called by the publisher's
+  /// thread.
   virtual std::chrono::nanoseconds time_left() const noexcept = 0;
 
-  /// The reason why that reader, although it is attached, cannot be told here that a sample has come, and
-  /// must be served otherwise. Empty if it can be told. The agent asks before the reader gets a route, and
-  /// again later while there is a reason.
+  /// Returns why the reader of this route, although it is attached, cannot be notified of samples here, and
+  /// must be served otherwise. Empty if it can be notified. The agent calls this before the reader gets a
+  /// route, and again later while there is a reason.
   virtual std::string why_unreachable(const Route& to) = 0;
 
-  // The hand-over to a late reader. A route with `history` is to such a reader: from it all samples are held
-  // back until begin_with() was called, and they have to be among what the writer retains by then.
+  // Late readers. A route with `history` leads to a late reader. All samples are held back from that reader
+  // until begin_with() is called. By then the writer must have retained them.
 
-  /// The number of samples that were held back, if that reader waits. The agent asks before it looks at the
-  /// retained samples. Nothing if the reader does not wait, or does not wait yet.
+  /// Returns the number of samples that were held back, or nothing if the reader does not wait (yet). The
+  /// agent calls this before it reads the history.
   virtual std::optional<std::uint64_t> held_back(EndpointId reader) noexcept = 0;
-  /// Sends these samples, which the port owns(), to that one reader, and from then on whatever send() sends.
-  /// False if that is not possible right now, or if more than `held_back` samples were held back by now: then
-  /// look at the retained samples again.
+  /// Sends `retained`, samples which the port owns(), to that one reader. From then on the reader gets
+  /// whatever send() sends. Returns false if that is not possible right now, or if more than `held_back`
+  /// samples were held back by now: then read the history again.
   virtual bool begin_with(const Route& to, const std::vector<SampleHandle>& retained,
                           std::uint64_t held_back) = 0;
 };
 
-/// The routes that a sample is sent by.
+/// The routes by which a sample is sent.
 enum class Reach : std::uint8_t {
   usual_routes,
-  fallback_routes_too,  ///< also by those of readers that could not be served where they usually are
+  fallback_routes_too,  ///< also the fallback routes, since shared memory did not take the sample
 };
 
 /// The time that the samples of a batch may wait for readers.
 enum class BatchTimeout : std::uint8_t {
-  fresh,     ///< all of them together as long as one sample may
-  continued  ///< what the batch before has left of that
+  fresh,     ///< the time that one sample may wait, for all samples of the batch together
+  continued  ///< what the previous batch has left of that time
 };
 
 class Transmission;
 class Batch;
 
-/// A writer whose samples travel as bytes. For Clang, it is held like a lock as long as a batch lasts.
+/// A writer whose samples are sent as bytes. For Clang, it is held like a lock as long as a batch lasts.
 class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
  public:
-  /// A sample is about to be made, and gates are about to be asked about it: the sample goes by the routes
-  /// that are in force now, and deliveries are counted by them from here on. A transmission that is let go of
-  /// was of a sample that nobody wanted. Called by the publisher's thread.
+  /// Begins the transmission of a sample, before gates are asked about it and before it is encoded. The
+  /// sample goes by the routes that are in force now, and deliveries are counted by these routes from here
+  /// on. If no reader wants the sample, the transmission is simply destroyed. Called by the publisher's
+  /// thread.
   [[nodiscard]] Transmission begin() noexcept;
 
-  /// The samples that are sent while the batch lasts need not leave at once, so that small ones share
+  /// Begins a batch. Samples that are sent during the batch need not leave at once, so that small ones share
   /// datagrams. One batch at a time. Called by the publisher's thread.
   [[nodiscard]] Batch batch(BatchTimeout timeout) noexcept SFT_ACQUIRE();
 
-  /// True if samples may be sent of which copies are postponed (SampleBuffer::postponed). The port then
-  /// completes what it gives to other threads; of the rest some may never be copied, so that such a sample is
-  /// of no use to others. Always the same answer. May be called by any thread.
+  /// Returns true if send() takes samples with postponed copies (SampleBuffer::postponed). The port completes
+  /// such a sample before it passes it to other threads. Otherwise parts of it may never be copied, so that
+  /// it must not be used elsewhere. Always the same answer. Any thread.
   virtual bool takes_postponed() const noexcept = 0;
 
-  // In between the publisher is inside a call that serves readers on this host by another port: it makes a
-  // sample, sends it, or waits for them. Threads of this port that are busy with something large leave the
-  // processor to it and to these readers. Called by the publisher's thread.
+  // Between these two calls the publisher serves readers on this host by another port: it makes a sample,
+  // sends it, or waits for the readers. Threads of this port that send something large leave the processor to
+  // it and to these readers. Called by the publisher's thread.
   virtual void begin_local_turn() noexcept {}
   virtual void end_local_turn() noexcept {}
 
-  // History. A route with `history` is served apart: what is sent to it names its reader, and waits until
-  // send_history() was called for it. The route may become one without.
+  // History. A route with `history` is served separately: samples that are sent by it name its reader, and
+  // wait until send_history() was called for it. The route may later be replaced by one without `history`.
 
-  /// Sends these samples to the reader of one such route of those in force, once, and then what waited for
+  /// Sends these samples once to the reader of such a route in force, and then the samples that waited for
   /// it.
   virtual void send_history(const Route& to, std::vector<SampleHandle> samples) = 0;
-  /// True if all that was sent to the reader of such a route has left.
+  /// Returns true if all samples that were sent to the reader of such a route have left.
   virtual bool history_sent(EndpointId reader) noexcept = 0;
 
   // For status(). May be called by any thread.
 
   struct Counters {
-    std::uint64_t bytes_sent = 0;  ///< payload and headers of ours handed to the system, over all routes
-    /// Samples that send() took and that were not sent after all, counted for each destination that missed
-    /// one.
+    std::uint64_t bytes_sent =
+        0;  ///< payload and SFT headers that were passed to the system, over all routes
+    /// Samples that send() took and that were not sent after all, counted once for each destination that
+    /// missed one.
     std::uint64_t dropped = 0;
   };
   virtual Counters counters() const noexcept = 0;
-  /// The readers with which a reader shares what is sent, or the reason why it shares with nobody. Empty
-  /// where that is no question.
+  /// Returns which readers share the multicast datagrams of a reader, or why it shares none. Empty if
+  /// multicast is not considered for it.
   virtual std::string multicast(EndpointId reader) const = 0;
-  /// What is wrong with the path to a reader that is served: its host does not answer, so that nothing is
-  /// sent, or long datagrams do not arrive there. Empty if nothing is.
+  /// Returns what is wrong with the path to a reader that is served: its host does not answer, so that
+  /// nothing is sent, or long datagrams do not arrive there. Empty if nothing is wrong.
   virtual std::string path_trouble(EndpointId reader) const = 0;
 
  private:
   friend class Transmission;
   friend class Batch;
 
-  // Transmission and Batch call these, and keep their order.
+  // Transmission and Batch call these, and ensure their order.
   virtual void begin_sample() noexcept = 0;
   /// Sends by the routes of the last begin_sample().
   virtual SendStatus send_begun(const SampleHandle& sample, Reach reach) noexcept = 0;
@@ -192,10 +195,10 @@ class SFT_CAPABILITY("batch") NetworkWriter : public WriterPort {
   virtual std::size_t flush() noexcept = 0;
 };
 
-/// One sample on its way: begun, and then sent, or missed, or let go of. The publisher's thread; must not
-/// outlive its port, and ends before the next one begins. Clang refuses a second end of the same transmission
-/// (-Wconsumed), and a second batch while one lasts (-Wthread-safety); other compilers leave that to
-/// assertions.
+/// The transmission of one sample: begun, and then sent, missed or abandoned. Used by the publisher's thread.
+/// It must not outlive its port, and ends before the next one begins. Clang refuses a second end of the same
+/// transmission (-Wconsumed), and a second batch while one lasts (-Wthread-safety). With other compilers,
+/// assertions detect that.
 class [[nodiscard]] SFT_USED_ONCE Transmission {
  public:
   Transmission(Transmission&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
@@ -205,7 +208,7 @@ class [[nodiscard]] SFT_USED_ONCE Transmission {
   SendStatus send(const SampleHandle& sample, Reach reach = Reach::usual_routes) && noexcept SFT_USES {
     return take().send_begun(sample, reach);
   }
-  /// The sample could not be made: those on the usual routes whose gates it passes miss it.
+  /// Called if the sample could not be made. Counts it as dropped for the usual routes whose gates it passes.
   void miss() && noexcept SFT_USES { take().miss_begun(); }
 
  private:
@@ -219,8 +222,8 @@ class [[nodiscard]] SFT_USED_ONCE Transmission {
   NetworkWriter* port_;
 };
 
-/// Samples that may share datagrams: from NetworkWriter::batch() to the end of this. The publisher's thread;
-/// must not outlive its port.
+/// A batch: samples that are sent from NetworkWriter::batch() to the end of this object may share datagrams.
+/// Used by the publisher's thread. It must not outlive its port.
 class [[nodiscard]] SFT_SCOPED_CAPABILITY Batch {
  public:
   Batch(Batch&& other) noexcept : port_(std::exchange(other.port_, nullptr)) {}
@@ -229,7 +232,7 @@ class [[nodiscard]] SFT_SCOPED_CAPABILITY Batch {
     if (port_ != nullptr) port_->flush();
   }
 
-  /// Sends what was held. Returns how many of these samples did not get to each route.
+  /// Sends the samples that were held. Returns how many of them were not sent by all of their routes.
   std::size_t flush() && noexcept {
     assert(port_ != nullptr);
     return std::exchange(port_, nullptr)->flush();

@@ -1,4 +1,4 @@
-// A subscriber's request, as its samples are delivered under it. Immutable.
+// A request of a subscriber, with what is needed to deliver samples under it. Immutable.
 #pragma once
 
 #include <memory>
@@ -15,15 +15,15 @@ namespace sft::core {
 
 struct Asked {
   Selection selection;  ///< closed, without a rate
-  /// Takes just that out of a sample that has more. Null: samples are delivered as they come.
+  /// Reduces a sample that has more than the selection. Null: samples are delivered as they come.
   std::unique_ptr<const detail::ProjectionPlan> plan{};
-  bool from_network = false;  ///< also out of samples that came by UDP: the selection has parts
-  /// The parts are of recorded channels. Samples that have more are delivered as they come.
+  bool from_network = false;  ///< samples that came by UDP are reduced, too, because the selection has parts
+  /// Set if the parts are those of recorded channels. Samples that have more are then delivered as they come.
   std::optional<detail::ChannelsSent> recorded_channels{};
 };
 
-/// `as_remote`: samples in shared memory are reduced to what a reader on another host would get, also if
-/// whole fields are asked for. `recorder`: the selection is what was recorded; null: it is declared.
+/// `as_remote`: samples in shared memory are reduced to what a reader on another host would get, even if the
+/// selection has only whole fields. `recorder` has recorded the selection; null: it is declared.
 inline std::shared_ptr<const Asked> make_asked(const TypeSupport& type, Selection selection, bool as_remote,
                                                const Recorder* recorder) {
   auto asked = std::make_shared<Asked>();

@@ -40,7 +40,8 @@ AskedGates::Number AskedGates::open_since(Number since) const {
   return since;
 }
 
-/// A limit withholds some of what passes conditions.
+/// A request without conditions, but with a maximum rate, may have withheld samples that passed the gate.
+/// Then the result is nothing.
 std::optional<std::uint64_t> AskedGates::only_gate_since(Number first) const {
   if (first < oldest_) return {};
   std::uint64_t only = 0;

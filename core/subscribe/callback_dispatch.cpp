@@ -5,14 +5,14 @@ namespace sft::core {
 namespace {
 thread_local int callback_depth = 0;
 constexpr std::chrono::microseconds slow_callback{200};  // far more than it costs to wake another thread
-constexpr int quick_again_after = 100;                   // callbacks in a row
+constexpr int quick_again_after = 100;                   // quick callbacks in a row
 }  // namespace
 
 bool CallbackDispatch::in_callback() noexcept { return callback_depth != 0; }
 
-/// Returns when the callback was done. `before`: when the callback before it was done, or the first sample
-/// was looked for. So the time counts that taking the sample costs: it is short beside a slow callback, and
-/// the clock is read once less.
+/// Calls back, and returns the time at which the callback was done. `before` is the time at which the
+/// previous callback was done, or at which the search for the first sample began. So the time includes taking
+/// the sample, which is short beside a slow callback. This saves one reading of the clock.
 Time CallbackDispatch::call_back(detail::untyped::Sample sample, Time before) {
   ++callback_depth;
   callback_(std::move(sample));

@@ -1,6 +1,6 @@
-// Calls one subscriber's callback: never two calls at once, on the thread that receives while callbacks are
-// quick, and on the dispatcher's thread while they take long. Either thread calls back for other subscribers,
-// too, so that each subscriber has a turn and then has to wait for the next one. Any thread.
+// Calls one subscriber's callback, never twice at once: on the receiving thread while callbacks are quick,
+// and on the dispatcher's thread while they take long. Both threads call back for other subscribers, too, so
+// each subscriber has a turn and then has to wait for the next one. Any thread.
 #pragma once
 
 #include <atomic>
@@ -26,30 +26,30 @@ class CallbackDispatch {
                             ReadTime now = &std::chrono::steady_clock::now)
       : callback_(callback), now_(now) {}
 
-  /// Calls back for the samples that `samples` has, with `samples.take()` and `samples.available()`, until
-  /// there is none or the turn is over. Returns at once if a call is under way on another thread: that thread
-  /// goes on. Returns false if the dispatcher has to call back for the rest in its next round.
+  /// Calls back for the samples in `samples`, which has take() and available(), until there is none or the
+  /// turn is over. Returns at once if a call is under way on another thread, which then handles the samples.
+  /// Returns false if the dispatcher has to call back for the rest in its next round.
   template <class Samples>
   bool dispatch(Caller caller, Samples& samples) {
     bool done = true;
     gate_.call([&] { done = call_back_for_arrivals(caller, samples); });
     return done;
   }
-  /// True if nobody is calling back: samples that are there now wait for dispatch().
+  /// Returns true if no thread is calling back, so that samples that are there now wait for dispatch().
   bool is_idle() const { return pending_.load() == 0 && !gate_.is_closed(); }
-  /// True after a callback took long, until many quick ones have come.
+  /// Returns true after a callback took long, until many in a row were quick.
   bool is_slow() const { return is_slow_.load(); }
 
-  /// True while a callback may be running. Once closed, and when this is false, none will run any more.
+  /// Returns true while a callback may be running. If it returns false after close(), none will run any more.
   bool is_called_back() const { return pending_.load() != 0; }
-  /// When it returns, no callback runs any more, except for one in which it is called itself.
+  /// When it returns, no callback runs any more, except for one from which it was called.
   void close() noexcept { gate_.close(); }
 
-  /// True if this thread is within a callback of some subscriber.
+  /// Returns true if this thread is within a callback of any subscriber.
   static bool in_callback() noexcept;
-  /// Differs from what it was if callbacks have run meanwhile.
+  /// Returns a number that changes when callbacks run.
   std::uint64_t turns() const { return turns_.load(std::memory_order_relaxed); }
-  /// True while a callback may be running on a thread of the transport.
+  /// Returns true while a callback may be running on a thread of the transport.
   bool holds_up_transport() const { return is_called_back() && is_on_transport_.load(); }
 
  private:
@@ -61,13 +61,14 @@ class CallbackDispatch {
 
   const detail::untyped::Callback& callback_;
   const ReadTime now_;
-  // All are sequentially consistent: is_idle() of one thread against the end of dispatch() on another.
-  /// Arrivals that are not dispatched yet. The thread that raises it from 0 dispatches.
+  // All these are sequentially consistent, so that either is_idle() on one thread or the end of dispatch() on
+  // another sees what the other did.
+  /// The number of arrivals that are not dispatched yet. The thread that raises it from 0 dispatches.
   std::atomic<std::uint32_t> pending_{0};
   CallGate gate_;
   std::atomic<bool> is_slow_{false};
   std::atomic<std::uint64_t> turns_{0};
-  std::atomic<bool> is_on_transport_{false};  ///< the last turn
+  std::atomic<bool> is_on_transport_{false};  ///< true if the last turn was on a thread of the transport
   int quick_in_a_row_ = 0;                    ///< written only by the thread that dispatches
 };
 
@@ -88,15 +89,16 @@ bool CallbackDispatch::call_back_for_arrivals(Caller caller, Samples& samples) {
       seen = before - seen;
       continue;
     }
-    // A thread that looked while the count was not yet zero left a sample to this one, which had not seen it.
-    // The fence keeps the look at the samples behind the count, also where that look takes no lock.
+    // Another thread that found the count not yet zero may have left a sample to this thread, which has not
+    // seen it. So check again. The fence keeps this check after the update of the count, even if it takes no
+    // lock.
     std::atomic_thread_fence(std::memory_order_seq_cst);
     if (gate_.is_closed() || !samples.available() || pending_.fetch_add(1) != 0) return true;
     seen = 1;
   }
 }
 
-/// Returns false if samples may be left. `time` is when the last callback was done.
+/// Returns false if samples may be left. Sets `time` to the time at which the last callback was done.
 template <class Samples>
 bool CallbackDispatch::call_back_in_turn(Caller caller, Samples& samples, Time& time, Time turn_ends) {
   while (!gate_.is_closed()) {

@@ -92,7 +92,7 @@ Selection ChannelNumbers::selection(const FieldMask& numbers) const {
     }
   }
   if (Result<Selection> asked = Selection::make(fields, std::move(parts), {})) return *std::move(asked);
-  for (const Cloud& cloud : clouds_) {  // it has too many parts or names: points are whole
+  for (const Cloud& cloud : clouds_) {  // the selection has too many parts or names, so ask for whole points
     if (fields.contains(cloud.data)) fields |= cloud.fields;
   }
   return fields;

@@ -1,5 +1,5 @@
-// The channels of clouds that a program was seen to read. Each has a number behind those of the leaves, so
-// that it is recorded like a leaf. A channel gets its number when it is read for the first time, and keeps
+// The channels of clouds that a program was seen to read. Each has a number that follows those of the leaves,
+// so that it is recorded like a leaf. A channel gets its number when it is read for the first time, and keeps
 // it.
 #pragma once
 
@@ -20,38 +20,39 @@ namespace sft::core {
 
 class ChannelNumbers {
  public:
-  /// The channels of all clouds in a type.
+  /// The most channels, for all clouds of a type together.
   static constexpr std::size_t most = Selection::channels_max;
 
   /// A cloud of which parts with channels can be asked for.
   struct Cloud {
     std::size_t data = 0;  ///< the leaf with the points
-    FieldMask fields;      ///< this one, and all that say how the points lie in it
-    /// The fields among them that a part with some channels changes. A program that reads one of these needs
-    /// whole points.
+    FieldMask fields;      ///< `data`, and all fields that describe the layout of its points
+    /// Those of `fields` whose values differ if only some channels are sent. A program that reads one of
+    /// these needs whole points.
     FieldMask changed;
   };
-  /// The clouds of a type, except of those in arrays and sequences.
+  /// Returns the clouds of a type, except for those in arrays and sequences.
   static std::vector<Cloud> clouds_of(const StructType& type);
 
   ChannelNumbers(std::size_t leaves, std::vector<Cloud> clouds);
 
-  /// So many numbers there are, those of the leaves included.
+  /// Returns how many numbers there are, including those of the leaves.
   std::size_t numbers() const { return leaves_ + (clouds_.empty() ? 0 : most); }
-  /// True if the type has clouds.
+  /// Returns true if the type has clouds.
   bool has_clouds() const { return !clouds_.empty(); }
 
-  /// Nothing if the leaf has no points, if a request cannot name the channel, or if there are too many. Any
-  /// thread; allocates only for a channel that was never read before.
+  /// Returns the number of a channel. Nothing if the leaf has no points, if a request cannot name the
+  /// channel, or if there are too many channels. Allocates only for a channel that was never read before. Any
+  /// thread.
   std::optional<std::size_t> number_of(std::size_t leaf, std::string_view name);
-  /// The fields that are read with the channel of that number. Any thread.
+  /// Returns the fields that are read together with the channel of that number. Any thread.
   const FieldMask& fields_of(std::size_t number) const { return channels_[number - leaves_].cloud->fields; }
 
-  /// The whole fields and the channels with these numbers. Where points are whole, so are all fields that say
-  /// how they lie; a part has them anyway. Any thread.
+  /// Returns the selection of the whole fields and the channels with these numbers. If points are whole, all
+  /// fields that describe their layout are whole, too; a part includes them anyway. Any thread.
   Selection selection(const FieldMask& numbers) const;
-  /// Tells how samples differ from what was published if that selection is asked for. Nothing if they do not
-  /// differ. Any thread.
+  /// Says how samples of that selection differ from what was published. Nothing if they do not differ. Any
+  /// thread.
   std::optional<detail::ChannelsSent> sent_for(const Selection& selection) const;
 
  private:

@@ -1,6 +1,6 @@
-// The thread that calls back for samples in shared memory, and for those that came by UDP where callbacks
-// take long (short ones run on the receiving thread): it sleeps on one doorbell for all callback subscribers
-// of a node.
+// The thread that calls back for samples in shared memory, and for samples that came by UDP if callbacks take
+// long (short ones run on the receiving thread). It sleeps on one doorbell for all subscribers of a node that
+// have callbacks.
 #pragma once
 
 #include <atomic>
@@ -24,13 +24,14 @@ class Dispatcher {
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
 
-  /// Before the first add(); does nothing if it was called before. Any thread.
+  /// Starts the thread. To be called before the first add(); does nothing if it was called before. Any
+  /// thread.
   Result<void> start();
 
   void add(std::shared_ptr<SubscriberCore> subscriber);
   void remove(const SubscriberCore& subscriber);
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
-  /// True while the subscriber has its turn. Any thread.
+  /// Returns true while the subscriber has its turn. Any thread.
   bool is_at(const SubscriberCore& subscriber) const { return in_turn_.load() == &subscriber; }
 
  private:

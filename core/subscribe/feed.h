@@ -1,5 +1,5 @@
-// A feed brings the samples of one selection of a subscriber. Each selection is an endpoint of its own, with
-// a request, ports, an order of its samples, and counts. Most subscribers have one selection.
+// A feed provides the samples of one selection of a subscriber. Each selection is an endpoint of its own,
+// with a request, ports, an order of its samples, and counts. Most subscribers have one selection.
 #pragma once
 
 #include <atomic>
@@ -27,20 +27,21 @@ class Feed {
  public:
   struct Spec {
     EndpointId id = 0;
-    /// Closed, and without a rate. If fields are recorded, it is asked for at first.
+    /// The declared selection, closed and without a rate. If fields are recorded: the one that is requested
+    /// at first.
     Selection selection{};
-    std::uint32_t min_period_us = 0;  ///< of its maximum rate; 0: all samples
+    std::uint32_t min_period_us = 0;  ///< the period of its maximum rate; 0: all samples
     Qos qos{};                        ///< the QoS that the subscriber requests
-    /// Called by any thread: lets the agent ask for what is needed now, and returns.
+    /// Called when the needs of the subscriber have changed, by any thread. Posts to the agent, and returns.
     std::function<void()> changed = [] {};
   };
-  /// The same for all feeds of a subscriber.
+  /// What all feeds of a subscriber share.
   struct Common {
     const TypeSupport& type;
     std::string_view topic;
-    std::chrono::nanoseconds timeout{0};  ///< see Intake::Options
+    std::chrono::nanoseconds timeout{0};  ///< the longest wait for diverted samples (Intake::Options)
     std::uint32_t depth = 0;              ///< SubscriberOptions::depth
-    std::uint32_t memory_depth = 0;       ///< the part of it that shared memory keeps; 0: all
+    std::uint32_t memory_depth = 0;       ///< the part of `depth` that shared memory keeps; 0: all
     bool as_remote = false;               ///< SubscriberOptions::Recording::as_remote
     bool reports_asked = false;           ///< see SubscriberPorts
     Recorder* recorder = nullptr;         ///< null: the selection is declared
@@ -55,16 +56,17 @@ class Feed {
   /// Returns what the subscriber needs at present, declared or recorded: closed, and without a rate. Any
   /// thread.
   Selection required() const SFT_EXCLUDES(mutex_);
-  // The class Subscriber explains these functions. They may be called by any thread.
+  // These do what the functions of the class Subscriber with these names do. Any thread.
   Result<void> set_max_rate_hz(double max_rate_hz);
   Result<void> set_selection(const Selection& other) SFT_EXCLUDES(mutex_);
   SubscriberStatus status();
   Requirements requirements();
 
-  // The agent's.
-  /// A sample has waited long for the callback, while callbacks of other subscribers were running.
+  // The agent's thread.
+  /// Counts a sample that has waited long for the callback, while callbacks of other subscribers were
+  /// running.
   void waited_long() { long_waits_.fetch_add(1, std::memory_order_relaxed); }
-  /// The request that is in force from now on, and its number.
+  /// Sets the request that is in force from now on, and its number.
   void requests(Selection selection, std::uint64_t sequence);
 
  private:

@@ -6,7 +6,8 @@ namespace sft::core {
 
 namespace {
 
-/// The next sample of the same writer is always newer, whatever was done to the writer's clock.
+/// Returns true if `next` is newer than `latest`. Of one writer the later sample is always newer, even if the
+/// writer's clock was set back.
 bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
   return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
 }
@@ -21,8 +22,8 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
   return !is_empty(inlet) && head(inlet)->writer == writer;
 }
 
-/// A sample in shared memory says by which of the gates that this subscriber has asked for it was let
-/// through.
+/// Puts a sample into an inlet. The gate table of a sample in shared memory shows which of this subscriber's
+/// gates the sample has passed.
 void Intake::put(Inlet inlet, SampleHandle sample) {
   head(inlet) = std::move(sample);
   if (inlet == Inlet::network || is_empty(inlet)) return;
@@ -30,14 +31,14 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
   for (const std::uint64_t gate : accounts_.asked_gates().nameable()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
     if (!ordinal) continue;
-    // By which of several gates the sample was let through, nobody knows.
+    // If it has passed several of them, it is unknown which one was in force.
     buffer.ordinal = buffer.gate == 0 ? *ordinal : 0;
     if (buffer.gate == 0) buffer.gate = gate;
   }
 }
 
-/// A writer sends by UDP only what is for this subscriber: the writer has kept the maximum rate itself. So it
-/// has in shared memory for a sample that names a gate with conditions.
+/// By UDP a writer sends only samples that are for this subscriber, so the writer applies the maximum rate.
+/// It also does so in shared memory for samples that name a gate with conditions.
 RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
   const bool by_writer = inlet == Inlet::network || head(inlet)->gate != 0;
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
@@ -64,9 +65,9 @@ Intake::Decision Intake::next(LazyRealtime& now) {
   return Decision::ask_connected;
 }
 
-/// True if an earlier sample went by UDP and may still come, as far as the samples tell. None comes any more
-/// once a later one has come by UDP, and none was sent here before the subscriber began to hear the writer.
-/// Both clocks are this host's; if the clock is set meanwhile, nobody waits.
+/// Returns true if, as far as the samples show, an earlier sample was sent by UDP and may still come. It
+/// cannot come once a later one has come by UDP, or if it was published before the subscriber was connected
+/// to the writer. Both stamps are by this host's clock; if the clock was set meanwhile, there is no wait.
 bool Intake::may_wait(LazyRealtime& now) {
   const SampleBuffer& buffer = *head(chosen_);
   const SampleOrigin diverted{.sequence = buffer.diverted_sequence,
@@ -75,8 +76,9 @@ bool Intake::may_wait(LazyRealtime& now) {
   const bool was_diverted = diverted.sequence < buffer.sequence &&
                             diverted.source_stamp_ns >= from.since_ns && from.sequences.is_new(diverted) &&
                             from.sequences.allows(diverted, rate_keeper_of(chosen_));
-  // Samples that go by UDP to this subscriber alone are not named, since its writer serves others in shared
-  // memory all the time. Only the path of the last sample tells of them.
+  // Samples that were sent by UDP only because of this subscriber are not named as diverted, since the writer
+  // served others in shared memory all the time. Only the path of the last sample shows that there may be
+  // such samples.
   if (!was_diverted && !from.last_over_network) return false;
   const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.source_stamp_ns : buffer.source_stamp_ns);
   if (age_ns < 0 || age_ns >= options_.timeout.count()) return false;
@@ -86,7 +88,7 @@ bool Intake::may_wait(LazyRealtime& now) {
 Intake::Decision Intake::connected(bool is_connected, LazyRealtime& now) {
   if (!is_connected) return choose(chosen_, now);
   holds_back_ = true;
-  // The sample that is waited for may lie behind samples of other writers that came by UDP.
+  // The awaited sample may lie behind samples of other writers that came by UDP.
   return is_empty(Inlet::network) ? Decision::nothing : let_overtaken_go_first(now);
 }
 
@@ -113,13 +115,14 @@ Intake::Decision Intake::choose_in_turn(LazyRealtime& now) {
   return choose(is_earlier ? Inlet::overtaken : Inlet::network, now);
 }
 
-/// The sample of that inlet is the next one: delivers it, or drops it if it is not for the subscriber.
+/// Delivers the sample of that inlet, which is the next one, or drops it if it is not for the subscriber.
 Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
   chosen_ = inlet;
   const SampleOrigin& sample = *head(inlet);
   const RateKeeper keeper = rate_keeper_of(inlet);
   Writer& from = accounts_.of(sample.writer);
-  const bool is_new = from.sequences.is_new(sample);  // false if both paths bring it while they are switched
+  const bool is_new =
+      from.sequences.is_new(sample);  // false if it came by both paths while they were switched
   const bool is_allowed = is_new && from.sequences.allows(sample, keeper);
   const bool expired = is_allowed && is_expired(from, sample, now);
   if (is_allowed && !expired) return Decision::deliver;

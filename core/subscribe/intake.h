@@ -1,15 +1,16 @@
-// The order in which a subscriber takes the samples that its two paths bring for one of its selections, and
-// which samples it takes at all. Pure: samples, answers and the time go in, decisions come out; it knows no
-// port, no clock and no lock. Not safe for threads: subscriber_ports.h guards it.
+// Decides in which order a subscriber takes the samples that come by two paths for one of its selections, and
+// which of them it takes at all. Pure: samples, answers and the time are passed in, decisions are returned;
+// it uses no port, clock or lock. Not thread-safe: subscriber_ports.h guards it.
 //
-// - The samples of one writer are delivered by rising sequence, whichever path brings them. Between writers
-//   the sample with the older stamp goes first.
-// - Shared memory can be behind UDP: a sample that came by UDP lets earlier samples of its writer go first,
-//   even if they lie in shared memory behind samples of other writers.
-// - UDP can be behind shared memory: samples that do not fit into it are diverted. A sample in shared memory
-//   names the last one that its writer has diverted, and waits for it, but not longer than `timeout`.
-// - Each sample is delivered once, also if both paths bring it.
-// - A sample that has expired is dropped, as is one that the maximum rate of the subscriber does not allow.
+// - The samples of one writer are delivered in the order of their sequences, whichever path they come by.
+//   Of samples of different writers, the one with the older stamp is delivered first.
+// - Shared memory can be slower than UDP. Before a sample that came by UDP, earlier samples of its writer are
+//   delivered, even if they lie in shared memory behind samples of other writers.
+// - UDP can be slower than shared memory. Samples that shared memory cannot take are diverted to UDP. A
+//   sample in shared memory names the last one that its writer has diverted, and waits for it for at most
+//   `timeout`.
+// - Each sample is delivered once, even if it comes by both paths.
+// - A sample is dropped if it has expired, or if the maximum rate of the subscriber does not allow it.
 #pragma once
 
 #include <array>
@@ -26,13 +27,13 @@
 
 namespace sft::core {
 
-/// A sample that is taken, and what its subscriber is told of it.
+/// A sample that is taken, and its information for the program.
 struct Taken {
   SampleHandle sample;
   SampleInfo info;
 };
 
-/// True if a sample is to be delivered before another one that has come, too.
+/// Returns true if sample `a` has to be delivered before sample `b`. Both have come.
 inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
   return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
 }
@@ -40,13 +41,13 @@ inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
 class Intake {
  public:
   struct Options {
-    std::chrono::nanoseconds timeout{0};  ///< for a diverted sample, from when that was published
-    std::uint32_t min_period_us = 0;      ///< of the maximum rate; 0: none
-    std::size_t slots = 0;                ///< of the message type
+    std::chrono::nanoseconds timeout{0};  ///< how long after its publication a diverted sample is waited for
+    std::uint32_t min_period_us = 0;      ///< the period of the maximum rate; 0: none
+    std::size_t slots = 0;                ///< the number of index slots of the message type
   };
 
-  /// Where samples lie until it is their turn, each inlet with one sample. `overtaken`: a sample that was
-  /// taken from the middle of shared memory, because UDP is ahead of it.
+  /// The places for the next samples, one for each path. `overtaken` is for a sample that was taken from the
+  /// middle of the queue in shared memory, because a later one has come by UDP.
   enum class Inlet : std::uint8_t { memory, network, overtaken };
 
   enum class Decision : std::uint8_t {
@@ -59,27 +60,27 @@ class Intake {
 
   explicit Intake(const Options& options) : options_(options), accounts_(options.min_period_us) {}
 
-  /// The inlets `memory` and `network` are filled before next() is called, as far as there are samples.
+  // The caller fills the inlets `memory` and `network`, if there are samples, before it calls next().
   bool is_empty(Inlet inlet) const { return !head(inlet); }
   bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
   void put(Inlet inlet, SampleHandle sample);
 
   /// Decides about the next sample.
   Decision next(LazyRealtime& now);
-  /// The writer that a decision asks about.
+  /// Returns the writer that the last decision asks about.
   EndpointId asked_about() const { return asked_about_; }
-  /// True if samples of asked_about() can still come by UDP. Returns the next decision.
+  /// Answers whether samples of asked_about() can still come by UDP. Returns the next decision.
   Decision connected(bool is_connected, LazyRealtime& now);
-  /// The first sample of asked_about() that lies in shared memory; empty if there is none. Returns the next
-  /// decision.
+  /// Answers with the first sample of asked_about() in shared memory; empty if there is none. Returns the
+  /// next decision.
   Decision overtaken(SampleHandle found, LazyRealtime& now);
 
-  /// The origin of the sample that was just decided to be delivered.
+  /// Returns the origin of the sample for which the last decision was `deliver`.
   const SampleOrigin& next_origin() const { return *head(chosen_); }
-  /// The sample that was just decided to be delivered, which is thereby taken.
+  /// Takes the sample for which the last decision was `deliver`.
   Taken take();
-  /// Samples from there are copied from now on before they are delivered: they count as received by copied(),
-  /// not by take().
+  /// Sets for which paths samples are copied before they are delivered. Such samples count as received when
+  /// copied() is called, not in take().
   void copy(bool from_memory, bool from_network) {
     copies_from_memory_ = from_memory;
     copies_from_network_ = from_network;
@@ -87,14 +88,16 @@ class Intake {
   bool is_copied(TransportKind transport) const {
     return transport == TransportKind::udp ? copies_from_network_ : copies_from_memory_;
   }
-  /// A copy of a sample was delivered instead of it, or could not be made: then the sample is lost.
+  /// Called when a copy of a sample was delivered, or could not be made. In the latter case the sample is
+  /// lost.
   void copied(const SampleInfo& info, bool is_delivered);
-  /// Keeps the newer one of two samples that were taken one after the other; the other one is passed over.
+  /// Keeps the newer one of two samples that were taken one after the other; the other one is skipped.
   void keep_newer(Taken& latest, Taken other);
-  /// Lets the sample report the losses that samples of its writer would have reported that were passed over.
+  /// Adds the losses that skipped samples of the same writer would have reported to those that `latest`
+  /// reports.
   void report_losses(Taken& latest);
 
-  /// True if some sample was held back since this was called last.
+  /// Returns true if a sample was held back since the last call.
   bool take_held_back() { return std::exchange(holds_back_, false); }
 
   WriterAccounts& accounts() { return accounts_; }
@@ -119,9 +122,9 @@ class Intake {
   const Options options_;
   bool copies_from_memory_ = false;
   bool copies_from_network_ = false;
-  std::array<SampleHandle, 3> heads_;  ///< by Inlet
+  std::array<SampleHandle, 3> heads_;  ///< the sample in each Inlet
   WriterAccounts accounts_;
-  Inlet chosen_{};  ///< what the latest decision is about
+  Inlet chosen_{};  ///< the inlet of the sample that the latest decision is about
   EndpointId asked_about_ = 0;
   bool holds_back_ = false;
 };

@@ -1,6 +1,7 @@
-// The samples that come to a selection of a subscriber by shared memory: those of its port there, and before
-// them what waits in a port whose memory was lost. The mutex of the subscriber's ports guards it. A port may
-// return memory to the system when it ends, so whoever gets one back lets go of it without a mutex.
+// The samples that come to a selection of a subscriber by shared memory: first those that wait in a port
+// whose memory was lost, then those of the present port. The mutex of SubscriberPorts guards it. The
+// destructor of a port may return memory to the system. So functions return former ports, and the caller
+// destroys them after it has unlocked the mutex.
 #pragma once
 
 #include <cstdint>
@@ -14,23 +15,23 @@ class MemoryInlet {
  public:
   using Port = std::shared_ptr<BorrowingReader>;
 
-  /// Null: there is none.
+  // Null if there is no such port.
   const Port& port() const { return port_; }
   const Port& lost() const { return lost_; }
-  /// Returns the port before.
+  /// Replaces the present port. Returns the former one.
   [[nodiscard]] Port replace(Port port);
-  /// The memory was lost: what has come by the port can still be taken. Returns the port that was lost
-  /// before, whose time is over.
+  /// Called when the memory was lost. Samples that have come by the port can still be taken. Returns the port
+  /// that was lost earlier, which is dropped.
   [[nodiscard]] Port lose();
-  /// Returns the lost port if nothing waits in it, or it is to go nevertheless.
+  /// Removes and returns the lost port if no sample waits in it, or if `also_if_some_wait` is true.
   [[nodiscard]] Port release(bool also_if_some_wait);
 
-  /// The next sample; null if there is none.
+  /// Returns the next sample; an empty handle if there is none.
   SampleHandle take();
   SampleHandle take_of(EndpointId writer);
-  /// True if a sample waits, also one that cannot be taken because as many are held as may be.
+  /// Returns true if a sample waits, even one that cannot be taken because max_held samples are held.
   bool some_wait() const;
-  /// See BorrowingReader; of both ports.
+  /// Returns the sum for both ports; see BorrowingReader.
   std::uint64_t held_too_many() const;
 
  private:

@@ -58,14 +58,14 @@ const detail::SampleState& PartReader::put_together() noexcept {
     const Lock lock(mutex_);
     if (was_put_together_) return together_state_;
   }
-  // The owner has a lock of its own. Of threads that come at the same time the first one's copy counts.
+  // The owner has a lock of its own. If several threads do this at the same time, the first copy is used.
   SampleHandle copy = owner_->of(source_, *asked_->plan);
   const Lock lock(mutex_);
   if (was_put_together_) return together_state_;
   was_put_together_ = true;
   together_ = std::move(copy);
   together_state_ = together_ ? owner_->state(*together_) : detail::untyped::empty_state;
-  if (!together_) together_state_.mask = &asked_->plan->mask();  // of which nothing can be read
+  if (!together_) together_state_.mask = &asked_->plan->mask();  // the fields are present, but cannot be read
   return together_state_;
 }
 
@@ -78,7 +78,7 @@ void PartReader::end(PartReader* reader) noexcept {
   }
   reader->source_.reset();
   reader->asked_.reset();
-  const std::shared_ptr<Owner> owner = std::move(reader->owner_);  // may be the last one
+  const std::shared_ptr<Owner> owner = std::move(reader->owner_);  // may be the last reference to the owner
   owner->take_back(*reader);
 }
 

@@ -1,5 +1,6 @@
-// Leaves in the order in which they were last read: which of them was not read for the longest is known at
-// once, whatever their number. A list through one array; nothing is allocated after construction.
+// Keeps leaves in the order in which they were last read, so that the one that has not been read for the
+// longest time is found in constant time. It is a linked list within an array; nothing is allocated after
+// construction.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +17,10 @@ class ReadOrder {
 
   bool empty() const { return !contains(end()); }
   bool contains(std::size_t leaf) const { return links_[leaf].newer != leaf; }
-  /// Only if it is not empty.
+  /// Returns the leaf that has not been read for the longest time. REQUIRES: the list is not empty.
   std::size_t oldest() const { return links_.back().newer; }
 
-  /// Enters it, or moves it to the end.
+  /// Adds the leaf at the end, or moves it there.
   void was_read(std::size_t leaf) {
     remove(leaf);
     const std::uint32_t newest = links_.back().older;
@@ -38,9 +39,9 @@ class ReadOrder {
     std::uint32_t older = 0;
     std::uint32_t newer = 0;
   };
-  /// The last link closes the ring.
+  /// Returns the index of the last link, which closes the ring.
   std::size_t end() const { return links_.size() - 1; }
-  /// A leaf that is not in it is a ring of its own.
+  /// Makes link `i` a ring of its own, as each leaf is that is not in the list.
   void unlink(std::size_t i) { links_[i] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)}; }
 
   std::vector<Link> links_;

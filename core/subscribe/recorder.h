@@ -1,9 +1,9 @@
-// Automatic requirement recording (ARR): which leaves a subscriber's getters read, folded sample by sample
-// into what it asks its publishers for. Widening is immediate, at the first read of a leaf that is not asked
-// for; narrowing waits until a leaf was not read for a number of samples. A channel of a cloud is recorded
-// like a leaf (channel_numbers.h).
+// Automatic requirement recording (ARR): records which leaves a subscriber's getters read, and derives from
+// that, sample by sample, what the subscriber asks its publishers for. A leaf is asked for immediately when
+// it is first read. It is given up only when it was not read for a number of samples. A channel of a cloud is
+// recorded like a leaf (channel_numbers.h).
 //
-// Samples are numbered as they are released. All functions can be called by any thread; what a sample costs
+// Samples are numbered as they are released. All functions can be called by any thread. The cost of a sample
 // depends on the leaves that were read in it, and in steady state nothing is allocated.
 #pragma once
 
@@ -28,13 +28,14 @@ namespace sft::core {
 
 class Recorder;
 
-/// The accesses of one sample that is being read. Belongs to its recorder, which lives as long as any is out.
+/// The accesses to one sample that is being read. It belongs to its recorder, which lives as long as any of
+/// these is in use.
 class RecordedSample {
  public:
   RecordedSample(std::size_t words, detail::AccessLog::Listener* listener)
       : words_(words), log_(words_, listener) {}
   detail::AccessLog& log() { return log_; }
-  /// The sample has these channels of its clouds only.
+  /// Called if the sample has only these channels of its clouds.
   void set_channels_sent(std::shared_ptr<const detail::ChannelsSent> sent) {
     log_.set_channels_sent(sent.get());
     sent_ = std::move(sent);
@@ -45,56 +46,56 @@ class RecordedSample {
   std::vector<detail::AccessWord> words_;
   detail::AccessLog log_;
   std::shared_ptr<const detail::ChannelsSent> sent_;
-  std::shared_ptr<Recorder> recorder_;  ///< while it is out
+  std::shared_ptr<Recorder> recorder_;  ///< set while this object is in use
   RecordedSample* next_free_ = nullptr;
 };
 
 class Recorder final : public std::enable_shared_from_this<Recorder>, private detail::AccessLog::Listener {
  public:
-  /// Told that required() has changed, on the thread of a getter or of whoever released a sample, with no
-  /// lock held. It posts, and returns. Since required() is asked for then, it does not matter in which order
-  /// two threads tell.
+  /// Called when required() has changed, by a thread that called a getter or released a sample, with no lock
+  /// held. It posts, and returns. Since required() is read later, the order of two calls on different threads
+  /// does not matter.
   using Changed = GuardedCall<>::Function;
 
   static Result<void> check(const SubscriberOptions::Recording& settings);
-  /// `settings` have been checked. `clouds`: those of which channels are recorded.
+  /// `settings` have been checked. `clouds` are the clouds whose channels are recorded.
   static std::shared_ptr<Recorder> make(std::size_t leaves, const SubscriberOptions::Recording& settings,
                                         Changed changed, std::vector<ChannelNumbers::Cloud> clouds = {});
 
-  /// When it returns, nobody is being told of changes, nor will be. Samples may outlive whoever was told.
+  /// When it returns, the function `changed` is not running and will not be called any more. (Samples may
+  /// outlive what it uses.)
   void detach() { changed_.clear(); }
 
   RecordedSample* begin();
-  /// Folds the accesses of a sample.
+  /// Evaluates the accesses to a sample when it is released.
   static void end(RecordedSample* sample) noexcept;
 
-  /// The fields that are needed, and the channels, as far as is known: all fields until the first samples
+  /// Returns the fields and channels that are needed, as far as is known: all fields until the first samples
   /// were read.
   Selection required() const;
-  /// True if the type has clouds of which channels are recorded.
+  /// Returns true if the type has clouds whose channels are recorded.
   bool records_channels() const { return channels_.has_clouds(); }
-  /// Tells how samples differ from what was published if that selection is asked for. Nothing if they do not
-  /// differ.
+  /// Says how samples of that selection differ from what was published. Nothing if they do not differ.
   std::optional<detail::ChannelsSent> sent_for(const Selection& selection) const {
     return channels_.sent_for(selection);
   }
 
   struct LeafUse {
-    std::uint64_t samples = 0;      ///< in so many it was read
-    std::uint64_t last_sample = 0;  ///< the number of the last of them, from 1; 0: none
+    std::uint64_t samples = 0;      ///< the number of samples in which the leaf was read
+    std::uint64_t last_sample = 0;  ///< the number of the last of these samples, from 1; 0: none
   };
   struct Use {
-    std::uint64_t samples = 0;  ///< released so far
+    std::uint64_t samples = 0;  ///< the number of samples released so far
     std::vector<LeafUse> leaves;
-    Selection read;  ///< in at least one of them
+    Selection read;  ///< what was read in at least one of them
   };
   Use use() const;
 
  private:
   struct Leaf {
     LeafUse use;
-    std::uint64_t needed_since = 0;  ///< the newest sample that was seen to need it
-    bool was_read = false;           ///< itself, and not only channels of it
+    std::uint64_t needed_since = 0;  ///< the newest sample in which the leaf was needed
+    bool was_read = false;           ///< the leaf itself was read, and not only channels of it
   };
 
   Recorder(std::size_t leaves, const SubscriberOptions::Recording& settings, Changed changed,
@@ -113,17 +114,17 @@ class Recorder final : public std::enable_shared_from_this<Recorder>, private de
   bool finish_learning() noexcept SFT_REQUIRES(mutex_);
   bool is_required(std::size_t leaf) const noexcept;
 
-  // Leaves and channels have numbers, which are called leaves here.
-  const std::size_t leaf_count_;  ///< without channels
+  // Both leaves and channels are numbered, and both are called leaves here.
+  const std::size_t leaf_count_;  ///< the number of leaves without channels
   const SubscriberOptions::Recording settings_;
   ChannelNumbers channels_;
   GuardedCall<> changed_;
 
   mutable Mutex mutex_;  // held for a few instructions
-  /// Changed with the mutex held; getters look without it.
+  /// Changed with the mutex held; getters read it without the mutex.
   std::vector<std::atomic<std::uint64_t>> required_;
   std::vector<Leaf> leaves_ SFT_GUARDED_BY(mutex_);
-  ReadOrder order_ SFT_GUARDED_BY(mutex_);  ///< of the leaves that are needed, by needed_since
+  ReadOrder order_ SFT_GUARDED_BY(mutex_);  ///< the needed leaves in the order of needed_since
   std::uint64_t samples_ SFT_GUARDED_BY(mutex_) = 0;
   std::vector<std::unique_ptr<RecordedSample>> owned_ SFT_GUARDED_BY(mutex_);
   RecordedSample* free_ SFT_GUARDED_BY(mutex_) = nullptr;

@@ -1,5 +1,6 @@
-// Reduces a sample that lies whole in shared memory to what a reader on another host would get: the same
-// projection, put together and checked as if its datagrams had come. Parts of fields can stay where they are.
+// Reduces a whole sample in shared memory to what a reader on another host would get: the same projection,
+// put together and checked as if it had been received in datagrams. Parts of fields can stay in the whole
+// sample.
 #pragma once
 
 #include <memory>
@@ -20,21 +21,21 @@ namespace sft::core {
 /// Any thread. Samples may outlive their subscriber, and keep it alive.
 class RemoteCopy final : public PartReader::Owner, public std::enable_shared_from_this<RemoteCopy> {
  public:
-  /// `type` outlives it; copies lie in memory of `pool`.
+  /// `type` outlives the object; copies lie in memory of `pool`.
   static std::shared_ptr<RemoteCopy> make(const TypeSupport& type, std::shared_ptr<BufferPool> pool) {
     return std::shared_ptr<RemoteCopy>(new RemoteCopy(type, std::move(pool)));
   }
 
-  /// The sample itself if it has no more than is asked for, or parts of an earlier request. Empty if a reader
-  /// on another host would miss the sample: if there is no memory, or if its bytes are not what they claim to
-  /// be.
+  /// Returns a copy that has only what is asked for. Returns the sample itself if it has no more than that,
+  /// or if it has parts of an earlier request. Empty if a reader on another host would miss the sample: if
+  /// there is no memory, or if its bytes are malformed.
   SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) override SFT_EXCLUDES(mutex_);
 
   struct InPlace {
     SampleHandle sample{};
-    PartReader* parts = nullptr;  ///< where the parts of the sample are; null: all is in the sample
+    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all is in the sample
   };
-  /// The same, but parts of fields stay where they are if they can.
+  /// Does the same as of(), but leaves parts of fields in the whole sample if possible.
   InPlace in_place(SampleHandle sample, std::shared_ptr<const Asked> asked) SFT_EXCLUDES(mutex_);
 
   SampleHandle memory(std::size_t bytes) noexcept override { return pool_->take(bytes); }
@@ -50,7 +51,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   static bool is_as_asked(const SampleBuffer& sample, const detail::ProjectionPlan& asked);
   bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present)
       SFT_REQUIRES(mutex_);
-  /// Empty if there is no memory, or if the projected bytes are not what they claim to be.
+  /// Returns a copy; empty if there is no memory, or if the projected bytes are malformed.
   SampleHandle copy(const SampleBuffer& sample, const FieldMask& mask, std::uint64_t parts)
       SFT_REQUIRES(mutex_);
   bool fill(SampleBuffer& copy, const SampleBuffer& sample) const SFT_REQUIRES(mutex_);
@@ -61,7 +62,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
   detail::Projection projection_ SFT_GUARDED_BY(mutex_);
-  Mutex readers_mutex_;  ///< held for a few instructions: whoever gives one back waits for no copy
+  Mutex readers_mutex_;  ///< held for a few instructions, so that returning a reader never waits for a copy
   std::vector<std::unique_ptr<PartReader>> readers_ SFT_GUARDED_BY(readers_mutex_);
   std::vector<PartReader*> free_ SFT_GUARDED_BY(readers_mutex_);
 };

@@ -4,8 +4,8 @@
 
 namespace sft::core {
 
-/// Returns how many have passed a gate with conditions between two samples. A writer that has forgotten the
-/// gate meanwhile begins anew, and nobody can tell any more.
+/// Returns how many samples have passed a gate with conditions between two ordinals. Returns 0 if that is
+/// unknown because the writer has removed the gate meanwhile and counts from the beginning again.
 static std::uint64_t passed_between(std::uint32_t before, std::uint32_t now) {
   const std::uint32_t ahead = now - before;
   return ahead == 0 || ahead > INT32_MAX ? 0 : ahead - 1;
@@ -39,8 +39,9 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   return missing;
 }
 
-/// Before the first sample that came, only retained samples can be missing. If sequences begin anew, nobody
-/// knows what the wrong ones hid.
+/// Returns how many sequences are missing before the sample. Before the first sample that came, only retained
+/// samples can be missing. If sequences begin anew, a large gap is ignored, because the earlier sequences
+/// were wrong.
 std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   if (last_ != 0) {
     const std::uint64_t gap = sample.sequence - last_ - 1;
@@ -50,10 +51,10 @@ std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
 }
 
-/// The lost ones among the `gap` samples between the last one and this. Retained samples have no numbers, so
-/// nobody can tell which of them conditions have withheld. If the limit has changed, the slower one counts. A
-/// reader that asks for all can also get samples that passed the gates of others: from one of these to the
-/// next, nothing was withheld from it.
+/// Returns how many of the `gap` samples between the last one and this one were lost. Retained samples have
+/// no ordinals, so it is unknown which of them conditions have withheld. If the maximum rate has changed, the
+/// slower one counts. A reader that asks for all samples can also get samples that passed the gates of other
+/// readers. Between two of these, nothing was withheld from it.
 std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
                                            const AskedGates& asked, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);

@@ -40,8 +40,8 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin, spec_.interrupted),
       callbacks_(spec_.callback, spec_.callback_clock) {}
 
-/// Returns the selection that has the sample to be delivered first, of all samples that have come. If there
-/// is one selection, its ports know it best.
+/// Returns the selection that has the sample that must be delivered first, of all samples that have come. If
+/// there is only one selection, it returns that one without a check for samples.
 std::optional<std::size_t> SubscriberCore::oldest() {
   if (feeds_.size() == 1) return 0;
   std::optional<std::size_t> oldest;
@@ -74,8 +74,8 @@ detail::untyped::Sample SubscriberCore::take() { return take(&SubscriberPorts::t
 
 detail::untyped::Sample SubscriberCore::take_latest() { return take(&SubscriberPorts::take_latest); }
 
-/// Leaves in the sample only what was asked for. False if a reader on another host would have missed the
-/// sample. Parts of fields stay where they are.
+/// Reduces the sample to what was asked for. Parts of fields stay in the whole sample. Returns false if a
+/// reader on another host would have missed the sample.
 bool SubscriberCore::reduce(Delivery& delivery) {
   if (delivery.asked->plan != nullptr) {
     RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);

@@ -1,10 +1,10 @@
-// One subscriber without its message type: the facade of what its selections bring (feed.h), of who waits for
-// samples (waiter.h) and of its callback (callback_dispatch.h).
+// One subscriber without its message type: the facade of the samples of its selections (feed.h), of waiting
+// for them (waiter.h) and of its callback (callback_dispatch.h).
 //
 // Selections have numbers; 0 is the first, which every subscriber has.
 //
-// take(), take_latest() and wait() are called by any thread; arrived() by threads of transports; dispatch()
-// by these and the dispatcher; functions marked so by the agent only.
+// Any thread may call take(), take_latest() and wait(). Threads of transports call arrived(). These threads
+// and the dispatcher call dispatch(). Only the agent calls functions that are marked so.
 #pragma once
 
 #include <atomic>
@@ -37,22 +37,23 @@ class SubscriberCore final : public ArrivalListener {
   struct Spec {
     std::string topic;
     const TypeSupport* type = nullptr;
-    std::vector<Feed::Spec> feeds;  ///< one for each selection; one only if fields are recorded
+    std::vector<Feed::Spec> feeds;  ///< one for each selection; only one if fields are recorded
     SubscriberOptions options;
-    bool limits_samples = false;                ///< see detail::untyped::Requirement
-    detail::untyped::Callback callback;         ///< empty: samples are taken
-    CallbackThread* event_callbacks = nullptr;  ///< where options.on_event is called; null: where it is due
-    std::shared_ptr<const void> type_owner{};   ///< keeps the type alive; null where it is static
-    /// The memory of copies that have only what was asked for: of samples with parts of fields, and of all
+    bool limits_samples = false;         ///< see detail::untyped::Requirement
+    detail::untyped::Callback callback;  ///< empty: samples are taken
+    CallbackThread* event_callbacks =
+        nullptr;  ///< the thread that calls options.on_event; null: the causing one
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null if it is static
+    /// The memory for copies that have only what was asked for: of samples with parts of fields, and of all
     /// samples from shared memory if the options say `as_remote`. Null: there are no such copies.
     std::shared_ptr<BufferPool> copies{};
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: the subscriber has no file descriptor
-    /// How long a sample in shared memory waits for an earlier one that went by UDP: far longer than UDP
-    /// takes within a host. But the earlier sample may be lost, and nobody should wait long for that.
+    /// How long a sample in shared memory waits for an earlier one that was sent by UDP. This is far longer
+    /// than UDP takes within a host, but not too long in case the earlier sample is lost.
     std::chrono::nanoseconds diverted_timeout = std::chrono::milliseconds(100);
     std::uint32_t memory_depth = 0;  ///< the part of options.depth that shared memory keeps; 0: all
     const std::atomic<bool>* interrupted = nullptr;  ///< outlives the subscriber; null: nothing interrupts it
-    ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< tells whether a callback is slow
+    ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< the clock that measures callbacks
   };
 
   /// `bell` is rung when samples arrive; `recorder` is null unless the requirement is recorded.
@@ -62,30 +63,30 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
   bool available() { return waiter_.available(); }
-  /// Returns -1 if the subscriber has none.
+  /// Returns -1 if the subscriber has no file descriptor.
   int file_descriptor() const { return waiter_.descriptor(); }
 
-  // Subscribers with a callback or a file descriptor: for the thread that sleeps on their doorbell.
+  // For subscribers with a callback or a file descriptor. Called by the thread that sleeps on their doorbell.
 
-  /// True if a sample waits that no thread is dispatching, or that the file descriptor does not show.
+  /// Returns true if a sample waits that no thread is dispatching, or that the file descriptor does not show.
   bool waits_for_dispatch();
   /// Calls back for samples until the turn is over, or makes the file descriptor readable. Returns at once if
-  /// a call is under way on another thread: that thread goes on.
+  /// a call is under way on another thread, which then handles the samples.
   void dispatch();
 
-  /// Calls back at once, which is quickest, unless callbacks were seen to take long lately: then the
-  /// dispatcher calls back, so that the transport can go on.
+  /// Calls back at once, which is quickest. If callbacks have taken long lately, the dispatcher calls back
+  /// instead, so that the transport can go on.
   void arrived() noexcept override;
 
-  /// True while a callback may be running. Once closed, and when this is false, none will run any more.
+  /// Returns true while a callback may be running. If it returns false after close(), none will run any more.
   bool is_called_back() const { return callbacks_.is_called_back(); }
   /// See CallbackDispatch.
   std::uint64_t turns() const { return callbacks_.turns(); }
   bool holds_up_receiver() const { return callbacks_.holds_up_transport(); }
-  /// After it returns no callback runs any more, except for one in which it is called itself.
+  /// After it returns no callback runs any more, except for one from which it was called.
   void close();
 
-  /// True if this thread is within a callback of some subscriber.
+  /// Returns true if this thread is within a callback of any subscriber.
   static bool in_callback() noexcept { return CallbackDispatch::in_callback(); }
 
   const TypeSupport& type() const { return *spec_.type; }
@@ -95,12 +96,12 @@ class SubscriberCore final : public ArrivalListener {
   PostedCall<Event>& events() { return events_; }
   std::size_t selections() const { return feeds_.size(); }
   Feed& feed(std::size_t selection = 0) { return feeds_[selection]; }
-  /// An error if the program names a selection that there is not.
+  /// Returns the feed of a selection, or an error if there is no such selection.
   Result<Feed*> find(std::size_t selection);
   SubscriberPorts& ports(std::size_t selection = 0) { return feed(selection).ports(); }
 
-  // The agent's.
-  /// Wakes whoever waits for samples: some may be there that nobody was woken for.
+  // The agent's thread.
+  /// Wakes threads that wait for samples, since there may be samples for which no thread was woken.
   void wake() { waiter_.wake(); }
 
  private:
@@ -110,7 +111,7 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take(Next (SubscriberPorts::*choose)());
   /// A sample that is about to be delivered.
   struct Delivery : Next {
-    PartReader* parts = nullptr;  ///< where the parts of its fields are; null: all is in the sample
+    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all is in the sample
   };
   bool reduce(Delivery& delivery);
   detail::untyped::Sample wrap(Delivery delivery);
@@ -121,7 +122,7 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<Recorder> recorder_;
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   PostedCall<Event> events_;
-  std::deque<Feed> feeds_;  ///< by the number of the selection
+  std::deque<Feed> feeds_;  ///< one feed per selection; the index is the number of the selection
   Waiter waiter_;
   CallbackDispatch callbacks_;
 };

@@ -21,19 +21,20 @@ void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
   const Lock lock(mutex_);
-  port = memory_.replace(std::move(port));  // the former one ends with the argument, without the mutex
+  port =
+      memory_.replace(std::move(port));  // the argument destroys the former port after the mutex is unlocked
   of_former_ports_.add(port);
 }
 
 void SubscriberPorts::lose_memory() {
-  MemoryInlet::Port ended;  // without the mutex
+  MemoryInlet::Port ended;  // destroyed after the mutex is unlocked
   const Lock lock(mutex_);
   ended = memory_.lose();
   of_former_ports_.add(ended);
 }
 
 bool SubscriberPorts::release_lost_memory(bool also_if_some_wait) {
-  MemoryInlet::Port ended;  // without the mutex
+  MemoryInlet::Port ended;  // destroyed after the mutex is unlocked
   const Lock lock(mutex_);
   ended = memory_.release(also_if_some_wait);
   of_former_ports_.add(ended);
@@ -42,7 +43,7 @@ bool SubscriberPorts::release_lost_memory(bool also_if_some_wait) {
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
   const Lock lock(mutex_);
-  network_.swap(port);  // likewise
+  network_.swap(port);  // as in set_memory()
   if (port != nullptr) of_former_ports_.add(*port);
 }
 
@@ -102,8 +103,8 @@ SubscriberPorts::Next SubscriberPorts::next() {
   return next;
 }
 
-/// A merged sample names no request: it has whole fields, and is for each request without conditions that it
-/// contains. The present one comes first.
+/// A merged sample does not show its request: it has whole fields, and suits each request without conditions
+/// whose fields it has. The present request is tried first.
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
   if (!next.is_copied && !reports_asked_) return;

@@ -8,7 +8,7 @@ using Clock = std::chrono::steady_clock;
 
 bool Waiter::available() const { return std::ranges::any_of(ports_, &SubscriberPorts::available); }
 
-/// One port that receives by UDP: it receives for all ports of its node. Null if there is none.
+/// Returns one port that receives by UDP, which receives for all ports of its node. Null if there is none.
 std::shared_ptr<NetworkReader> Waiter::receiver() const {
   for (SubscriberPorts* const ports : ports_) {
     if (std::shared_ptr<NetworkReader> network = ports->network()) return network;
@@ -39,7 +39,7 @@ bool Waiter::wait_until(Time deadline) {
 void Waiter::sleep_until(Time deadline) {
   if (handle_ == nullptr) {
     bell_.wait(deadline, [this] { return must_return(); });
-  } else {  // the doorbell is shared with other subscribers, and is not rung for every sample
+  } else {  // the doorbell is shared with other subscribers, and is not rung for each sample
     settle();
     handle_->wait(deadline);
   }

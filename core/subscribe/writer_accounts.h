@@ -1,6 +1,6 @@
-// The account, for one selection of a subscriber, of each writer that is heard: its samples, and how it keeps
-// its promises. Pure.
-// Not safe for threads: subscriber_ports.h guards it.
+// The accounts of all writers for one selection of a subscriber: which samples came or are missing, and
+// whether the writer keeps its deadline and liveliness. Uses no clock, thread or I/O. Not thread-safe:
+// subscriber_ports.h guards it.
 #pragma once
 
 #include <cstdint>
@@ -23,8 +23,8 @@ class WriterAccounts {
     std::uint64_t withheld = 0;
     std::uint64_t lost_untold = 0;  ///< part of `lost` that no delivered sample has reported yet
     std::uint64_t expired = 0;
-    std::int64_t since_ns = 0;     ///< when the subscriber began to hear the writer
-    std::int64_t lifespan_ns = 0;  ///< of the samples that the writer sends; 0: they do not expire
+    std::int64_t since_ns = 0;     ///< when the subscriber began to receive from the writer
+    std::int64_t lifespan_ns = 0;  ///< the lifespan of the writer's samples; 0: they do not expire
     std::uint64_t deadlines_missed = 0;
     std::uint64_t restarts = 0;
     bool alive = true;
@@ -32,30 +32,29 @@ class WriterAccounts {
 
   explicit WriterAccounts(std::uint32_t min_period_us) : min_period_us_(min_period_us) {}
 
-  /// The account of that writer, which is opened if there is none. Valid until the next call.
+  /// Returns the account of that writer, which is opened if there is none. Valid until the next call.
   Writer& of(EndpointId writer) {
     for (Writer& known : writers_) {
       if (known.id == writer) return known;
     }
     return open(writer);
   }
-  /// Null if nothing was ever heard of that writer.
+  /// Returns the account of that writer; null if there is none.
   const Writer* find(EndpointId writer) const;
 
-  /// The subscriber asks for one sample in each such period from now on; 0: for all samples.
+  /// Sets the maximum rate that the subscriber asks for, as a period; 0: all samples.
   void ask(std::uint32_t min_period_us);
-  /// The subscriber asks for conditions from now on, which have this hash (Selection::gate_hash()); 0: for
-  /// none.
+  /// Sets the conditions that the subscriber asks for, by their hash (Selection::gate_hash()); 0: none.
   void ask_conditions(std::uint64_t hash);
-  /// No sample that was let through by conditions before these is under way, or waits, any more.
+  /// Called when no sample of requests before `these` is under way, or waits, any more.
   void forget_conditions_before(AskedGates::Number these) { asked_gates_.settle(these); }
   const AskedGates& asked_gates() const { return asked_gates_; }
-  /// True if the sample comes next, as far as the numbers tell.
+  /// Returns true if, as far as the numbers show, no sample of its writer is missing before this one.
   bool follows(const SampleOrigin& sample) {
     return of(sample.writer).sequences.follows(sample, asked_gates_);
   }
   std::uint32_t min_period_us() const { return min_period_us_; }
-  /// The writers that are heard from now on, others excluded.
+  /// Sets the writers from which the subscriber receives from now on.
   void hears(const std::vector<Hearing>& hearing, std::int64_t now_ns);
 
   /// Enters a new sample in its writer's account, and counts what is missing before that sample.
@@ -67,13 +66,14 @@ class WriterAccounts {
     writer.withheld += missing.withheld;
     writer.last_over_network = keeper == RateKeeper::writer;
   }
-  /// A sample that was entered could not be delivered after all.
+  /// Counts a sample as lost that was entered and could not be delivered after all.
   void lose_entered(EndpointId writer, std::uint64_t lost_before);
 
-  /// Adds deadlines that the writer has missed. Returns true if status() differs by it.
+  /// Adds deadlines that the writer has missed, and sets whether it is alive. Returns true if status()
+  /// changes.
   bool keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive);
 
-  /// Samples that were lost so far, of all writers.
+  /// Returns the number of lost samples of all writers.
   std::uint64_t losses() const { return losses_; }
   /// Adds the counts of all writers, and fills in `writers`.
   void describe(SubscriberStatus& status) const;
@@ -91,9 +91,9 @@ class WriterAccounts {
   std::uint64_t conditions_ = 0;
   AskedGates asked_gates_;
   std::vector<Writer> writers_;
-  /// The writers that are heard at present, as the negotiation describes them.
+  /// The present writers, as the negotiation describes them.
   std::vector<SubscriberStatus::Writer> heard_;
-  Writer forgotten_;  ///< sums of the writers that were forgotten
+  Writer forgotten_;  ///< the sums of the accounts that were removed
   std::uint64_t losses_ = 0;
 };
 

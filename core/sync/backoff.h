@@ -6,7 +6,7 @@
 
 namespace sft::core {
 
-/// Waits until `done()` returns true. Sleeps after a few looks, because the other thread may need this
+/// Waits until `done()` returns true. It sleeps after a few checks, because the other thread may need this
 /// processor.
 template <class Done>
 void wait_until(Done done) {

@@ -1,8 +1,8 @@
-// Callbacks that any thread may call, and that can be taken away: after clear() no call is inside any more,
-// so that whatever the callback uses may be destroyed. No lock is held while the callback runs.
+// Callbacks that any thread may call, and that can be cleared: after clear() no call is running any more, so
+// that whatever the callback uses may be destroyed. No lock is held while the callback runs.
 //
-// Only the callback and what it uses may go after clear(). The objects below outlive the functions that are
-// called on them.
+// After clear() only the callback and what it uses may be destroyed. The objects below must outlive all calls
+// of their own functions.
 #pragma once
 
 #include <atomic>
@@ -14,14 +14,14 @@
 
 namespace sft::core {
 
-/// Lets calls in until it is closed. Any number of threads may be inside at once, and each of them more than
+/// Allows calls until it is closed. Any number of threads may be inside at once, and each of them more than
 /// once. Any thread.
 class CallGate {
  public:
   /// Calls `function` unless the gate is closed; returns whether it did.
   template <class Function>
   bool call(Function&& function) {
-    if (is_closed()) return false;  // a gate that is closing is not kept busy by those who come too late
+    if (is_closed()) return false;  // so that new calls do not keep a closing gate busy
     const Call call(*this);
     if (call.is_refused()) return false;
     std::forward<Function>(function)();
@@ -30,8 +30,9 @@ class CallGate {
 
   bool is_closed() const noexcept { return (state_.load() & closed) != 0; }
 
-  /// When it returns, no call is inside any more. Neither the calls of this thread are waited for, nor those
-  /// that wait in close() for this thread: callbacks that close each other's gates would wait without end.
+  /// Closes the gate. When it returns, no call is inside any more, except for calls of this thread, and calls
+  /// whose threads wait in close() for this thread. It does not wait for these, because callbacks that close
+  /// each other's gates would wait forever.
   void close() noexcept {
     const std::uint32_t own = Call::of(*this, Call::innermost());
     if (inside(state_.fetch_or(closed)) > own) wait_for_others();
@@ -39,7 +40,7 @@ class CallGate {
 
  private:
   /// One call, from the beginning to the end of the scope. The calls of a thread are linked, the innermost
-  /// first, so that the thread knows where it is inside.
+  /// first, so that the thread knows in which gates it is inside.
   class Call {
    public:
     explicit Call(CallGate& gate) noexcept
@@ -56,7 +57,8 @@ class CallGate {
     bool is_refused() const noexcept { return is_refused_; }
 
     static const Call* innermost() noexcept { return innermost_; }
-    /// How many of the calls of the thread with this innermost one are inside the gate.
+    /// Returns how many calls of a thread are inside the gate. `innermost` is the innermost call of that
+    /// thread.
     static std::uint32_t of(const CallGate& gate, const Call* innermost) noexcept {
       std::uint32_t calls = 0;
       for (const Call* call = innermost; call != nullptr; call = call->outer_) {
@@ -73,13 +75,13 @@ class CallGate {
     const bool is_refused_;
   };
 
-  /// A thread that waits in close(). Such threads know of each other, which takes one lock for all of the
-  /// process; nobody needs it who does not wait.
+  /// A thread that waits in close(). Such threads are in a list, which one mutex of the process protects.
+  /// Threads that need not wait do not lock it.
   struct Closing {
     const CallGate* gate;
     const Call* innermost;
     Closing* next = nullptr;
-    bool depends = false;  ///< it waits for the thread that looks at present, directly or not
+    bool depends = false;  ///< it waits, directly or not, for the thread that is examining the list
 
     static inline Mutex mutex;
     static inline Condition changed;
@@ -89,7 +91,8 @@ class CallGate {
       const Lock lock(mutex);
       changed.notify_all();
     }
-    /// Returns how many calls inside the gate of this thread are those of threads that wait for this one.
+    /// Returns how many calls inside the gate that this thread closes belong to threads that wait for this
+    /// thread.
     std::uint32_t calls_of_dependents() SFT_REQUIRES(mutex) {
       for (Closing* other = first; other != nullptr; other = other->next) other->depends = other == this;
       std::uint32_t calls = 0;
@@ -124,8 +127,8 @@ class CallGate {
     Closing::changed.notify_all();
   }
 
-  // The parts of the state: 1 for each call inside, and one bit for the gate itself. It is one word, so that
-  // a call either sees that the gate is closed or is seen by close().
+  // The state counts the calls inside, and has one bit that says that the gate is closed. It is one word, so
+  // that a call either sees that the gate is closed or is seen by close().
   static constexpr std::uint32_t closed = std::uint32_t{1} << 31;
   static constexpr std::uint32_t inside(std::uint32_t state) { return state & ~closed; }
 
@@ -139,14 +142,14 @@ class GuardedCall {
   using Function = std::function<void(Args...)>;
   explicit GuardedCall(Function function) : function_(std::move(function)) {}
 
-  /// True if a call would do anything now.
+  /// Returns true if a call would have any effect now.
   bool is_set() const noexcept { return function_ != nullptr && !gate_.is_closed(); }
-  /// Does nothing if the function is empty or was taken away.
+  /// Calls the function. Does nothing if it is empty or was cleared.
   void operator()(Args... args) {
     if (function_ != nullptr) gate_.call([&] { function_(std::forward<Args>(args)...); });
   }
-  /// Takes the function away. When it returns, no call is inside any more, but for one that clears itself:
-  /// see CallGate::close().
+  /// Clears the function. When it returns, no call is running any more, except for one that called this
+  /// itself (CallGate::close()).
   void clear() noexcept { gate_.close(); }
 
  private:

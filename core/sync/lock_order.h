@@ -1,12 +1,11 @@
-// The order in which a thread takes locks, if it holds several at a time. Such locks are on levels: a thread
-// that holds a lock may take locks of later levels only. A mutex that is on no level is the only one that a
-// thread holds at that time, or the last one that it takes, or one of those of discovery, which no thread
-// takes that holds a lock on a level.
+// The order in which a thread takes locks if it holds several at a time. Such locks are on levels: a thread
+// that holds a lock may take locks of later levels only. Three kinds of mutexes are on no level: those that a
+// thread holds while it holds no other, those that it takes last, and those of discovery, which a thread
+// never takes while it holds a lock on a level.
 //
 // Each mutex on a level names the levels between which it lies. Clang (-Wthread-safety-beta) refuses a
-// function that takes two locks in the wrong order, and an order that leads back to its beginning. Clang
-// looks at one function at a time: it does not see a lock that another function takes, unless that function
-// is marked.
+// function that takes two locks in the wrong order, and declarations that form a cycle. Clang checks one
+// function at a time: it does not see a lock that another function takes, unless that function is annotated.
 #pragma once
 
 #include "core/sync/thread_annotations.h"
@@ -16,18 +15,18 @@ namespace sft::core::lock_order {
 /// The border between two levels. It is never locked.
 struct SFT_CAPABILITY("level") Border {};
 
-/// Endpoints are asked for their status: EndpointRegistry.
+/// The registry of endpoints, while their status is read: EndpointRegistry.
 inline constexpr Border endpoints{};
 /// One endpoint: PublisherCore, SubscriberPorts, RemoteCopy.
 inline constexpr Border endpoint SFT_ACQUIRED_AFTER(endpoints){};
-/// What one endpoint, or one remote socket, has to send or to receive: Inbox, ShmReaderPort, Lane, Channel,
-/// ChannelRegistry, DestinationDirectory, ScheduledWork, SubscriptionDirectory.
+/// Queues of one endpoint or of one remote socket: Inbox, ShmReaderPort, Lane, Channel, ChannelRegistry,
+/// DestinationDirectory, ScheduledWork, SubscriptionDirectory.
 inline constexpr Border queues SFT_ACQUIRED_AFTER(endpoint){};
-/// Facts that several of these share: RemotePath, SharedFlowWindow, DeliveryBook, GroupReasons, Published.
+/// Facts that several queues share: RemotePath, SharedFlowWindow, DeliveryBook, GroupReasons, Published.
 inline constexpr Border facts SFT_ACQUIRED_AFTER(queues){};
-/// Jobs that are given back, and what has not been proven: JobPool, UnprovenBudget.
+/// The pool to which jobs return, and the budget for unproven sockets: JobPool, UnprovenBudget.
 inline constexpr Border jobs SFT_ACQUIRED_AFTER(facts){};
-// Behind `jobs` lies the memory of samples, which is given back by the thread that drops the last handle:
+// After `jobs` come the owners of the memory of samples, which the thread that drops the last handle locks:
 // BufferPool, ChunkLender, ChunkQueue. They may take locks of iceoryx.
 
 }  // namespace sft::core::lock_order

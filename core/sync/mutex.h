@@ -1,5 +1,5 @@
-// A mutex, its lock, and a condition to wait for: those of the standard library, with the attributes by which
-// Clang checks who holds what (thread_annotations.h).
+// A mutex, its lock, and a condition variable: those of the standard library, with the attributes by which
+// Clang checks which locks are held (thread_annotations.h).
 #pragma once
 
 #include <chrono>
@@ -41,14 +41,14 @@ class SFT_SCOPED_CAPABILITY Lock {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// Waiting unlocks the lock, and locks it again before it returns. A wait may also end without a cause, so
-/// callers wait in a loop. There are no functions that take a predicate: Clang does not know that a lambda is
-/// called with the lock held.
+/// A condition variable. A wait unlocks the lock, and locks it again before it returns. It may also end
+/// without a cause, so callers wait in a loop. There are no functions that take a predicate, because Clang
+/// does not know that the predicate is called with the lock held.
 class Condition {
  public:
   void wait(Lock& lock) { condition_.wait(lock.lock_); }
 
-  /// False if the time is over.
+  /// Returns false if the time is over.
   template <class Rep, class Period>
   bool wait_for(Lock& lock, const std::chrono::duration<Rep, Period>& time) {
     return condition_.wait_for(lock.lock_, time) == std::cv_status::no_timeout;

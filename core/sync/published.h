@@ -1,10 +1,10 @@
 // A value that some threads replace now and then, and that another thread reads all the time without a lock:
 // reading an unchanged value is one atomic load. There is one reading thread at a time.
 //
-// Whoever has replaced the value may wait until nobody uses a former one any more. For that the reading
-// thread reads within a Reading, which begins before the value is loaded; the other thread replaces the value
-// and then looks for a Reading. These accesses are sequentially consistent, so that at least one of both
-// threads sees what the other did: a Reading that was not seen loads the new value.
+// A thread that has replaced the value may wait until the reading thread no longer uses a former one. For
+// that the reading thread reads within a Reading, which begins before the value is loaded; the other thread
+// replaces the value and then checks for a Reading. These accesses are sequentially consistent, so that at
+// least one of the threads sees what the other did: a Reading that was not seen loads the new value.
 #pragma once
 
 #include <atomic>
@@ -27,11 +27,11 @@ class Published {
     const Lock lock(mutex_);
     latest_.swap(value);
     version_.fetch_add(1, std::memory_order_seq_cst);
-  }  // the former value dies after the lock is released
+  }  // the former value is destroyed after the lock is released
 
-  /// When it returns, no Reading uses a value that was replaced before this call. Waits for the Reading that
-  /// lasts now, if any, but not for those that begin meanwhile: beside a thread that reads all the time it
-  /// waits no longer. Not called within a Reading.
+  /// Waits until no Reading uses a value that was replaced before this call. It waits for the present
+  /// Reading, if any, but not for those that begin later, so that it ends even if the reading thread reads
+  /// all the time. Must not be called within a Reading.
   void wait_for_reader() const {
     const std::uint64_t seen = steps_.load(std::memory_order_seq_cst);
     if (seen % 2 == 0) return;
@@ -45,7 +45,7 @@ class Published {
 
   // The reading thread.
 
-  /// From here to the end of the scope the values that load() returns are in use.
+  /// Marks the values that load() returns as in use, from here to the end of the scope.
   class Reading {
    public:
     explicit Reading(Published& published) : published_(published) {
@@ -59,13 +59,14 @@ class Published {
     Published& published_;
   };
 
-  /// The latest value, which lives until the next load(). A thread that nobody waits for needs no Reading.
+  /// Returns the latest value, which lives until the next load(). A Reading is only needed if a thread calls
+  /// wait_for_reader().
   const T* load() {
     if (version_.load(std::memory_order_seq_cst) != seen_) refresh();
     return in_use_.get();
   }
 
-  /// The value that load() returned last, to be kept beyond the next load().
+  /// Returns the value that load() returned last, as a pointer that keeps it beyond the next load().
   const std::shared_ptr<const T>& loaded() const { return in_use_; }
 
  private:
@@ -84,7 +85,7 @@ class Published {
   mutable Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::queues) SFT_ACQUIRED_BEFORE(lock_order::facts);
   std::shared_ptr<const T> latest_ SFT_GUARDED_BY(mutex_);
   std::atomic<std::uint64_t> version_{0};
-  std::shared_ptr<const T> in_use_;  // the reading thread's
+  std::shared_ptr<const T> in_use_;  // used by the reading thread only
   std::uint64_t seen_ = 0;
   std::atomic<std::uint64_t> steps_{0};  ///< odd within a Reading
 };

@@ -1,4 +1,4 @@
-// Waiting with the core kept busy: for what comes sooner than a sleeping thread could be woken.
+// Busy waiting, for events that come sooner than a sleeping thread could be woken.
 #pragma once
 
 #include <sched.h>
@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-/// Tells the core that this is a loop that waits.
+/// Hints to the core that this is a waiting loop.
 inline void pause_core() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -16,8 +16,8 @@ inline void pause_core() {
 #endif
 }
 
-/// Spins until `over()` holds or the time is over, and tells which. Yields to threads that wait for this
-/// core: one of them may bring about what is waited for.
+/// Spins until `over()` returns true, and returns true, or until the time is over, and returns false. It
+/// yields to threads that wait for this core, since one of them may cause the event.
 template <class Over>
 bool spin(std::chrono::steady_clock::time_point until, Over&& over) {
   constexpr int looks_per_yield = 8;

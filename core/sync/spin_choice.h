@@ -1,5 +1,5 @@
-// Chooses whether a wait for samples spins before it sleeps: only if the wait before it was short. Spinning
-// that does not see the sample costs its whole time, and lets the thread fall asleep no later.
+// Chooses whether a wait for samples spins before it sleeps: only if the previous wait was short. If no
+// sample comes while the thread spins, the spinning costs its whole time for nothing.
 #pragma once
 
 #include <atomic>
@@ -11,7 +11,7 @@ class SpinChoice {
  public:
   using Duration = std::chrono::nanoseconds;
 
-  /// A wait of at most `short_wait` times the limit on spinning is short.
+  /// A wait is short if it takes at most `short_wait` times the limit on spinning.
   explicit SpinChoice(int short_wait) : short_wait_(short_wait) {}
 
   /// Returns how long the wait that begins now spins: `limit`, or not at all. The first wait spins. Any
@@ -20,9 +20,10 @@ class SpinChoice {
     return last_wait_.load(std::memory_order_relaxed) / short_wait_ <= limit ? limit : Duration{0};
   }
 
-  /// A wait has ended that was allowed to spin for `limit`, with a sample or without one. Any thread.
+  /// Called when a wait that was allowed to spin for `limit` has ended. `found` is true if a sample came. Any
+  /// thread.
   void waited(Duration how_long, bool found, Duration limit) {
-    if (!found && how_long < limit) return;  // the wait ended before the spinning did
+    if (!found && how_long < limit) return;  // the wait was shorter than the spinning would have been
     last_wait_.store(found ? how_long : Duration::max(), std::memory_order_relaxed);
   }
 

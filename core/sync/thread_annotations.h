@@ -1,9 +1,9 @@
 // The attributes by which Clang checks at compile time that a lock is held where it has to be
-// (-Wthread-safety), and that nothing is used twice that can be used once (-Wconsumed). Other compilers see
-// nothing of them.
+// (-Wthread-safety), and that objects that can be used only once are not used twice (-Wconsumed). With other
+// compilers these macros are empty.
 //
-// These are macros, although the project has no others: Clang knows most of these attributes only in the GNU
-// spelling, which other compilers refuse, and nothing is configured by them.
+// They are the only macros of the project. They are needed because Clang knows most of these attributes only
+// in the GNU spelling, which other compilers refuse. They do not configure anything.
 #pragma once
 
 #if defined(__clang__)
@@ -17,7 +17,8 @@
 /// The object behind the pointer is read and written only while this mutex is held.
 #define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
 
-/// This mutex is taken after those, or before those, by a thread that holds both (lock_order.h).
+/// A thread that takes several of these mutexes takes this one after (or before) the given ones
+/// (lock_order.h).
 #define SFT_ACQUIRED_AFTER(...) SFT_THREAD_ATTRIBUTE(acquired_after(__VA_ARGS__))
 #define SFT_ACQUIRED_BEFORE(...) SFT_THREAD_ATTRIBUTE(acquired_before(__VA_ARGS__))
 

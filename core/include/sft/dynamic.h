@@ -34,9 +34,9 @@
 namespace sft {
 
 /// A sample, as take() returns it and callbacks get it. It has the fields that its subscriber declared, and
-/// no others, also if a sample in shared memory has more. If the subscriber records, it has all fields of the
+/// no others, even if a sample in shared memory has more. If the subscriber records, it has all fields of the
 /// sample. It keeps its type alive. Any thread may destroy it, and several threads may read it at once. It
-/// may be empty, as Sample (sample.h) may; then all fields are absent, and to_yaml() and to_json() return
+/// may be empty, like a Sample (sample.h). Then all fields are absent, and to_yaml() and to_json() return
 /// errors.
 class DynamicSample {
  public:
@@ -44,21 +44,21 @@ class DynamicSample {
   DynamicSample(DynamicType type, detail::untyped::Sample&& sample)
       : type_(std::move(type)), sample_(std::move(sample)) {}
 
-  /// False if there is no sample.
+  /// Returns false if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
-  /// Reads fields by their names. The view, and everything that is read through it, is valid as long as the
-  /// sample, which must not be moved meanwhile.
+  /// Returns a view that reads fields by their names. The view, and everything that is read through it, is
+  /// valid as long as the sample, which must not be moved meanwhile.
   DynamicView view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
     return {sample_.state(), type_.type(), fields()};
   }
   void view() const&& = delete;
 
-  /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
+  /// Returns sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
-  /// The fields that view() has. Not for an empty sample.
+  /// Returns the fields that view() has. Must not be called on an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
     return fields();
@@ -69,18 +69,18 @@ class DynamicSample {
   void selection() const&& = delete;
   /// See Sample::missing_channels().
   std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_.support()); }
-  /// The message type. Valid as long as the sample.
+  /// Returns the message type. Valid as long as the sample.
   const DynamicType& type() const& { return type_; }
-  /// True if a read met bytes that are not what they claim to be, or if there was no memory for the part of a
-  /// field that it had to copy.
+  /// Returns true if a read found malformed bytes, or if there was no memory for the part of a field that it
+  /// had to copy.
   bool malformed() const { return sample_.state().is_malformed(); }
-  /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
-  /// members of the type that are in mask(). If the sample has other fields, too, the first call makes a copy
-  /// without them. Empty if the bytes are not what they claim to be.
+  /// Returns the encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of
+  /// those members of the type that are in mask(). If the sample has other fields, too, the first call makes
+  /// a copy without them. Empty if the bytes are malformed.
   std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
-  /// The fields that the sample has, as YAML. An error if the sample is empty or malformed.
+  /// Returns the fields that the sample has, as YAML, or an error if the sample is empty or malformed.
   Result<std::string> to_yaml(const YamlOptions& options = {}) const {
     return sample_ ? sft::to_yaml(view(), options) : empty_error();
   }
@@ -94,7 +94,8 @@ class DynamicSample {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
   }
 
-  /// A sample in shared memory has more than was asked for, and a sample of a former request may have less.
+  /// Returns the fields to show. A sample in shared memory has more fields than were asked for, and a sample
+  /// of a former request may have fewer.
   const FieldMask& fields() const {
     const FieldMask& present = *sample_.state().mask;
     const Selection* const asked = sample_.selection();
@@ -120,8 +121,8 @@ class DynamicPublisher {
     return publisher_.publish_cdr(payload);
   }
   /// Publishes a message that is given as JSON (cdr_from_json() in json.h); a stamp may be "now", and a
-  /// header "auto". Errors name the path of the field and what was expected, also if there are no readers. It
-  /// allocates memory, and is for tools rather than for large data.
+  /// header "auto". Errors name the path of the field and what was expected, even if there are no readers. It
+  /// allocates memory, and is meant for tools rather than for large data.
   Result<PublishStatus> publish_json(std::string_view json) {
     return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
         .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
@@ -139,9 +140,9 @@ class DynamicPublisher {
   }
   /// See Publisher::assert_liveliness().
   void assert_liveliness() { publisher_.assert_liveliness(); }
-  /// Counts, and each subscriber of the topic.
+  /// Returns the counts, and each subscriber of the topic.
   PublisherStatus status() const { return publisher_.status(); }
-  /// The message type. Valid as long as this object.
+  /// Returns the message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
 
  private:
@@ -160,7 +161,7 @@ class DynamicSubscriber {
   DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber)
       : type_(std::move(type)), subscriber_(std::move(subscriber)) {}
 
-  /// Returns the oldest sample that was not taken yet; an empty one if there is none.
+  /// Returns the oldest sample that was not taken yet, or an empty one if there is none.
   [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
   /// Returns the newest sample; see Subscriber::take_latest().
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
@@ -169,15 +170,15 @@ class DynamicSubscriber {
   /// See Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// Asks for something else: other fields, other parts of them, other conditions. Publishers follow in a
-  /// moment; their next sample then counts as changed (Selection::Gate). A maximum rate stays if the
-  /// selection has none. `which` is the number of a selection. An error if the subscriber records, if the
-  /// text is wrong, or if there is no such selection; then nothing changes.
+  /// Changes selection `which`: asks for other fields, other parts of them, or other conditions. Publishers
+  /// apply it shortly after, and their next sample then counts as changed (Selection::Gate). A maximum rate
+  /// stays if the selection has none. Returns an error, and changes nothing, if the subscriber records, if
+  /// the text is wrong, or if there is no such selection.
   Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
-  /// The same with a value, which was made for this type.
+  /// The same with a selection that was made for this type.
   Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
     return subscriber_.set_selection(selection, which);
   }
@@ -192,7 +193,7 @@ class DynamicSubscriber {
   SubscriberStatus status(std::size_t which = 0) const { return subscriber_.status(which); }
   /// See Subscriber::requirements().
   Requirements requirements(std::size_t which = 0) const { return subscriber_.requirements(which); }
-  /// The message type. Valid as long as this object.
+  /// Returns the message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
 
  private:

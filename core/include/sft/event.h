@@ -9,7 +9,7 @@
 
 namespace sft {
 
-/// A value; callbacks may copy and keep it.
+/// One event of a publisher or subscriber. It is a value: callbacks may copy and keep it.
 struct Event {
   /// What has happened.
   enum class Kind : std::uint8_t {
@@ -18,44 +18,47 @@ struct Event {
     path_changed,       ///< `text` says to which path, and why
     incompatible_qos,   ///< `policy` does not fit; the two will never match
     incompatible_type,  ///< the topic has the same name but another type; the two will never match
-    no_path,            ///< all fits, but no path is allowed to both; `text` says why there is none
-    deadline_missed,    ///< the own promise on a publisher (`peer` is 0), the requested one on a subscriber
-    liveliness_lost,    ///< of the publisher itself (`peer` is 0), or of a publisher, on a subscriber
+    no_path,            ///< type and QoS fit, but no path is allowed to both; `text` says why there is none
+    deadline_missed,  ///< on a publisher: its own deadline (`peer` is 0); on a subscriber: the requested one
+    liveliness_lost,  ///< on a publisher: its own liveliness (`peer` is 0); on a subscriber: a publisher's
     liveliness_recovered,  ///< as for `liveliness_lost`: the publisher is alive again
-    samples_lost,          ///< only on subscribers
+    samples_lost,          ///< only on subscribers: `count` samples did not arrive
     samples_diverted,      ///< only on publishers: sent by UDP because shared memory could not take them
-    held_too_many,  ///< only on subscribers: it holds max_held samples, and take() gives no more; `peer` is 0
+    held_too_many,  ///< only on subscribers: the program holds max_held samples, so that take() returns no
+                    ///< more; `peer` is 0
     /// A subscriber asks for other fields or another rate, which `text` names. On the subscriber itself
     /// `peer` is 0.
     request_changed,
   };
 
-  /// A callback for events. It runs on a thread of the node for just that and for the log: while it runs,
-  /// other events and log lines of the node wait, and nothing else does. If 10,000 of them wait, more are
-  /// left out, and the log says how many. No lock is held during the call: the callback may call any function
-  /// of SFT and destroy any object of it. The node's log gets the same events, whether there is a callback or
-  /// not. An event and its opposite within one batch of news may both be left out. After the destructor of
-  /// the publisher or subscriber the callback is not called any more (unless the destructor runs within the
-  /// callback itself).
+  /// A callback for events. It runs on a thread of the node that only handles events and log lines. While it
+  /// runs, other events and log lines of the node wait, and nothing else does. If 10,000 of them wait,
+  /// further ones are left out, and the log says how many. No lock is held during the call: the callback may
+  /// call any function of SFT and destroy any object of it. The node's log gets the same events, whether
+  /// there is a callback or not. An event and its opposite that follow each other closely may both be left
+  /// out. After the destructor of the publisher or subscriber the callback is not called any more (unless the
+  /// destructor runs within the callback itself).
   using Callback = std::function<void(const Event&)>;
 
-  /// The kind of news.
+  /// What has happened.
   Kind kind{};
-  std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: concerns none
+  std::uint64_t peer = 0;  ///< id of the subscriber or publisher at the other end; 0: the event concerns none
   std::string node{};      ///< the name of the node of `peer`
   /// The first policy that does not fit, for incompatible_qos.
   QosPolicy policy = QosPolicy::none;
-  std::uint64_t count = 1;  ///< deadlines missed, samples lost or diverted since the last event of the kind
-  bool yet = false;         ///< with no_path: shared memory may still come up, on this side or the other
-  bool reliable = false;    ///< with samples_lost: the subscriber asked for reliability
-  std::string text{};       ///< a sentence for people
-  /// On a subscriber: the number of the selection that the event is about (SampleInfo::selection). Each
-  /// selection tells of its own matches, paths and losses.
+  /// The number of deadlines that were missed, or of samples that were lost or diverted, since the last event
+  /// of this kind.
+  std::uint64_t count = 1;
+  bool yet = false;       ///< with no_path: shared memory may still become available, on either side
+  bool reliable = false;  ///< with samples_lost: the subscriber asked for reliability
+  std::string text{};     ///< a sentence for people
+  /// On a subscriber: the number of the selection that the event is about (SampleInfo::selection). Matches,
+  /// paths and losses are reported for each selection.
   std::uint32_t selection = 0;
   friend bool operator==(const Event&, const Event&) = default;
 };
 
-/// The name of the enumerator; lives as long as the program.
+/// Returns the name of the enumerator, which lives as long as the program.
 const char* to_string(Event::Kind kind);
 
 }  // namespace sft

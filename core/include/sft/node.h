@@ -17,7 +17,7 @@
 // node (NodeOptions::namespace_), so that without one "/points" and "points" are the same topic. A private
 // name begins with "~", which stands for the full name of the node: in the node "cam" of the namespace
 // "left", "~/image" is "left/cam/image". Remapping rules (NodeOptions::remap) then replace the name. All
-// functions that take a topic do this. All that tell of topics tell the names that come of it, without a
+// functions that take a topic do this. Functions that return topics return the resulting names, without a
 // slash in front.
 #pragma once
 
@@ -42,9 +42,9 @@ namespace sft {
 /// A handle to a node; see the top of this header for threads and lifetimes.
 class Node {
  public:
-  /// Joins the control topics, opens the transports and starts the threads. An error if a setting is wrong,
-  /// if the system refuses it, or if a limit of the process is too low. It is no error if the daemon of
-  /// shared memory is missing: NodeStatus::shm says so, and samples use UDP.
+  /// Joins the control topics, opens the transports and starts the threads. Returns an error if a setting is
+  /// wrong, if the system refuses it, or if a limit of the process is too low. It is no error if the daemon
+  /// of shared memory is missing: NodeStatus::shm says so, and samples use UDP.
   [[nodiscard]] static Result<Node> open(const NodeOptions& options = {});
 
   /// Opens a publisher of messages of type T.
@@ -55,7 +55,7 @@ class Node {
     });
   }
 
-  /// Opens a subscriber that is asked for its samples. With declared fields: `node.subscriber<PointCloud2,
+  /// Opens a subscriber whose samples the program takes. With declared fields: `node.subscriber<PointCloud2,
   /// F::height | F::width>("points")`; with recorded fields: `<PointCloud2, sft::recorded>`. If the field
   /// `fields` is a sequence of structs, `F::fields` names all of it, `F::fields.each.name` one member of each
   /// element, and `F::fields.size` the number of elements, which also comes with any member. An array of
@@ -87,7 +87,7 @@ class Node {
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  /// Never compiles: explains what a callback takes if it takes something else.
+  /// An overload for other callbacks that never compiles; the compiler's message says what a callback takes.
   template <class T, Req<T> R = Req<T>(all<T>), class F>
   requires(!detail::SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
       Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
@@ -99,26 +99,27 @@ class Node {
 
   // For programs that were not compiled with the type of a topic (dynamic.h).
 
-  /// Waits until a publisher of the topic has announced the type, or a subscriber if no publisher comes
-  /// within a second, or longer while other processes are still being discovered. The error says what was
-  /// seen instead. In a callback it makes the other callbacks of the node wait.
+  /// Waits until a publisher of the topic has announced the type. If no publisher appears within a second, or
+  /// longer while other processes are still being discovered, the type that a subscriber has announced is
+  /// returned. The error says what was seen instead. If a callback calls this, the other callbacks of the
+  /// node wait.
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
-  /// All topics that are known at present, also those of this node.
+  /// Returns all topics that are known at present, including those of this node.
   ///
-  /// A node is told only of those that may match its own publishers and subscribers. The first call of
-  /// topics(), domain() or ask_accounts() makes it listen to everybody from then on. What was not known then
-  /// comes soon after the call.
+  /// By default a node learns only of publishers and subscribers that may match its own. After the first call
+  /// of topics(), domain() or ask_accounts() it learns of all. Those that were not known at that call are
+  /// known soon after it.
   std::vector<TopicInfo> topics() const;
-  /// All publishers and subscribers that are known at present, also those of this node, and the state of each
-  /// pair (domain.h).
+  /// Returns all publishers and subscribers that are known at present, including those of this node, and the
+  /// state of each pair (domain.h).
   DomainSnapshot domain() const;
-  /// As long as the returned object lives, domain() also has the counts of both sides of each pair on that
+  /// While the returned object lives, domain() also contains the counts of both sides of each pair on this
   /// topic (domain.h).
   Result<AccountInquiry> ask_accounts(std::string_view topic) const;
   /// Opens a subscriber of a topic of any type. `fields` is a text: "header.stamp, fields[].name", or "*" for
   /// all. It may name parts of fields, as TypeSupport::parse_selection() takes them: "data{x,y,z}[::4]".
-  /// Other hosts send just the part; in shared memory it stays in the whole sample. Without a callback the
-  /// subscriber is asked for its samples.
+  /// Publishers on other hosts send just the part; in shared memory the part is read in the whole sample.
+  /// Without a callback the program takes the samples.
   [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                                      std::string_view fields,
                                                      const SubscriberOptions& options = {},
@@ -128,27 +129,27 @@ class Node {
                                                      detail::Recorded, const SubscriberOptions& options = {},
                                                      DynamicSubscriber::Callback callback = {});
 
-  /// Opens a publisher of messages that are encoded already, or are JSON or YAML. The node keeps the type
-  /// until the node is closed, once for all publishers of it.
+  /// Opens a publisher of messages that are encoded already, or are JSON or YAML. The node keeps one copy of
+  /// the type for all its publishers of that type, until the node is closed.
   [[nodiscard]] Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
                                                    const PublisherOptions& options = {});
 
-  /// Ends all that waits in this node, now and from now on: Subscriber::wait() of each of its subscribers
+  /// Ends all waiting in this node, now and from now on: Subscriber::wait() of each of its subscribers
   /// returns at once, with false if there is no sample, their file descriptors become readable and stay so,
   /// and find_type() fails. Everything else goes on. A signal handler may call it: `while
-  /// (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). There is no way back.
+  /// (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). It cannot be undone.
   void interrupt() noexcept;
   bool is_interrupted() const noexcept;  ///< true after interrupt()
 
-  /// The time of the node, of which time_message() (time.h) makes a stamp: that of the system, or, with
-  /// NodeOptions::use_sim_time, what the topic "/clock" said last, and 0 before it has said anything. Such a
-  /// time may stand still, and go back.
+  /// Returns the time of the node, which time_message() (time.h) converts to a stamp. It is the system's
+  /// time, or, with NodeOptions::use_sim_time, the latest time from the topic "/clock", and 0 before the
+  /// first one. A simulated time may stand still or go back.
   std::chrono::sys_time<std::chrono::nanoseconds> now() const;
 
-  /// How discovery, UDP and shared memory work, and what was refused (status.h).
+  /// Returns how discovery, UDP and shared memory work, and what was refused (status.h).
   NodeStatus status() const;
-  /// Everything that the node knows of its publishers, its subscribers and itself (snapshot.h); to_json()
-  /// prints it.
+  /// Returns everything that the node knows of its publishers, its subscribers and itself (snapshot.h);
+  /// to_json() prints it.
   NodeSnapshot snapshot() const;
 
  private:
@@ -174,7 +175,7 @@ class Node {
                                             DynamicSubscriber::Callback callback);
 
   std::shared_ptr<core::NodeCore> core_;
-  std::shared_ptr<core::SimulatedClock> clock_;  ///< null: the time is that of the system
+  std::shared_ptr<core::SimulatedClock> clock_;  ///< null: now() is the system's time
 };
 
 }  // namespace sft

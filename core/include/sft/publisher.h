@@ -35,7 +35,7 @@ class Loan {
   /// The sequences of T that a loan can reserve.
   using Reservations = decltype(View::reservations({}));
 
-  /// Publisher::loan() makes loans.
+  /// For SFT's own code: Publisher::loan() makes loans.
   Loan(detail::untyped::Loan&& loan, const Reservations& reserved)
       : loan_(std::move(loan)), reserved_(reserved) {}
 
@@ -48,7 +48,7 @@ class Loan {
    private:
     View view_;
   };
-  /// The writable members, in place. Not of a temporary loan.
+  /// Accesses the writable members, in place. Does not compile on a temporary loan.
   Arrow operator->() & { return Arrow(View{detail::LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
@@ -64,8 +64,9 @@ class Loan {
     loan_.write(place.slot, &scalar, sizeof scalar);
   }
 
-  /// Only the first `length` elements of a reserved sequence will be published. Spans of it stay valid;
-  /// publish() moves what follows them. It can be called again, for any length up to what was reserved.
+  /// Shortens a reserved sequence: only its first `length` elements will be published. Spans of it stay
+  /// valid; publish() moves the data behind the sequence. shrink() can be called again, for any length up to
+  /// the reserved one.
   template <std::size_t Leaf>
   ShrinkStatus shrink(const detail::FieldNode<T, Leaf, 1>&, std::uint32_t length) {
     constexpr std::size_t number = reservation_number(Leaf);
@@ -74,9 +75,10 @@ class Loan {
     if constexpr (number < std::tuple_size_v<Reservations>) return loan_.shrink(reserved_[number], length);
   }
 
-  /// Publishes the message, and gives the memory to its readers. For the thread that uses the publisher.
+  /// Publishes the message, and passes the memory to its readers. Only the thread that uses the publisher may
+  /// call this.
   PublishStatus publish() && { return std::move(loan_).publish(); }
-  /// Never compiles: explains what to write instead.
+  /// An overload that never compiles; the compiler's message says what to write instead.
   template <int Moved = 0>
   PublishStatus publish() & {
     static_assert(Moved != 0, "a loan is gone once it is published: write std::move(loan).publish()");
@@ -107,7 +109,8 @@ class Loan {
     return {};
   }
 
-  /// True if the field takes a V. A bitmask takes any number, because every combination of flags is one.
+  /// Returns true if the field takes a V. A bitmask takes any number, because every number is a combination
+  /// of flags.
   template <class V>
   static constexpr bool can_hold(const ScalarPlace& place) {
     if constexpr (std::is_enum_v<V>) {
@@ -136,20 +139,20 @@ class Loan {
 template <class T>
 class Publisher {
  public:
-  /// Node::publisher() makes publishers.
+  /// For SFT's own code: Node::publisher() opens publishers.
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
   /// Encodes the message once and sends it: readers on this host get one sample with all fields, readers on
-  /// other hosts get the fields that they asked for. Without a reader it takes a few nanoseconds. A large
-  /// message for only one process on another host is sent by the calling thread, without a copy, as far as
-  /// the receiver has room; only the rest is copied. A thread of the node sends loans, and messages for
+  /// other hosts get the fields that they asked for. Without a reader the call takes a few nanoseconds. If
+  /// only one process on another host reads, the calling thread sends a large message without a copy, as far
+  /// as the receiver has room; only the rest is copied. A thread of the node sends loans, and messages for
   /// several processes. The message may be changed or destroyed when the function returns.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
   /// Publishes a span, vector or array of messages. Each becomes a sample of its own, as if they were
-  /// published one after the other. For small messages to other hosts this is much cheaper: over UDP small
-  /// samples share datagrams and system calls. All have the time of this call as their stamp. publish() of a
-  /// single message never waits for others to share a datagram with.
+  /// published one after the other. For small messages to other hosts this is much cheaper, because over UDP
+  /// small samples share datagrams and system calls. All samples have the time of this call as their stamp.
+  /// (publish() of a single message sends it at once, and never waits for further ones to share a datagram.)
   template <std::convertible_to<std::span<const T>> Messages>
   requires(!std::convertible_to<Messages, const T&>) PublishedSpan publish(const Messages& messages) {
     const std::span<const T> all = messages;
@@ -158,49 +161,50 @@ class Publisher {
 
   /// Publishes a message that is already encoded (4 bytes of encapsulation and a body), as in ROS 2 bags:
   /// XCDR1 and plain XCDR2 in both byte orders (sft/detail/convert.h has the table). The payload is checked;
-  /// an error says what is wrong with it. Without a reader, and if nothing is retained, only the
+  /// an error says what is wrong with it. If there is no reader and nothing is retained, only the
   /// encapsulation is checked, which takes a few nanoseconds.
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
 
-  /// Lends memory for a message. Its fields are those of `prototype`, except that the sequences which `sizes`
-  /// names have so many elements, all zero: `pub.loan(prototype, {.data = 6'291'456})`. Sequences of numbers
-  /// or enumerators can be named, also those in nested structs: `{.cloud = {.data = 1000}}`. An error if
-  /// `prototype` cannot be encoded, if the message is larger than PublisherOptions::max_sample_bytes, or if
-  /// no memory is free.
+  /// Lends memory for a message. Its fields are those of `prototype`, except that the sequences that `sizes`
+  /// names have the numbers of elements given there, all zero: `pub.loan(prototype, {.data = 6'291'456})`.
+  /// Sequences of numbers or enumerators can be named, also those in nested structs: `{.cloud = {.data =
+  /// 1000}}`. Returns an error if `prototype` cannot be encoded, if the message is larger than
+  /// PublisherOptions::max_sample_bytes, or if no memory is free.
   Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::zeroed);
   }
 
   /// Lends memory like loan(), but does not set the reserved elements to zero, which saves time. The memory
   /// was used before: write every element, or shrink() the sequence to the elements that were written.
-  /// Elements that are not written go to all readers as they are: pieces of earlier samples, of this
-  /// publisher or of others on this host.
+  /// Elements that are not written are sent to all readers as they are: they contain pieces of earlier
+  /// samples of this publisher or of others on this host.
   Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
-  /// After publish() returned PublishStatus::invalid: names the field that is wrong, its size and the limit,
+  /// Returns why publish() returned PublishStatus::invalid: the field that is wrong, its size and the limit,
   /// as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span it is about the last
   /// message that was wrong. The text stays until the next message is refused, and is empty before the first
-  /// one. For the thread that publishes.
+  /// one. Only the thread that publishes may call this.
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
-  /// Sleeps until at least so many subscribers are served, and returns true, or until the time is over, and
-  /// returns false. A subscriber with several selections counts once for each. Messages that are published
-  /// after true are sent to these subscribers. Not for callbacks: the node would not serve these subscribers
-  /// meanwhile.
+  /// Sleeps until at least `count` subscribers are served, and returns true, or until the time is over, and
+  /// returns false. A subscriber with several selections counts once for each. If it returns true, messages
+  /// that are published later are sent to these subscribers. Must not be called in callbacks: the node would
+  /// not serve these subscribers meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
 
-  /// Gives a sign of life, if liveliness is manual_by_topic and there is nothing to publish. Cheap.
+  /// Asserts that the publisher is alive. For liveliness manual_by_topic, while there is nothing to publish.
+  /// Cheap.
   void assert_liveliness() { publisher_.assert_liveliness(); }
 
-  /// Counts, and each subscriber of the topic. Any thread.
+  /// Returns the counts, and each subscriber of the topic. Any thread may call this.
   PublisherStatus status() const { return publisher_.status(); }
-  /// The message type. Any thread; valid as long as the publisher.
+  /// Returns the message type, which is valid as long as the publisher. Any thread may call this.
   const TypeSupport& type() const { return publisher_.type(); }
 
  private:

@@ -1,6 +1,6 @@
-// Quality of service, with the names and rules of DDS, which ROS 2 has, too. What a publisher offers must be
-// at least what a subscriber requests. Otherwise the two never match, and both are told which policy does not
-// fit.
+// Quality of service, with the names and rules of DDS, which ROS 2 uses, too. A publisher must offer at least
+// what a subscriber requests. Otherwise the two never match, and both get an event that names the policy that
+// does not fit.
 //
 //   policy       matches if
 //   reliability  offered >= requested, best_effort < reliable
@@ -8,8 +8,8 @@
 //   deadline     offered <= requested, none is the longest
 //   liveliness   kind: offered >= requested, automatic < manual_by_topic; lease: offered <= requested
 //
-// History, lifespan and rate concern only one side, and do not take part in matching. All of this header is
-// plain values.
+// History, lifespan and rate concern only one side, and do not take part in matching. All types of this
+// header are plain values.
 #pragma once
 
 #include <chrono>
@@ -17,37 +17,36 @@
 
 namespace sft {
 
-/// Treatment of samples that are lost on the way.
+/// Says what is done about samples that are lost on the way.
 enum class Reliability : std::uint8_t {
-  best_effort,  ///< nothing: a lost sample is counted
+  best_effort,  ///< a lost sample is only counted
   /// Samples come in order, and none is lost as long as the subscriber does not lag by more than its depth.
   /// Over UDP a lost sample is sent again as long as the publisher keeps it. The publisher keeps the last
   /// 64 MB or 4096 samples that were not acknowledged (ResendLimits), and fewer if many subscribers lag: for
   /// all of them the node keeps at most half of its memory (UdpSettings::memory_limit_bytes). In shared
-  /// memory only the samples within the depth are kept, at most 256. On either path they have a limited
-  /// number of bytes, too (SubscriberOptions::depth_bytes). If a publisher is faster than a subscriber, that
-  /// subscriber loses the oldest of these samples, on either path. The publisher can wait instead
+  /// memory only the samples within the depth are kept, at most 256. On either path their bytes are limited,
+  /// too (SubscriberOptions::depth_bytes). If a publisher is faster than a subscriber, that subscriber loses
+  /// the oldest of these samples, on either path. The publisher can wait instead
   /// (PublisherOptions::max_blocking); as long as it waits, nothing is lost. Samples that are lost
   /// nevertheless are counted, and logged as a warning.
   reliable,
 };
-/// Treatment of samples that were published before a subscriber came.
+/// Says which samples a subscriber gets that were published before it came.
 enum class Durability : std::uint8_t {
-  volatile_,  ///< the subscriber does not get them, only the samples that are published from the time when it
-              ///< is served
+  volatile_,  ///< none: the subscriber gets only samples that are published once it is served
   /// The last samples of each publisher, as many as both sides keep (PublisherOptions::history_depth,
-  /// SubscriberOptions::depth). They come by UDP, within a host, too, or in shared memory if the pair must
+  /// SubscriberOptions::depth). They come by UDP, even within a host, or in shared memory if the pair must
   /// not use UDP. A reliable subscriber gets all of them, whatever their size: they are sent at the pace at
   /// which it acknowledges them, and samples that are published meanwhile follow. Until they have been sent
-  /// they stay in memory, even if the publisher retains newer ones by then.
+  /// they stay in memory, even if the publisher already retains newer ones.
   transient_local,
 };
 /// How a publisher shows that it is alive.
 enum class Liveliness : std::uint8_t {
-  /// A publisher is alive as long as its node is. If a subscriber asks for a lease, the node sends a sign of
-  /// life three times in each lease, for all its publishers at once, in some 155 bytes.
+  /// A publisher is alive as long as its node is. If a subscriber requests a lease, the node sends three
+  /// signs of life per lease, each for all its publishers together, in about 155 bytes.
   automatic,
-  /// A publisher is alive as long as it publishes, or calls assert_liveliness(), once in each lease.
+  /// A publisher is alive as long as the program calls publish() or assert_liveliness() once in each lease.
   manual_by_topic,
 };
 using enum Reliability;
@@ -65,7 +64,7 @@ struct Qos {
   Liveliness liveliness = Liveliness::automatic;       ///< a manual_by_topic offer satisfies each request
   std::chrono::nanoseconds liveliness_lease{0};        ///< the longest time between two signs of life
   // These take no part in matching:
-  std::chrono::nanoseconds lifespan{0};  ///< only of publishers
+  std::chrono::nanoseconds lifespan{0};  ///< only for publishers: the age up to which samples are delivered
   /// Publishers: samples kept for late subscribers. Subscribers: samples kept until they are taken.
   std::uint32_t history_depth = 1;
   friend bool operator==(const Qos&, const Qos&) = default;

@@ -1,7 +1,7 @@
 // The fields that a subscriber asks for and, if they are recorded, those that its program was seen to read:
 //
 //   const sft::Requirements seen = recorded.requirements();                   // after it ran for a while
-//   auto declared = node.subscriber("points", type, seen.text);               // asks for just that, for good
+//   auto declared = node.subscriber("points", type, seen.text);               // always asks for these fields
 #pragma once
 
 #include <cstdint>
@@ -12,9 +12,9 @@
 
 namespace sft {
 
-/// A copy of what Subscriber::requirements() knew when it was called; a value that any thread may use. A read
-/// counts once its sample has been released, on whatever thread it happened. Reads by getters count; copies
-/// of the whole sample (cdr(), to_partial()) do not.
+/// The result of Subscriber::requirements(): a copy, made at the time of the call, that any thread may use. A
+/// read counts once its sample has been released, on whatever thread the read happened. Reads by getters
+/// count; copies of the whole sample (cdr(), to_partial()) do not.
 struct Requirements {
   /// One leaf of the message type (type.h). Samples are numbered from 1, in the order in which the program
   /// released them.
@@ -28,7 +28,7 @@ struct Requirements {
   bool recorded = false;      ///< false: the fields are declared, and nothing is counted
   std::uint64_t samples = 0;  ///< the number of samples that were released
   FieldMask mask;             ///< the fields that were read in at least one sample, or that are declared
-  /// The declared selection, or the fields and the channels that were read, as Node::subscriber takes it.
+  /// The declared selection, or the fields and channels that were read, as text for Node::subscriber().
   std::string text;
   std::vector<Field> fields;  ///< all leaves of the type
 };

@@ -37,12 +37,12 @@ struct Partial {
 /// A sample, as take() returns it and callbacks get it. `sample->field()` reads a field in place. Spans,
 /// strings and ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
 /// A sample is moved, not copied; it owns its place in shared memory or in a buffer until it is destroyed.
-/// Any thread may destroy it, and several threads may read it at once. Of one publisher a program can hold
-/// SubscriberOptions::max_held samples in shared memory.
+/// Any thread may destroy it, and several threads may read it at once. A program can hold
+/// SubscriberOptions::max_held samples of one publisher in shared memory.
 ///
 /// A sample is empty if take() found none, or after it was moved away. Only `if (sample)`, info() and
-/// to_partial(), which returns an error, may be called on an empty sample. In programs that are built with
-/// assertions an assertion finds reads of an empty sample. In others every field of an empty sample from
+/// to_partial(), which returns an error, may be called on an empty sample. If the program is built with
+/// assertions, an assertion detects reads of an empty sample. Otherwise every field of an empty sample from
 /// take() is zero or empty, and malformed() is true.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
@@ -51,14 +51,14 @@ class Sample {
   using View = detail::ViewOf<T, R>;
 
   Sample() = default;
-  /// take() and callbacks have samples.
+  /// For SFT's own code: take() and callbacks give samples to programs.
   explicit Sample(detail::untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
-  /// False if there is no sample.
+  /// Returns false if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
-  /// Leads to the view's getters. It does not compile on a temporary sample, because what getters return
-  /// would refer to a destroyed sample.
+  /// The value that operator->() returns. The operator does not compile on a temporary sample, because what
+  /// getters return would refer to a destroyed sample.
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -67,43 +67,43 @@ class Sample {
    private:
     View view_;
   };
-  /// The getters: `sample->field()`. Not of an empty sample.
+  /// Calls getters: `sample->field()`. Must not be called on an empty sample.
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 
-  /// All getters of the sample. Valid as long as the sample, which must not be moved meanwhile. Not of an
-  /// empty sample.
+  /// Returns all getters of the sample. Valid as long as the sample, which must not be moved meanwhile. Must
+  /// not be called on an empty sample.
   View view() const& {
     assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
     return detail::view_of<T, R>(sample_.state());
   }
   void view() const&& = delete;
 
-  /// Sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
+  /// Returns sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
-  /// The fields that the sample has. Not for an empty sample.
+  /// Returns the fields that the sample has. Must not be called on an empty sample.
   const FieldMask& mask() const& {
     assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
-  /// Says what the sample is: the fields and the parts that its subscriber had asked for. While a subscriber
-  /// changes its selection, samples of the former one may still come, which name that one; a sample in shared
-  /// memory, which has all, is always reduced to the latest one. Of requests that differ in their conditions
-  /// only, it is the latest one. Null if the subscriber records or the sample is empty. Valid as long as the
-  /// sample.
+  /// Returns the selection that the sample was made for: the fields and parts that its subscriber had asked
+  /// for. After a subscriber has changed its selection, samples of the former one may still come, and return
+  /// that one. A sample in shared memory, which has all fields, is always reduced to the latest one. Of
+  /// selections that differ in their conditions only, it is the latest one. Null if the subscriber records,
+  /// if it declares only whole fields, or if the sample is empty. Valid as long as the sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
-  /// The channels of point clouds that were asked for, declared or recorded, and that the sample's clouds do
-  /// not have. Empty if none are missing. Asking for them reads no field.
+  /// Returns the channels of point clouds that were asked for, declared or recorded, and that the sample's
+  /// clouds do not have. Empty if none are missing. The call does not count as reading a field.
   std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_support<T>()); }
-  /// True if a getter met bytes that are not what they claim to be, or had no memory for the part of a field
-  /// that it had to copy together, and returned an empty value.
+  /// Returns true if a getter has returned an empty value because the bytes are malformed, or because there
+  /// was no memory for the part of a field that it had to copy.
   bool malformed() const { return sample_.state().is_malformed(); }
 
-  /// Copies the whole message. Only for samples that have all fields. An error if the bytes are not what they
-  /// claim to be, which a broken program on this host can cause.
+  /// Copies the whole message. Only for samples that have all fields. Returns an error if the bytes are
+  /// malformed, which a broken program on this host can cause.
   [[nodiscard]] Result<T> to_owned() const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     static_assert(fits_the_stack,
@@ -113,14 +113,14 @@ class Sample {
     if (Result<void> copied = to_owned(*value); !copied) value = tl::unexpected(std::move(copied.error()));
     return value;
   }
-  /// Copies the whole message to one of the program, whose memory is used again: for structs that are too
-  /// large for the stack, too. After an error the message may have some fields of the sample.
+  /// Copies the whole message to an object of the program, whose memory is reused. This also works for
+  /// structs that are too large for the stack. After an error the object may have some fields of the sample.
   [[nodiscard]] Result<void> to_owned(T& message) const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
     return decode_to(message);
   }
-  /// Copies the fields that this sample has. Errors as of to_owned().
+  /// Copies the fields that this sample has. Returns the same errors as to_owned().
   [[nodiscard]] Result<Partial<T>> to_partial() const {
     static_assert(fits_the_stack,
                   "the struct is too large for the stack: write sample.to_partial(*partial), "
@@ -130,7 +130,7 @@ class Sample {
       partial = tl::unexpected(std::move(copied.error()));
     return partial;
   }
-  /// The same to an object of the program, in which all is replaced.
+  /// The same, but to an object of the program, which is replaced completely.
   [[nodiscard]] Result<void> to_partial(Partial<T>& partial) const {
     if (!sample_) return empty_error();
     std::destroy_at(&partial.value);
@@ -139,9 +139,9 @@ class Sample {
     return decode_to(partial.value);
   }
 
-  /// The encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of those
-  /// members of the type that are in mask(). On the publisher's host the first call copies a sample of which
-  /// parts of fields were asked for; it is empty if there is no memory.
+  /// Returns the encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of
+  /// those members of the type that are in mask(). If parts of fields were asked for, the first call on the
+  /// publisher's host makes a copy; the result is empty if there is no memory for it.
   std::span<const std::byte> cdr() const& { return sample_.cdr(); }
   void cdr() const&& = delete;
 

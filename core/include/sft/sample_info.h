@@ -8,18 +8,22 @@
 
 namespace sft {
 
-/// A part of each sample, as old as the sample. Stamps are in UTC, as std::chrono::system_clock counts.
+/// Belongs to a sample, and is valid as long as the sample. Stamps are in UTC, as std::chrono::system_clock
+/// counts.
 struct SampleInfo {
   std::uint64_t sequence = 0;  ///< number of the sample among those of its publisher, from 1
   std::uint64_t writer = 0;    ///< id of the publisher
-  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};  ///< at publish, by the publisher's clock
-  /// When the sample was complete on this host. A sample in shared memory is complete when it is published;
-  /// its stamp tells when it was taken.
+  /// The time of publish(), by the publisher's clock.
+  std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};
+  /// The time at which the sample was complete on this host. For a sample in shared memory, which is complete
+  /// when it is published, it is the time of take().
   std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
-  std::uint64_t lost_before = 0;  ///< samples of this publisher since the one before by the same selection
-  TransportKind transport{};      ///< the path by which the sample came
-  /// The selection that it came by: 0, or 1 for the first of SubscriberOptions::further_selections, and so
-  /// on.
+  /// The number of samples of this publisher that were lost between the previous one of the same selection
+  /// and this one.
+  std::uint64_t lost_before = 0;
+  TransportKind transport{};  ///< the path by which the sample came
+  /// The number of the selection that the sample came for: 0, or 1 for the first of
+  /// SubscriberOptions::further_selections, and so on.
   std::uint32_t selection = 0;
 };
 

@@ -8,14 +8,14 @@
 //   sft::Result<SetBool::Response> response = client.call({.data = true}, std::chrono::seconds(2));
 //
 // A service is two reliable topics: clients publish S::Call on NAME/call, the server publishes S::Reply on
-// NAME/reply. A subscriber of replies asks for its own only, so that other hosts are not sent them. `sft
+// NAME/reply. Each client subscribes to its own replies only, so that they are not sent to other hosts. `sft
 // echo` shows both topics, and `sft pub NAME/call auto '{request: {data: true}}'` calls, too. The fields of
 // both:
 //
 //   client      a random number of the client; 0: `sft pub`, whose calls are always carried out
 //   number      the number of the call, which the client counts; a repetition has the same one
-//   server      of a call: the publisher of replies that it is for, 0: any; of a reply: who has answered
-//   timeout_ms  so long the client repeats the call, and the server keeps the answer
+//   server      in a call: the id of the server's publisher of replies, 0: any server; in a reply: that id
+//   timeout_ms  how long the client repeats the call, and the server keeps the answer
 //   error       not empty: there is no response, and this is why
 #pragma once
 
@@ -37,7 +37,7 @@ namespace sft {
 
 namespace detail {
 
-/// What sft_generate() makes of a .srv file.
+/// A type that sft_generate() makes from a .srv file.
 template <class S>
 concept GeneratedService = requires(typename S::Call call, typename S::Reply reply) {
   { call.request } -> std::same_as<typename S::Request&>;
@@ -47,17 +47,18 @@ concept GeneratedService = requires(typename S::Call call, typename S::Reply rep
 }  // namespace detail
 
 /// The server of a service. It is moved, not copied, and keeps its node alive. After the destructor the
-/// handler does not run any more, and clients that wait for an answer are told that the server has gone.
+/// handler does not run any more, and waiting clients get the error that the server is gone.
 template <detail::GeneratedService S>
 class Service {
  public:
-  /// Called with each request, once, by a thread of the node, one request at a time: it is a callback for
-  /// samples, with the rules of those. While it runs other requests wait. It returns a response, or an error,
-  /// whose message the client gets. It must not throw.
+  /// Called once for each request by a thread of the node, one request at a time. It is a callback for
+  /// samples, and their rules apply (subscriber.h). While it runs, other requests wait. It returns a
+  /// response, or an error, whose message the client gets. It must not throw.
   using Handler = std::function<Result<typename S::Response>(const typename S::Request&)>;
 
   /// Serves until the returned object is destroyed. Clients refuse to choose between two servers of one name.
-  /// `options` are those of the publisher of replies, `max_sample_bytes` for example. It is always reliable.
+  /// `options` are those of the publisher of replies, `max_sample_bytes` for example, which is always
+  /// reliable.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, Handler handler,
                                             PublisherOptions options = {}) {
     if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
@@ -79,7 +80,7 @@ class Service {
   using Reply = typename S::Reply;
   using Served = detail::ServedCalls<Reply>;
 
-  /// Used by one thread at a time, which calls back.
+  /// Used by one thread at a time: the one that runs the callback.
   class State {
    public:
     State(Handler handler, Publisher<Reply> replies)
@@ -130,15 +131,16 @@ class Service {
   Subscriber<Call> calls_;        // destroyed first, which waits for the handler
 };
 
-/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time uses it:
-/// threads that call at the same time have a client each.
+/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time may use it:
+/// threads that call at the same time need a client each.
 template <detail::GeneratedService S>
 class Client {
  public:
-  using Request = typename S::Request;    ///< of the .srv file
-  using Response = typename S::Response;  ///< of the .srv file
+  using Request = typename S::Request;    ///< as in the .srv file
+  using Response = typename S::Response;  ///< as in the .srv file
 
-  /// The server may come later. `options` are those of the publisher of calls. It is always reliable.
+  /// Opens a client; the server may start later. `options` are those of the publisher of calls, which is
+  /// always reliable.
   [[nodiscard]] static Result<Client> open(Node& node, std::string_view service,
                                            PublisherOptions options = {}) {
     const std::uint64_t id = detail::new_client_id();
@@ -153,13 +155,14 @@ class Client {
     return Client(id, service, std::move(*calls), std::move(*replies));
   }
 
-  /// True if there is exactly one server, calls reach it, and its replies come.
+  /// Returns true if there is exactly one server, and both calls and replies are connected.
   bool is_available() const { return detail::only_server(servers()) != nullptr; }
 
   /// Waits for the server, sends the request to it, repeats it until the response comes, and returns that.
-  /// The handler of the server runs once. An error, which says why, if that takes longer than `timeout`, if
-  /// the server goes meanwhile, or if it refuses. After an error it is not known whether the handler ran. Not
-  /// for callbacks for samples, which the response would wait for: call on a thread of the program.
+  /// The handler of the server runs once. Returns an error, which says why, if that takes longer than
+  /// `timeout`, if the server goes away meanwhile, or if it refuses. After an error it is not known whether
+  /// the handler ran. Must not be called in callbacks for samples, since the response would wait for the
+  /// callback: call on a thread of the program.
   [[nodiscard]] Result<Response> call(const Request& request, std::chrono::nanoseconds timeout) {
     static_assert(sizeof(Response) <= (1 << 20),
                   "the response is too large for the stack: write client.call(request, *response, timeout), "
@@ -169,7 +172,8 @@ class Client {
       response = tl::unexpected(std::move(done.error()));
     return response;
   }
-  /// The same with a response of the program, which does not change if there is an error.
+  /// The same, but writes the response to an object of the program, which does not change if there is an
+  /// error.
   [[nodiscard]] Result<void> call(const Request& request, Response& response,
                                   std::chrono::nanoseconds timeout) {
     using Kind = detail::ClientCall::Step::Kind;
@@ -215,10 +219,11 @@ class Client {
     const PublishStatus status = calls_.publish(*message_);
     if (status == PublishStatus::invalid) return fail(Errc::invalid_argument, calls_.why_invalid());
     if (status == PublishStatus::forked) return fail(Errc::unavailable, to_string(status));
-    return {};  // a request that was not sent, for lack of memory, is sent again
+    return {};  // a request that was not sent for lack of memory is sent again later
   }
 
-  /// Empty if there is no reply to the latest call. Late replies to others are dropped.
+  /// Returns the reply to the latest call; empty if there is none yet. Late replies to earlier calls are
+  /// dropped.
   std::optional<Result<void>> take_answer(Response& response) {
     while (const Sample<Reply> sample = replies_.take()) {
       if (sample->client() != message_->client || sample->number() != message_->number) continue;

@@ -1,15 +1,16 @@
-// Everything that a node knows of its own publishers and subscribers at one time: Node::snapshot(). For
-// people, tools and tests.
+// The result of Node::snapshot(): everything that a node knows of its own publishers and subscribers at one
+// time. For people, tools and tests.
 //
 // A snapshot is a copy that the program owns. Any thread may take one, also in callbacks of SFT. The call
 // copies the status of all publishers and subscribers one after the other (status.h says what the counts mean
-// and when they agree), and writes masks as names of fields. That takes some microseconds for each pair, and
-// memory. Neither publishing nor receiving waits for it; opening or destroying a publisher or subscriber
+// and when they agree), and writes masks as names of fields. It allocates memory, and takes some microseconds
+// for each pair. Publishing and receiving do not wait for it; opening or destroying a publisher or subscriber
 // does.
 //
-// As JSON it is one object. Later versions keep the names and may add some. Ids are strings of 16 hex digits,
-// durations are nanoseconds, 0 means none, `fields` are as parse_selection() takes them, and `transport` is
-// "shm", "udp" or, for a reader that is not served and a writer that is not connected, null:
+// As JSON it is one object. Later versions keep the names and may add some. Ids are strings of 16 hex digits.
+// Durations are in nanoseconds; 0 means none. `fields` are texts as TypeSupport::parse_selection() takes
+// them. `transport` is "shm" or "udp"; it is null for a reader that is not served and a writer that is not
+// connected:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}
@@ -45,7 +46,7 @@ struct NodeSnapshot {
   struct Publisher {
     /// One reader of a publisher.
     struct Reader : PublisherStatus::Reader {
-      std::string fields{};  ///< the fields that it is sent
+      std::string fields{};  ///< the fields that are sent to it
     };
 
     std::uint64_t id = 0;                  ///< DomainSnapshot::Endpoint::id
@@ -63,7 +64,7 @@ struct NodeSnapshot {
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
   };
 
-  /// One subscriber, with its status. A subscriber with several selections is here once for each, with an id
+  /// One subscriber, with its status. A subscriber with several selections has one entry for each, with an id
   /// of its own.
   struct Subscriber : SubscriberStatus {
     std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
@@ -71,17 +72,18 @@ struct NodeSnapshot {
     std::string type;       ///< the name of the type
     Qos qos;                ///< the QoS that the subscriber requests
     std::string fields;     ///< the fields that it asks for at present
-    bool recorded = false;  ///< true: they were found by recording
-    /// SampleInfo::selection of its samples. The entries of one subscriber stand behind each other.
+    bool recorded = false;  ///< true: `fields` were found by recording
+    /// SampleInfo::selection of its samples. The entries of one subscriber follow each other.
     std::size_t selection_number = 0;
   };
 
-  /// NodeOptions::name, with the namespace and as remapping rules have it.
+  /// NodeOptions::name with the namespace, after remapping.
   std::string name;
   /// The DDS domain.
   std::uint32_t domain = 0;
-  std::string version;                 ///< the version of this library
-  std::uint32_t control_protocol = 0;  ///< nodes with another version of the control protocol are not seen
+  std::string version;  ///< the version of this library
+  std::uint32_t control_protocol =
+      0;  ///< the version of the control protocol; nodes with another are not seen
   /// The time at which the snapshot was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
   NodeStatus status;                    ///< how shared memory and UDP work, and what was refused
@@ -89,11 +91,11 @@ struct NodeSnapshot {
   std::vector<Subscriber> subscribers;  ///< in the same order
 };
 
-/// The object `qos` of a publisher or subscriber, in one line.
+/// Returns the JSON object `qos` of a publisher or subscriber, in one line.
 std::string to_json(const Qos& qos);
 
-/// The snapshot as JSON. `indent` is the number of spaces for each level; -1: all in one line. The text is
-/// valid UTF-8, also if names that others announced are not.
+/// Returns the snapshot as JSON. `indent` is the number of spaces for each level; -1: all in one line. The
+/// text is valid UTF-8, even if names that other nodes announced are not.
 std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
 
 }  // namespace sft

@@ -3,11 +3,11 @@
 //
 // A status is a copy of what was true when status() was called; the program owns it. Any thread may call
 // status(), also in callbacks of SFT. The call takes a short lock of its own and copies, which takes some
-// microseconds, more with many peers; neither publishing nor receiving waits for it. NodeSnapshot
+// microseconds, and longer with many peers. Publishing and receiving do not wait for it. NodeSnapshot
 // (snapshot.h) has the status of all publishers and subscribers of a node at once.
 //
 // Counts only grow. They are read one after the other while samples are sent, so that a sample on its way may
-// be in one count already and not yet in another; when no sample is on its way they agree exactly.
+// already be in one count and not yet in another. When no sample is on its way they agree exactly.
 #pragma once
 
 #include <cstddef>
@@ -27,12 +27,12 @@ enum class TransportKind : std::uint8_t { shm, udp };
 constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
 
 /// Two definitions of one type; their publishers and subscribers never match. "Here" is the program whose
-/// status this is. All texts are empty if so many other definitions were announced that this one was not
-/// compared.
+/// status this is. All texts are empty if this definition was not compared because too many others had been
+/// announced.
 struct TypeMismatch {
-  std::string difference;  ///< the first one: "fields[].offset: uint32 here, uint64 there"
-  std::string here;        ///< the whole types as IDL
-  std::string there;       ///< empty, as is the difference, if the other side does not describe its type
+  std::string difference;  ///< the first difference: "fields[].offset: uint32 here, uint64 there"
+  std::string here;        ///< the whole type here, as IDL
+  std::string there;       ///< the whole type there; empty, like `difference`, if it was not described
 };
 
 /// The result of publishing a message.
@@ -43,30 +43,31 @@ enum class PublishStatus : std::uint8_t {
   invalid,
   no_loan,    ///< nothing was sent: the loan was published already, or moved away
   no_memory,  ///< nothing was sent: no chunk or buffer is free, because readers hold too many samples
-  /// A queue was full or no chunk was free, so that at least one reader misses this sample, and counts it.
-  /// With PublisherOptions::max_blocking that time was over, and the reader may miss an older sample instead.
+  /// A queue was full or no chunk was free, so that at least one reader misses this sample and counts it as
+  /// lost. With PublisherOptions::max_blocking publish() has waited that long, and the reader may have lost
+  /// an older sample instead.
   dropped,
-  /// Nothing was sent: this process is a copy (fork()) of the one that opened the publisher, which has none
+  /// Nothing was sent: this process is a copy (fork()) of the process that opened the publisher, and has none
   /// of its threads.
   forked,
 };
-/// A sentence about the status; lives as long as the program.
+/// Returns a sentence about the status, which lives as long as the program.
 const char* to_string(PublishStatus status);
 
 /// The result of publish(span).
 struct PublishedSpan {
   std::size_t published = 0;                 ///< the number of messages with the status ok
-  PublishStatus status = PublishStatus::ok;  ///< of the first message that has another one, otherwise ok
+  PublishStatus status = PublishStatus::ok;  ///< the status of the first message that was not ok; else ok
 };
 
 /// The result of Loan::shrink().
 enum class ShrinkStatus : std::uint8_t {
   ok,
-  not_reserved,  ///< nothing: the loan named no size for this sequence
-  too_long,      ///< nothing: the length is more than what was reserved
-  no_loan,       ///< nothing: the loan was published already, or moved away
+  not_reserved,  ///< nothing was changed: the loan named no size for this sequence
+  too_long,      ///< nothing was changed: the length is more than what was reserved
+  no_loan,       ///< nothing was changed: the loan was published already, or moved away
 };
-/// A sentence about the status; lives as long as the program.
+/// Returns a sentence about the status, which lives as long as the program.
 const char* to_string(ShrinkStatus status);
 
 /// One publisher.
@@ -77,63 +78,64 @@ struct PublisherStatus {
     std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the subscriber
     std::string node;           ///< the name of its node
     bool served = false;        ///< false: `reason` says why nothing is sent
-    TransportKind transport{};  ///< means something only while it is served
-    /// Why this transport is used, or why the reader is not served; says also if its host does not answer.
+    TransportKind transport{};  ///< valid only while the reader is served
+    /// Why this transport is used, or why the reader is not served; also says if its host does not answer.
     std::string reason{};
-    /// If it is served by UDP: with whom it shares a multicast group, or why it shares none.
+    /// If the reader is served by UDP: which readers share its multicast group, or why it shares none.
     std::string multicast{};
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
     std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
     QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-    bool no_path = false;                             ///< all fits, but no path is allowed to both
-    bool no_path_yet = false;  ///< no_path, and shared memory may still come up on this side or the other
-    FieldMask mask{};          ///< the fields that it is sent
+    bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
+    bool no_path_yet = false;  ///< no_path, but shared memory may still become available, on either side
+    FieldMask mask{};          ///< the fields that are sent to it
     Selection selection{};     ///< these fields, with the parts that it asks for
     double max_rate_hz = 0;    ///< the rate that it asks for; 0: all samples
     std::uint64_t request_sequence = 0;  ///< the number of its request that is in force
 
     // Samples since the reader was first served, over all its requests and all its paths. Samples that were
     // queued for it when its route changed count as sent.
-    std::uint64_t published = 0;  ///< while it was served: sent + withheld + dropped
-    std::uint64_t sent = 0;       ///< put into shared memory, given to the system, or queued for that
+    std::uint64_t published = 0;  ///< published while the reader was served: sent + withheld + dropped
+    std::uint64_t sent = 0;       ///< put into shared memory, passed to the system, or queued for that
     std::uint64_t withheld = 0;   ///< not sent, because of conditions or max_rate_hz
     std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
     std::uint64_t retained = 0;   ///< older ones that a durable publisher sent first; not in the counts above
-    std::uint64_t diverted = 0;   ///< a part of `sent`: sent by UDP because shared memory could not take them
+    std::uint64_t diverted = 0;  ///< the part of `sent` that went by UDP as shared memory could not take them
 
     // Bytes of the bodies that went over the network or the loopback, without headers. A sample in shared
     // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
-    // bytes that travel once count for each of these readers.
+    // bytes that are sent once count for each of these readers.
     std::uint64_t bytes_sent = 0;  ///< see above
-    /// The size of the same samples with all fields, less bytes_sent.
+    /// The size of the same samples with all fields, minus bytes_sent.
     std::uint64_t bytes_saved = 0;
     friend bool operator==(const Reader&, const Reader&) = default;
   };
 
-  /// The number of samples that shared memory could not take, by reason. They went by UDP to the readers that
-  /// may use UDP; the other readers missed them.
+  /// The numbers of samples that shared memory could not take, by reason. They went by UDP to the readers
+  /// that may use UDP; the other readers missed them.
   struct Diverted {
     std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
     std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
     std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
-    /// Samples, for whatever reason.
+    /// Returns the number of such samples, for any reason.
     std::uint64_t total() const { return exhausted + too_large + unavailable; }
     friend bool operator==(const Diverted&, const Diverted&) = default;
   };
 
-  std::uint64_t id = 0;                ///< DomainSnapshot::Endpoint::id of the publisher
-  std::uint64_t published = 0;         ///< the number of samples
-  std::uint64_t bytes_sent = 0;        ///< bodies and SFT headers over the network, each datagram once
-  std::uint64_t bytes_saved = 0;       ///< for all readers, also those that are gone
+  std::uint64_t id = 0;           ///< DomainSnapshot::Endpoint::id of the publisher
+  std::uint64_t published = 0;    ///< the number of samples
+  std::uint64_t bytes_sent = 0;   ///< bytes of bodies and SFT headers over the network, each datagram once
+  std::uint64_t bytes_saved = 0;  ///< the sum over all readers, also those that are gone
   std::uint64_t deadlines_missed = 0;  ///< periods of its own deadline without a sample
   bool alive = true;                   ///< false: it did not assert its liveliness in time
-  /// Samples that some transport did not take, and those that UDP queued and then could not send; the latter
-  /// count once for each address that missed one.
+  /// Samples that at least one transport did not take, and samples that UDP queued and then could not send.
+  /// The latter count once for each address that missed one.
   std::uint64_t dropped = 0;
   /// Samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;  ///< the fields of a sample that are encoded at present
-  /// All subscribers of the topic, served or not. A subscriber with several selections is here once for each.
+  /// All subscribers of the topic, served or not. A subscriber with several selections has one entry for
+  /// each.
   std::vector<Reader> readers;
 };
 
@@ -144,45 +146,48 @@ struct SubscriberStatus {
     std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the publisher
     std::string node;           ///< the name of its node
     bool matched = false;       ///< false: `reason` says why
-    bool connected = false;     ///< its samples come, by `transport`
+    bool connected = false;     ///< its samples arrive, by `transport`
     bool alive = true;          ///< false: its lease or that of its node is over; `reason` says which
-    TransportKind transport{};  ///< means something only while it is connected
-    std::string reason{};       ///< for the transport, or for there being none; for people
-    /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or as many as
-    /// shared memory keeps.
+    TransportKind transport{};  ///< valid only while the publisher is connected
+    std::string reason{};       ///< why this transport is used, or none; for people
+    /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or less if
+    /// shared memory keeps less.
     std::uint32_t depth = 0;
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
     std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
     QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-    bool no_path = false;                             ///< all fits, but no path is allowed to both
-    bool no_path_yet = false;    ///< no_path, and shared memory may still come up on this side or the other
-    std::uint64_t received = 0;  ///< samples that were taken or given to the callback
+    bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
+    bool no_path_yet = false;    ///< no_path, but shared memory may still become available, on either side
+    std::uint64_t received = 0;  ///< samples that were taken or passed to the callback
     std::uint64_t lost = 0;      ///< samples that should have come, and did not
     std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
     std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-    std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without a sample of it
+    std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without its samples
     /// How often the connection was set up anew because the publisher sent and nothing arrived.
     std::uint64_t restarts = 0;
   };
 
-  std::uint64_t received = 0;  ///< samples that were taken or given to the callback
-  std::uint64_t lost = 0;      ///< also those of publishers that are gone that were not taken in time
+  std::uint64_t received = 0;  ///< samples that were taken or passed to the callback
+  /// Samples that should have come, and did not. Samples of departed publishers count if they were not taken
+  /// in time.
+  std::uint64_t lost = 0;
   std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  /// Samples that arrived and were thrown away: malformed ones, and those that a full queue pushed out. The
+  /// Samples that arrived and were discarded: malformed ones, and those that a full queue pushed out. The
   /// latter count as lost, too, once a later sample is taken.
   std::uint64_t discarded = 0;
-  /// How often it held SubscriberOptions::max_held samples of a publisher and could not take the next one.
+  /// How often the program held SubscriberOptions::max_held samples of a publisher and could not take the
+  /// next one.
   std::uint64_t held_too_many = 0;
   /// How often a sample waited for more than a second for the callback, because callbacks of other
-  /// subscribers of the node were running. Of the first selection, for all.
+  /// subscribers of the node were running. The status of the first selection has the count of all selections.
   std::uint64_t long_waits = 0;
   FieldMask mask;              ///< the fields that it asks for at present
   Selection selection{};       ///< these fields, with the parts and the conditions; the rate is below
   double max_rate_hz = 0;      ///< the rate that it asks for at present; 0: all samples
   std::uint64_t requests = 0;  ///< requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< connections that were set up anew because nothing arrived
-  /// All publishers of the topic, heard or not.
+  /// All publishers of the topic, connected or not.
   std::vector<Writer> writers;
 };
 
@@ -190,41 +195,42 @@ struct SubscriberStatus {
 struct NodeStatus {
   /// The number of its DDS domain. Nodes of other domains are not seen.
   std::uint32_t domain = 0;
-  std::string discovery;  ///< how nodes are found, and which settings of the user have no effect, and why
-  /// Parts of `discovery`: settings of the user that have no effect, and other warnings of the log.
+  std::string discovery;  ///< how nodes are found; which settings of the user have no effect, and why
+  /// The parts of `discovery` that are warnings: settings of the user that have no effect, and the like.
   std::vector<std::string> discovery_warnings{};
   bool waits_for_network = false;  ///< only the loopback is in use, although other interfaces are wanted
-  /// The names of the interfaces by which nodes are found; empty if the program itself opened the DDS domain,
-  /// though nodes of the host are then found by the loopback, too.
+  /// The names of the interfaces by which nodes are found. Empty if the program itself opened the DDS domain;
+  /// nodes of the host are then found by the loopback, too.
   std::vector<std::string> discovery_interfaces{};
   std::string udp;  ///< how UDP works here, or why it does not
-  /// False: plain sockets; `udp` says why.
+  /// False: UDP uses plain sockets instead; `udp` says why.
   bool io_uring_in_use = false;
-  /// A way of the system by which UDP takes less processor time.
+  /// A feature of the system with which UDP takes less processor time.
   struct QuickPath {
-    std::string name{};     ///< one of those below
-    std::string why_not{};  ///< empty: it is used
+    std::string name{};     ///< one of the names below
+    std::string why_not{};  ///< why it is not used; empty: it is used
   };
-  /// All of them, used or not, on every system: "io_uring", "GSO" and "GRO" (several datagrams in one call,
-  /// sent and received), "huge pages" (of large samples).
+  /// All such features, used or not, on every system: "io_uring", "GSO" and "GRO" (several datagrams are sent
+  /// and received in one call), "huge pages" (for large samples).
   std::vector<QuickPath> quick_paths{};
   std::string shm;  ///< how shared memory works here, or why it does not
-  /// Samples can go by shared memory.
+  /// True: samples can go by shared memory.
   bool shm_ready = false;
   bool lacks_daemon = false;  ///< no sftd is running, and NodeOptions::shm.start_daemon forbids to start one
-  /// Datagrams whose bytes are not what they claim to be.
+  /// Datagrams with malformed contents.
   std::uint64_t datagrams_malformed = 0;
-  /// Datagrams of publishers that nobody here subscribes to, and answers that do not belong to anything that
-  /// was sent to their sender.
+  /// Datagrams of publishers to which this node does not subscribe, and answers to datagrams that were not
+  /// sent to the one that answers.
   std::uint64_t datagrams_unknown = 0;
-  std::uint64_t samples_incomplete = 0;     ///< samples of which a part never came
-  std::uint64_t over_limit = 0;             ///< what UDP dropped, sent or received, to stay within a limit
-  std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory that are not what they claim to be
+  std::uint64_t samples_incomplete = 0;  ///< samples of which a part never came
+  /// What UDP dropped to stay within a limit when it sent or received.
+  std::uint64_t over_limit = 0;
+  std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory with malformed contents
   std::uint64_t shm_over_limit = 0;         ///< loans and samples that were refused to stay within a limit
   std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
-  std::uint64_t control_ignored = 0;        ///< those beyond the limits of the table of endpoints
-  /// How often discovery was begun anew on one interface because a node that is there was not heard by it.
-  /// The nodes of a process that share discovery count the same.
+  std::uint64_t control_ignored = 0;        ///< endpoints that were refused because the table was full
+  /// How often discovery was started anew on an interface because it did not find a node that is there. Nodes
+  /// of a process that share discovery have the same count.
   std::uint64_t links_renewed = 0;
 };
 

@@ -6,7 +6,7 @@
 //   message.header.stamp = sft::time_message<Time>(std::chrono::system_clock::now());
 //   message.lifetime = sft::duration_message<Duration>(100ms);
 //
-// All functions are pure: any thread may call them, they have no errors, and each takes a multiplication or a
+// All functions are pure. Any thread may call them, none of them fails, and each costs one multiplication or
 // division.
 #pragma once
 
@@ -27,7 +27,7 @@ concept OwnedSeconds = requires(const S& s) {
   { s.sec } -> std::convertible_to<std::int64_t>;
   { s.nanosec } -> std::convertible_to<std::int64_t>;
 };
-/// A view, whose getters return optionals where fields are recorded or selected.
+/// A view. Its getters return optionals if fields are recorded or selected.
 template <class S>
 concept ReadSeconds = requires(const S& s) {
   s.sec();
@@ -43,8 +43,8 @@ constexpr std::chrono::nanoseconds together(std::int64_t sec, std::int64_t nanos
   return std::chrono::seconds(sec) + std::chrono::nanoseconds(nanosec);
 }
 
-/// Whole seconds, rounded down, and the rest from 0 to 999,999,999. A time that does not fit becomes the
-/// nearest one that does.
+/// Returns whole seconds, rounded down, and the remaining nanoseconds, from 0 to 999,999,999. A time that
+/// does not fit into `sec` becomes the nearest one that does.
 template <class Message>
 constexpr Message seconds_message(std::chrono::nanoseconds time) {
   using Sec = std::remove_cvref_t<decltype(Message{}.sec)>;
@@ -67,8 +67,8 @@ concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
 
 }  // namespace detail
 
-/// A builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected it is a
-/// std::optional, which is empty if the sample does not have both fields. Every value of a message is in
+/// Returns a builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected the result
+/// is a std::optional, which is empty if the sample does not have both fields. Every value of a message is in
 /// range.
 template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
@@ -85,9 +85,10 @@ constexpr auto to_duration(const S& duration) {
   }
 }
 
-/// A builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock and the
-/// stamps of SampleInfo count. A stamp of simulated time counts from the begin of the simulation. For a
-/// sample whose fields are recorded or selected it is a std::optional, as for to_duration().
+/// Returns a builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock
+/// and the stamps of SampleInfo count. A stamp of simulated time counts from the beginning of the simulation.
+/// For a sample whose fields are recorded or selected the result is a std::optional, as that of
+/// to_duration().
 template <detail::SecondsMessage S>
 constexpr auto to_time(const S& stamp) {
   using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
@@ -99,14 +100,14 @@ constexpr auto to_time(const S& stamp) {
   }
 }
 
-/// A duration as a message. Seconds are rounded down, so that the nanoseconds are never negative. A duration
-/// that does not fit into `sec` (32 bits) becomes the nearest one that does.
+/// Returns a duration as a message. Seconds are rounded down, so that the nanoseconds are never negative. A
+/// duration that does not fit into `sec` (32 bits) becomes the nearest one that does.
 template <detail::OwnedSeconds Message>
 constexpr Message duration_message(std::chrono::nanoseconds duration) {
   return detail::seconds_message<Message>(duration);
 }
 
-/// A point in time as a message, in the same way; a 32-bit `sec` reaches to 2038-01-19.
+/// Returns a point in time as a message, like duration_message(); a 32-bit `sec` lasts until 2038-01-19.
 template <detail::OwnedSeconds Message>
 constexpr Message time_message(std::chrono::sys_time<std::chrono::nanoseconds> time) {
   return detail::seconds_message<Message>(time.time_since_epoch());

@@ -8,7 +8,7 @@
 
 namespace sft::detail {
 
-/// Bytes that are made when they are first asked for, by any thread, and then stay.
+/// Bytes that are computed when a thread first asks for them, and kept from then on. Any thread.
 class BytesOnDemand {
  public:
   using Bytes = std::vector<std::byte>;

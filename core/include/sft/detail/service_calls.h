@@ -1,6 +1,6 @@
 // The rules of services (service.h) without their types: what a client does until its call is over, and
-// which calls a server carries out. They take the time as an argument, wait for nothing and send nothing.
-// One thread at a time uses an object.
+// which calls a server carries out. The functions take the time as an argument, wait for nothing and send
+// nothing. One thread at a time uses an object.
 #pragma once
 
 #include <algorithm>
@@ -23,44 +23,44 @@ using ServiceTime = std::chrono::steady_clock::time_point;
 std::string call_topic(std::string_view service);
 std::string reply_topic(std::string_view service);
 
-/// A random number that is not 0.
+/// Returns a random number that is not 0.
 std::uint64_t new_client_id();
 
-/// True while a callback for samples runs on this thread. It may be the thread that receives.
+/// Returns true while a callback for samples runs on this thread, which may be the receiving thread.
 bool in_sample_callback();
 
-/// A server, as a client sees it.
+/// A server, as far as a client knows it.
 struct SeenServer {
-  std::uint64_t id = 0;    ///< of its publisher of replies
+  std::uint64_t id = 0;    ///< the id of its publisher of replies
   std::string node;        ///< the name of its node
   bool matched = false;    ///< types and policies fit, and it is alive
-  bool connected = false;  ///< calls and replies can go
-  std::string reason;      ///< for not being matched or connected
+  bool connected = false;  ///< calls and replies can be sent
+  std::string reason;      ///< why it is not matched or not connected
 };
 
-/// The servers that the two ends of a client know.
+/// Returns the servers that a client's publisher of calls and its subscriber of replies know.
 std::vector<SeenServer> seen_servers(const PublisherStatus& calls, const SubscriberStatus& replies);
 
-/// The one server that can be called; null if there is none, or more than one.
+/// Returns the server if exactly one can be called, otherwise null.
 const SeenServer* only_server(const std::vector<SeenServer>& seen);
 
-/// One call of a client. A call is sent to one server only, and repeated until that server answers. If it was
-/// sent, and its server is gone, it is over: another server might carry it out a second time.
+/// One call of a client. A call is sent to one server only, and repeated until that server answers. If the
+/// server departs after the call was sent, the call fails: another server might carry it out a second time.
 class ClientCall {
  public:
-  /// What to do next.
+  /// What the client has to do next.
   struct Step {
     enum class Kind : std::uint8_t { send, wait, fail };
     Kind kind{};
-    std::uint64_t server = 0;  ///< to send: the id of the server
-    ServiceTime until{};       ///< to wait: for a reply, but no longer
-    std::string reason{};      ///< why the call is to fail
+    std::uint64_t server = 0;  ///< for `send`: the id of the server
+    ServiceTime until{};       ///< for `wait`: the time until which to wait for a reply
+    std::string reason{};      ///< for `fail`: why the call fails
   };
 
   ClientCall(std::string_view service, ServiceTime now, std::chrono::nanoseconds timeout);
 
   Step next(ServiceTime now, const std::vector<SeenServer>& seen);
-  /// So long the client will repeat the call.
+  /// Returns how long the client repeats the call.
   std::uint32_t timeout_ms() const;
 
  private:
@@ -70,29 +70,30 @@ class ClientCall {
   const std::string prefix_;
   const std::chrono::nanoseconds timeout_;
   const ServiceTime deadline_;
-  SeenServer server_{};  ///< that the call was sent to; its id is 0 before
-  ServiceTime next_{};   ///< when it is sent again
+  SeenServer server_{};  ///< the server that the call was sent to; its id is 0 before
+  ServiceTime next_{};   ///< the time at which the call is sent again
   std::chrono::nanoseconds pause_;
 };
 
-/// The latest call of each client of a server, with the answer as long as the client may ask for it again. A
-/// client makes one call at a time, and counts its calls.
+/// The latest call of each client of a server. Its answer is kept as long as the client may repeat the call.
+/// A client makes one call at a time, and counts its calls.
 template <class Answer>
 class ServedCalls {
  public:
   enum class Todo : std::uint8_t {
     nothing,  ///< the call is over, or was answered a moment ago
-    run,      ///< it is new
-    repeat    ///< it was answered, and the answer was lost
+    run,      ///< the call is new
+    repeat    ///< the call was answered, and the answer was lost
   };
-  /// When there are more clients, the one that was heard longest ago is forgotten.
+  /// If there are more clients, the one that has not called for the longest time is removed.
   static constexpr std::size_t clients_max = 1024;
-  /// Repetitions that have waited while the handler ran come at once behind the answer, and need no other.
+  /// The least time between two answers to one call. Repetitions of the call that arrived while the handler
+  /// ran are seen right after the answer, and need no second one.
   static constexpr std::chrono::milliseconds repeat_least{50};
 
   Todo heard(std::uint64_t client, std::uint64_t number, ServiceTime now) {
     drop_expired(now);
-    if (client == 0) return Todo::run;  // of `sft pub`, which gives its calls no numbers
+    if (client == 0) return Todo::run;  // a call of `sft pub`, which does not number its calls
     // Not try_emplace(): Clang 17 refuses that of libstdc++ 14 as C++23.
     const auto [at, is_new] = clients_.emplace(client, Client{});
     Client& known = at->second;
@@ -116,7 +117,7 @@ class ServedCalls {
     at->second.expiry = expiry;
   }
 
-  /// Null if there is none.
+  /// Returns the kept answer to the client's latest call; null if there is none.
   Answer* answer(std::uint64_t client) {
     const auto at = clients_.find(client);
     return at == clients_.end() ? nullptr : at->second.answer.get();

@@ -35,24 +35,24 @@ class SimulatedClock;
 
 namespace sft::detail {
 
-/// The contents of reserved memory at first: zeros, or whatever was there before.
+/// The initial contents of reserved memory: zeros, or whatever it contained before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
 namespace untyped {
 
-/// The state of an empty sample, which has no field, at any slot. To read it is a mistake, but not an
-/// undefined one.
+/// The state of an empty sample: no field is present, whatever slot is read. Reading it is a mistake, but not
+/// undefined behaviour.
 extern const SampleState empty_state;
 
-/// One received sample: owns its place in shared memory or in a buffer until it is destroyed, on any thread.
-/// In shared memory a subscriber can hold SubscriberOptions::max_held samples of one publisher: then take()
-/// gives no more of that one until one is destroyed, which does not wake wait().
+/// One received sample. It owns its place in shared memory or in a buffer until it is destroyed; any thread
+/// may destroy it. A subscriber can hold SubscriberOptions::max_held samples of one publisher in shared
+/// memory. Then take() returns no more of that publisher until one is destroyed, which does not wake wait().
 class Sample {
  public:
   Sample() = default;
-  /// Takes over one reference to `buffer`, `record` (null unless the reader records), and `parts` (null
-  /// unless the parts of its fields are elsewhere). `selection` is what the sample was asked for; null if
-  /// nobody asks.
+  /// Takes over one reference each to `buffer`, `record` (null unless the reader records), and `parts` (null
+  /// unless the parts of its fields are elsewhere). `selection` is the one that the sample was made for; null
+  /// if the subscriber does not show it.
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
          core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr,
          core::PartReader* parts = nullptr);
@@ -72,15 +72,16 @@ class Sample {
 
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
-  /// A state that has all fields in its body. If parts of fields are elsewhere, the first call puts them
+  /// Returns a state whose body has all fields. If parts of fields are elsewhere, the first call puts them
   /// together.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
-  /// Null: the subscriber does not ask, or the sample is empty.
+  /// Returns null if the subscriber records or does not show its selections, or if the sample is empty.
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
-  /// The channels that were asked for and that the message, which is of this type, does not have.
+  /// Returns the channels that were asked for and that the message, which is of this type, does not have.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
-  /// Encapsulation and body: standard CDR of the type projected to the mask. Nothing of an empty sample.
+  /// Returns encapsulation and body, which is standard CDR of the type projected to the mask. Empty for an
+  /// empty sample.
   std::span<const std::byte> cdr() const;
   void reset() noexcept;
 
@@ -96,7 +97,7 @@ class Sample {
   core::PartReader* parts_ = nullptr;
 };
 
-/// One sample being filled. Gives its memory back unless published.
+/// One sample that is being filled. The destructor returns its memory unless the sample was published.
 class Loan {
  public:
   Loan() = default;
@@ -109,13 +110,13 @@ class Loan {
   }
   ~Loan();
 
-  /// Null and empty where the loan is gone.
+  /// Returns the body, or null if the loan was published or moved away. state() is empty then.
   std::byte* body() const;
   SampleState state() const;
 
-  /// Overwrites a primitive that has a slot; nothing where the loan is gone.
+  /// Overwrites a primitive that has a slot. Does nothing if the loan was published or moved away.
   void write(std::size_t slot, const void* value, std::size_t bytes) noexcept;
-  /// Leaves the elements where they are; publish() closes the gap.
+  /// Shortens the sequence, but moves no data behind it; publish() closes the gap.
   ShrinkStatus shrink(const Reservation& reserved, std::uint32_t length) noexcept;
   PublishStatus publish() &&;
 
@@ -127,7 +128,7 @@ class Loan {
   bool has_gaps_ = false;
 };
 
-/// Moved, not copied: it belongs to one thread at a time.
+/// A publisher without its message type. It is moved, not copied: it belongs to one thread at a time.
 class Publisher {
  public:
   explicit Publisher(std::shared_ptr<core::PublisherCore> core) : core_(std::move(core)) {}
@@ -135,9 +136,9 @@ class Publisher {
   Publisher& operator=(Publisher&&) = default;
 
   PublishStatus publish(const void* value);
-  /// Publishes `count` values, each `stride` bytes behind the one before.
+  /// Publishes `count` values, each `stride` bytes behind the previous one.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
-  /// An encoded payload of the whole type, see Publisher::publish_cdr.
+  /// Publishes an encoded payload of the whole type, see Publisher::publish_cdr().
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
   const std::string& why_invalid() const;
@@ -150,17 +151,17 @@ class Publisher {
   std::shared_ptr<core::PublisherCore> core_;
 };
 
-/// Must not throw: as out of any thread, that would end the program.
+/// A callback for samples. It must not throw: an exception that leaves a thread ends the program.
 using Callback = std::function<void(Sample&&)>;
 
 /// The requirement of a subscriber.
 struct Requirement {
-  Selection selection;  ///< declared; where recorded, the fields that are asked for at first
+  Selection selection;  ///< the declared one; if fields are recorded, the fields that are asked for at first
   bool recorded = false;
-  FieldsOfText fields_of_text = FieldsOfText::declared;  ///< of the texts of SubscriberOptions
-  /// Samples say what was asked for, and show nothing else, also if a sample in shared memory has more.
+  FieldsOfText fields_of_text = FieldsOfText::declared;  ///< what the texts of SubscriberOptions may name
+  /// Samples show only the fields that were asked for, even if a sample in shared memory has more.
   bool limits_samples = false;
-  std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none where recorded
+  std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none if fields are recorded
 };
 
 class Subscriber {
@@ -173,7 +174,7 @@ class Subscriber {
   Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout);
   int file_descriptor() const;
-  // `which`: the number of one of its selections.
+  // `which` is the number of a selection of the subscriber.
   Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which);
   Result<void> set_selection(const Selection& selection, std::size_t which);
   std::size_t selections() const;
