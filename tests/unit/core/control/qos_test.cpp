@@ -1,4 +1,5 @@
-// The offered/requested rules, exhaustively, and what is refused on entry.
+// All combinations of offered and requested QoS, and the settings that are refused when an endpoint is
+// opened.
 #include "core/control/qos.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, RulesTest,
                            return param.param == QosPolicy::none ? "lease" : to_string(param.param);
                          });
 
-// All policies at once match exactly where each of them does.
+// All policies at once match exactly if each of them does.
 TEST(RulesTest, PoliciesDoNotMix) {
   std::vector<Qos> all;
   for (const Reliability reliability : {best_effort, reliable}) {

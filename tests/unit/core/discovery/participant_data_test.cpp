@@ -1,4 +1,5 @@
-// The user data of participants say which process they belong to; those of other releases are named.
+// The user data of a participant say which process it belongs to. Participants of other releases are
+// reported.
 #include "core/discovery/participant_data.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Readers that are attached in shared memory and cannot be woken there: they are served otherwise, and told
-// why.
+// Readers that are attached in shared memory and cannot be woken there are served by another path, and
+// learn why.
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {

@@ -176,7 +176,7 @@ TEST(AgentTest, ATaskThatHasTimeRunsWithTheNextTickAndInItsOrder) {
   EXPECT_EQ(order, (std::vector<int>{1, 2, 3}));
 }
 
-// Nobody can fill the memory of a node with tasks that wait for a tick.
+// Tasks that wait for a tick must not fill the memory of a node.
 TEST(AgentTest, ManyTasksThatHaveTimeWakeTheAgent) {
   std::promise<void> first_tick;
   std::promise<void> all_ran;
