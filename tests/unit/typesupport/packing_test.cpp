@@ -51,7 +51,7 @@ TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);
 }
 
-// {double, octet} has padding behind every element of an array but the last.
+// {double, octet} has padding behind each element of an array except the last.
 TEST(PackingTest, PaddingBehindIsNotPacked) {
   const Member members[] = {member<double>("a", Kind::float64, 0), member<std::uint8_t>("b", Kind::octet, 8)};
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);
@@ -64,7 +64,7 @@ TEST(PackingTest, OtherPlacesInMemoryAreNoticed) {
   EXPECT_FALSE(struct_of(members).is_packed_in_memory);
 }
 
-// 2^64 + 1 bytes, as a hostile description may have them, are not one byte.
+// A hostile description may have 2^64 + 1 bytes, which must not count as one byte.
 TEST(PackingTest, SizesThatOverflowAreNotPacked) {
   const Member gigabytes[] = {{.name = "a", .kind = Kind::octet, .shape = Shape::array, .count = 1U << 31}};
   const StructType inner = struct_of(gigabytes);

@@ -26,7 +26,7 @@ TEST(TypeSupportTest, LeavesAreNumberedDepthFirstAndALengthIsALeafOfItsOwn) {
   EXPECT_EQ(cloud_type().path(5), "fields.size");
   EXPECT_EQ(cloud_type().path(6), "fields[].name");
   EXPECT_EQ(cloud_type().path(14), "is_dense");
-  EXPECT_EQ(cloud_type().index_slots(), 11U);  // `fields` has one
+  EXPECT_EQ(cloud_type().index_slots(), 11U);  // the leaves of `fields` share one slot
 }
 
 TEST(TypeSupportTest, TheNamesOfGeneratedCodeAreThoseOfThePaths) {
