@@ -17,7 +17,7 @@ using Time = ReceivingRole::Time;
 class ReceivingRoleTest : public testing::Test {
  protected:
   Duty duty(bool readable = false) { return role.next(now, readable).duty; }
-  /// The transport's own thread sleeps in the kernel, is woken, and passes the role on.
+  /// The transport's own thread sleeps in the kernel, is woken, and gives the role to the waiting thread.
   void pass_to_waiter() {
     ASSERT_EQ(duty(), Duty::receive);
     ASSERT_EQ(role.enter(now), Entry::promised);

@@ -64,7 +64,7 @@ TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
 }
 
 TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
-  to->note(SendOutcome::no_segments);  // several batches in each call
+  to->note(SendOutcome::no_segments);  // so that each call sends several batches
   SendFlow one = flow(large_bytes);
   connections.take_batches(3);
   EXPECT_EQ(send(one), Progress::none);
@@ -106,7 +106,7 @@ TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
 }
 
 TEST_F(FlowSenderTest, AsksForARoundAtOnceIfATurnWasNotEnough) {
-  to->note(SendOutcome::no_segments);  // one datagram in each batch
+  to->note(SendOutcome::no_segments);  // so that each batch has one datagram
   SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_some(one), Progress::some);
   EXPECT_LT(bytes_left(), large_bytes);
