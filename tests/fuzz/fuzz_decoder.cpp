@@ -126,7 +126,7 @@ void check_projection(const Body& body, const OwnedValue& value, const FieldMask
   require(reference::is_cdr_of(*bytes, value, mask), "the projection is the CDR of the projected type");
 }
 
-/// Walks to every member as views do, without what the validating walk guarantees.
+/// Walks to every member as views do, in a body that the validating walk need not have accepted.
 void skip_through(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset,
                   int depth) {
   for (std::size_t i = 0; i < type.members.size(); ++i) {

@@ -81,7 +81,7 @@ void check_type(const DynamicType& type, std::span<const std::byte> description)
   require(first_difference(type.type(), DynamicType::parse(again)->type()).empty(), "and is like itself");
 }
 
-/// Projects to every second leaf of the mask.
+/// Checks the projection to every second leaf of the mask.
 void check_projection(const DynamicType& type, const Body& body) {
   FieldMask narrower(body.mask().leaves());
   for (std::size_t leaf = 0; leaf < narrower.leaves(); leaf += 2) {
@@ -97,7 +97,7 @@ void check_projection(const DynamicType& type, const Body& body) {
           "and is valid then");
 }
 
-/// Takes a part of each field that has a layout.
+/// Checks a part of each field that has a layout.
 void check_parts(const DynamicType& type, const Body& body) {
   const TypeSupport& support = type.support();
   for (const std::size_t leaf : body.mask()) {

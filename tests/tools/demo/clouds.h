@@ -1,4 +1,4 @@
-// Small clouds, and files of them, that tests make.
+// Small clouds that tests make, and files of clouds.
 #pragma once
 
 #include <gtest/gtest.h>

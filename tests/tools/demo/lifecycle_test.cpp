@@ -30,7 +30,8 @@ using testing::HasSubstr;
 using testing::Not;
 using Clock = std::chrono::steady_clock;
 
-/// sft_demo in a process of its own. All processes that it leaves behind become children of the test.
+/// The program sft_demo in a process of its own. All processes that it leaves behind become children of the
+/// test.
 class RunningDemo {
  public:
   enum class On { pipe, terminal };

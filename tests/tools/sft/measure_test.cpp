@@ -1,4 +1,4 @@
-// The verbs hz, bw and delay measure.
+// What the verbs hz, bw and delay measure.
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {

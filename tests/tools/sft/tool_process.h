@@ -52,7 +52,7 @@ class ToolProcess {
   Ended ended_;
 };
 
-/// Runs the tool until it ends by itself. `input` is everything on its standard input.
+/// Runs the command until it ends by itself. `input` is all of its standard input.
 Ended run_tool(std::vector<std::string> arguments, std::string_view input = {});
 
 }  // namespace sft::test

@@ -26,7 +26,7 @@ inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity another_account{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
 
-/// A /run of the test's own, in which the directory /run/sft belongs to the user.
+/// Mounts another /run for the test, in which the directory /run/sft belongs to the user.
 class RunDirectory {
  public:
   explicit RunDirectory(uid_t user) {
@@ -62,7 +62,8 @@ inline bool other_users_exist() {
          count > another_account.user;
 }
 
-/// Puts the groups into an /etc/group of the test's own, and the programs where every user may run them.
+/// A test with its own /etc/group, which has the groups, and with the programs in a place where every user
+/// may run them.
 class AccountsTest : public ShmTest {
  protected:
   void SetUp() override {

@@ -21,7 +21,7 @@ class ManyReaders : public ShmNodeTest {
   static constexpr std::uint32_t depth = 8;
   using Sequences = std::vector<std::uint64_t>;
 
-  /// The kind of the writer's route to a reader.
+  /// How the writer serves a reader.
   struct Service {
     bool is_served = true;
     std::shared_ptr<core::Gate> gate{};  ///< null: the reader has no conditions

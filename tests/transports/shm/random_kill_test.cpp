@@ -19,7 +19,7 @@ namespace {
 using core::SendStatus;
 
 constexpr core::EndpointId daemons_killed = 8;
-constexpr int victims_for_each_stop = 15;         // one victim of this number is stopped before it is killed
+constexpr int victims_for_each_stop = 15;         // one in this many victims is stopped before it is killed
 constexpr core::EndpointId survivor = 2'000'000;  // an id that no ChunkCounter uses
 
 /// Returns the memory usage as sftd has written it last, which it does twice a second.
@@ -117,7 +117,7 @@ class RandomKill : public ShmTest {
   pid_t daemon_ = 0;
 };
 
-/// The task of the victims of a test, and how many victims there are.
+/// The task of the victims in a test, and their number.
 struct Life {
   const char* name;
   const char* role;  ///< the argument of shm_peer

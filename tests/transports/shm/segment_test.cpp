@@ -179,7 +179,8 @@ TEST_F(ChunksOnDemand, AreNotLentIfTheHostHasNoMemoryForThem) {
 
 TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {
   const ShmOfSize large(256);
-  // The directory, the host file, and the management segment. No file is left for the segment of samples.
+  // Allows three files: the directory, the host file, and the management segment. So the segment of samples
+  // gets none.
   ASSERT_EQ(mount(nullptr, "/dev/shm", nullptr, MS_REMOUNT, "nr_inodes=3"), 0);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();

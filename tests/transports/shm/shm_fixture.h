@@ -72,7 +72,7 @@ bool is_stopped(pid_t pid);
 
 shm::ShmOptions own_daemon();  ///< options with which a node starts the sftd of this build if none runs
 shm::ShmOptions no_daemon();   ///< options with which a node starts no daemon
-/// The same options for a node that holds at most this number of samples and loans.
+/// Returns the same options for a node that holds at most this number of samples and loans.
 shm::ShmOptions no_daemon_and_held_at_most(std::uint32_t samples);
 
 /// The transport of one node.

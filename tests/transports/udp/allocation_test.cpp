@@ -78,7 +78,7 @@ struct Case {
   bool reliable;
 };
 
-/// A writer and its reader, in one process.
+/// A writer and its reader in the same process.
 class Stream {
  public:
   Stream(Backend backend, const Case& of) : image_(test::make_image(of.bytes)) {

@@ -107,7 +107,8 @@ TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
   }
 }
 
-/// Some programs restrict themselves after they have opened what they need.
+/// Expects plain sockets once io_uring is forbidden to the running program. Some programs restrict
+/// themselves after they have opened what they need.
 void expect_plain_sockets_after(int error) {
   const auto here = open_udp_transport({}, test::make_pool()).value();
   const auto there = open_udp_transport({}, test::make_pool()).value();

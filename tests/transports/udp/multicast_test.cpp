@@ -34,7 +34,7 @@ class MulticastTest : public TransportTest {
     std::string mask;
     bool reliable = false;
     std::uint32_t since = 0;             ///< how many samples were published before it came
-    std::shared_ptr<core::Gate> gate{};  ///< of a reader with a maximum rate
+    std::shared_ptr<core::Gate> gate{};  ///< the gate of a reader with a maximum rate
   };
 
   static UdpOptions everywhere() { return {.multicast = Multicast::everywhere}; }

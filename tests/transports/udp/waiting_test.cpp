@@ -123,7 +123,7 @@ TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   EXPECT_GT(reader.received_itself(), static_cast<int>(samples / 2));
 }
 
-/// Returns how often this thread has slept.
+/// Returns how often this thread has gone to sleep.
 long times_asleep() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);

@@ -155,8 +155,8 @@ class ConditionsCorpus : public ::testing::Test {
     for (const auto& [count, text] : expected) EXPECT_EQ(passed(text, stream), count) << text;
   }
 
-  /// If a gate lets a sample pass only after a change or after some time, it does not let it pass twice:
-  /// not if each sample is published twice. Behind an equal gate it lets all of them pass.
+  /// Takes gates that let a sample pass only after a change or after some time. Expects that a sample that
+  /// is published twice does not pass twice, and that what has passed one gate passes an equal one.
   template <class T>
   void expect_none_passes_twice(const std::vector<Stamped<T>>& stream,
                                 const std::vector<std::string_view>& texts) {

@@ -189,7 +189,7 @@ class EnumeratedDifferential : public test::RandomTest,
   }
 };
 
-// Enumerations are no primitives in XCDR2: collections of them have a delimiter.
+// In XCDR2 enumerations do not count as primitives, so collections of them have a delimiter.
 TEST_P(EnumeratedDifferential, WhatCycloneWritesIsConvertedToOurBytes) {
   constexpr const StructType& type = TypeTable<foreign::Enumerated>::type;
   for (int round = 0; round < rounds; ++round) {

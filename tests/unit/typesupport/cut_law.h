@@ -30,14 +30,15 @@ using test::Cut;
 using test::is_encoded;
 namespace cut_reference = test::cut_reference;
 
-/// A part without bytes may have the rows and columns of its ranges, or none at all.
+/// Adapts `expected` where two results are right: a part without bytes may have the rows and columns of its
+/// ranges, or none at all.
 inline void settle(const PointCloud2& taken, PointCloud2& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.row_step == 0) expected.row_step = 0;
   if (taken.height == 0 && taken.width == 0) expected.height = expected.width = expected.row_step = 0;
 }
 
-/// A Bayer pattern without pixels may begin with any colour.
+/// Adapts `expected` likewise. A Bayer pattern without pixels may begin with any colour.
 inline void settle(const Image& taken, Image& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.step == 0) expected.step = 0;
@@ -48,7 +49,8 @@ inline void settle(const Image& taken, Image& expected) {
   }
 }
 
-/// The reference turns by another formula, which rounds differently. A grid without cells may be anywhere.
+/// Adapts `expected` likewise. The reference turns by another formula, which rounds differently. A grid
+/// without cells may be anywhere.
 inline void settle(const OccupancyGrid& taken, OccupancyGrid& expected) {
   const auto& at = taken.info.origin.position;
   auto& right = expected.info.origin.position;

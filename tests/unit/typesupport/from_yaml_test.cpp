@@ -1,4 +1,4 @@
-// Messages from YAML.
+// Messages that are read from YAML.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

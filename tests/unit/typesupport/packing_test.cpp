@@ -1,4 +1,4 @@
-// A struct is copied in one piece if CDR encodes it without padding wherever it stands.
+// A struct is copied in one piece if CDR encodes it without padding at any offset.
 #include <gtest/gtest.h>
 
 #include <geometry_msgs/msg/PoseWithCovariance.hpp>
@@ -43,7 +43,7 @@ TEST(PackingTest, PaddingWithinIsNotPacked) {
 
 constexpr StructType struct_of(std::span<const Member> members) { return {"", members}; }
 
-// {uint32, uint32, double} has padding behind 4 bytes, and none behind 8.
+// {uint32, uint32, double} has padding if it follows 4 bytes, and none if it follows 8.
 TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   const Member members[] = {member<std::uint32_t>("a", Kind::uint32, 0),
                             member<std::uint32_t>("b", Kind::uint32, 4),

@@ -192,7 +192,7 @@ TEST_F(CloudsOfClouds, ThatContradictThemselvesAreEmptyInOneStepAndInTwo) {
 
 // ---- scans ----
 
-/// The largest relative error of a number that was rounded to a float.
+/// The largest relative error of a number that is rounded to a float.
 constexpr double half_ulp = 0x1p-24;
 
 class ScansOfScans : public PartOfPartTest {

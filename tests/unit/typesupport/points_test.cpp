@@ -1,4 +1,4 @@
-// Typed columns of clouds: values of both layouts, errors, ranges, and what recorded samples note.
+// Typed columns of clouds: values in both layouts, errors, ranges, and what recorded samples record.
 #include "sft/points.h"
 
 #include <algorithm>

@@ -55,7 +55,7 @@ class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterf
     return {value.type(), value.get(), mask};
   }
 
-  /// Decodes into `onto` and returns it.
+  /// Decodes into `onto`. Returns success if that is possible.
   static AssertionResult decodes(const Encoded& encoded, OwnedValue& onto) {
     const WalkStatus status = decode(encoded.state(), onto.type(), onto.get());
     return status == WalkStatus::ok ? AssertionSuccess() : AssertionFailure() << to_string(status);

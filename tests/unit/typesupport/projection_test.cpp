@@ -1,4 +1,4 @@
-// How bytes are projected: what is copied, what is only referenced, and what the runtime refuses.
+// How bytes are projected: which ones are copied or only referenced, and what the runtime refuses.
 #include "sft/detail/project.h"
 
 #include <gtest/gtest.h>

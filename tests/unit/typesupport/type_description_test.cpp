@@ -99,7 +99,7 @@ class Handmade {
     for (const char c : text) byte(static_cast<std::uint8_t>(c));
     return *this;
   }
-  /// A struct with members of primitive kinds or earlier structs: {form, name, struct}.
+  /// A member of a struct. If it is a struct itself, `type` is the number of that earlier struct.
   struct M {
     unsigned form;
     std::string name;

@@ -1,4 +1,4 @@
-// Numbering, paths, hashes and the text form of masks.
+// The numbering, paths and hashes of types, and the text form of masks.
 #include "sft/type_support.h"
 #include "sft/detail/type_shape.h"
 

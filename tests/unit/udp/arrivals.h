@@ -1,4 +1,4 @@
-// Hands datagrams to a reassembly as the demultiplexer does.
+// Passes datagrams to a reassembly as the demultiplexer does.
 #pragma once
 
 #include <cstddef>

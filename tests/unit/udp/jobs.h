@@ -1,4 +1,4 @@
-// Jobs as a publisher makes them.
+// Makes jobs as a publisher does.
 #pragma once
 
 #include <memory>

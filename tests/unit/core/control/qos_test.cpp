@@ -26,7 +26,7 @@ std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
     case QosPolicy::none:
       break;
   }
-  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // leases
+  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // of leases
 }
 
 class RulesTest : public ::testing::TestWithParam<QosPolicy> {};

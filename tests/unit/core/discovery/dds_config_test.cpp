@@ -138,7 +138,7 @@ TEST(DdsConfig, LetsCycloneAnnounceItselfSeldomAndMoreSeldomToPeers) {
   }
 }
 
-/// Linux gives a multicast datagram to all sockets that are bound to its port, whatever the interface.
+/// Linux delivers a multicast datagram to all sockets that are bound to its port, on any interface.
 TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTheOtherLinks) {
   const auto c = config("");
   EXPECT_THAT(in_force(c, "Discovery/Ports/MulticastMetaOffset", loopback), is("2"));

@@ -54,7 +54,7 @@ TEST_F(RemoteTableTest, IsBehindSinceTheSecondHeartbeatThatCountsMore) {
 TEST_F(RemoteTableTest, IsBehindWhereHeartbeatsGoOnWithoutWhatCame) {
   arrives(1);
   heartbeat(1);
-  arrives(7);  // forged
+  arrives(7);  // a forged change
   heartbeat(1);
   heartbeat(1);
   EXPECT_TRUE(is_behind());

@@ -1,4 +1,4 @@
-// Deadlines and liveliness as functions of counts and times.
+// Deadlines and liveliness are computed from counts and times only.
 #include "core/negotiation/qos_monitor.h"
 
 #include <gtest/gtest.h>

@@ -20,7 +20,7 @@ class ArrivalWatchdogTest : public test::RandomTest {
   struct Scene {
     std::chrono::microseconds period = 10ms;  ///< the time between samples, except between bursts
     std::uint64_t bytes = 1000;
-    double lost = 0;  ///< share of samples
+    double lost = 0;  ///< share of the samples that get lost
     double assertions_lost = 0;
     std::chrono::milliseconds transit = 1ms;
     std::chrono::milliseconds jitter = 0ms;  ///< added to `transit`, at random up to this
@@ -147,7 +147,7 @@ TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedIt
     under_way.clear();
     Scene scene;
     scene.pair.reliable = up_to(1) == 0;
-    scene.period = std::chrono::microseconds(std::int64_t{500} << up_to(13));  // to 4 s
+    scene.period = std::chrono::microseconds(std::int64_t{500} << up_to(13));  // 0.5 ms to 4 s
     scene.bytes = std::uint64_t{100} << up_to(16);
     scene.lost = scene.pair.reliable ? 0 : 0.2;
     scene.assertions_lost = up_to(1) == 0 ? 0 : 0.2;

@@ -1,4 +1,4 @@
-// The reconciler follows shared memory as it comes and goes.
+// What the reconciler does when shared memory becomes available or is lost.
 #include "tests/unit/core/node/reconciler_fixture.h"
 #include "tests/unit/core/node/test_memory.h"
 

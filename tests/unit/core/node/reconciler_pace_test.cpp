@@ -17,7 +17,7 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
 /// In a calm node the checks are so rare that a short deadline or lease would be noticed late.
 TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
   using std::chrono::milliseconds;
-  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more looks than anything else
+  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more checks than all else
   const auto quiet = [&](std::chrono::seconds after) {
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
   };

@@ -49,7 +49,7 @@ TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
   EXPECT_FALSE(agent.is_behind());
 }
 
-/// The clock of these tests. A task sets how long it takes.
+/// The clock of these tests. They advance it by the time that a piece of work is to take.
 Time test_time{};
 Time read_test_time() { return test_time; }
 

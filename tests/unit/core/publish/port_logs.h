@@ -88,7 +88,7 @@ class MemoryLog final : public IdleLendingWriter {
   const std::shared_ptr<BufferPool> memory_ = BufferPool::make(std::size_t{1} << 20);
 };
 
-/// A whole sample of that type with a small body.
+/// Returns a whole sample of that type, with a small body.
 inline SampleHandle make_sample(BufferPool& pool, const TypeSupport& type, std::uint64_t sequence = 0) {
   constexpr std::uint32_t body_bytes = 8;
   const detail::SampleLayout layout(type.index_slots());

@@ -253,8 +253,8 @@ TEST(GateTest, IsNamedByItsConditionsAndItsRate) {
 
 class GateLaw : public test::RandomTest {
  protected:
-  /// The rate decides only about samples that the conditions let pass. The first sample of a reader spends
-  /// from the budget, even if nothing is left.
+  /// Returns true if a sample passes. The rate decides only about samples for which the conditions hold.
+  /// The first sample of a reader spends from the budget, even if nothing is left.
   static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
     if (!holds) return false;
     if (!begins) return budget.take(stamp_ns);

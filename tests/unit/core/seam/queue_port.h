@@ -57,7 +57,7 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
   bool is_at_limit = false;    ///< the subscriber holds as many samples as it may
 };
 
-/// A port that another thread fills.
+/// A port that another thread may fill while a thread takes from it.
 template <class Idle>
 class SharedQueueOf final : public Idle {
  public:

@@ -1,4 +1,4 @@
-// Channels of clouds are recorded as leaves are.
+// Channels of clouds are recorded in the same way as leaves.
 #include "core/subscribe/channel_numbers.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The intake of a subscriber between two queues, without ports, clocks or threads.
+// A fixture for the intake of a subscriber behind two queues, without ports, clocks or threads.
 #pragma once
 
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
-// The obstacles to a start of sftd: what counts as an obstacle, and when the obstacles have eased so that
-// another attempt is made.
+// The obstacles to a start of sftd: what counts as an obstacle, and when obstacles have become smaller so
+// that another attempt is made.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>

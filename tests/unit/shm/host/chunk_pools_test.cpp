@@ -1,4 +1,4 @@
-// The choice of the pool from which a writer takes a chunk. The pools lie in the memory of this process.
+// The choice of the pool from which a writer takes a chunk. The pools are in the memory of this process.
 #include "shm_transport/host/chunk_pools.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// These tests check which chunks a reader may borrow from its queue. The port and the pool of chunks lie in
+// These tests check which chunks a reader may borrow from its queue. The port and the pool of chunks are in
 // the memory of this process.
 #include "shm_transport/ports/chunk_queue.h"
 
@@ -35,7 +35,7 @@ class ChunkQueueTest : public ::testing::Test {
   }
   void open_queue() { queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{}); }
 
-  /// Chunks arrive as a writer delivers them.
+  /// Delivers chunks to the queue as a writer does.
   void arrive(int count) {
     iox::popo::ChunkQueuePusher<iox::popo::SubscriberPortData::ChunkQueueData_t> writer(
         &port_->m_chunkReceiverData);

@@ -83,7 +83,7 @@ using test::Image;
 using test::Scene;
 using test::Wide;
 
-/// A sample in memory of its own.
+/// An encoded value as a sample, in memory of its own.
 template <class T>
 class Sample {
  public:

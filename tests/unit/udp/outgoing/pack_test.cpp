@@ -1,4 +1,4 @@
-// Small samples in shared datagrams: from a pack to datagrams and back.
+// Small samples that share datagrams: a pack is cut into datagrams and read from them again.
 #include <gtest/gtest.h>
 
 #include <random>

@@ -224,7 +224,7 @@ TEST_F(IncomingWriterTest, AsksForExactlyThoseBytesOfASampleThatHaveNotCome) {
     read_reliably();
     const std::vector<Bytes> datagrams = sent(1, 30'000, true);
     receive(datagrams.front());
-    std::map<std::uint32_t, std::uint32_t> missing;  // from byte to byte
+    std::map<std::uint32_t, std::uint32_t> missing;  // first bytes of gaps, and their ends
     for (std::size_t i = 1; i < datagrams.size(); ++i) {
       const Following part = std::get<Following>(decode(datagrams[i]));
       const auto end = part.offset + static_cast<std::uint32_t>(part.payload.size());

@@ -299,7 +299,7 @@ TEST_F(ReassemblyTest, FreesWhatWasParkedWithItsSample) {
 TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
   constexpr std::size_t bytes = 6'000;
   std::uint32_t sequence = 0;
-  std::vector<Bytes> datagrams;  // of the present sample
+  std::vector<Bytes> datagrams;  // those of the present sample
   const auto begin_without_first = [&] { receive_without_first(datagrams); };
   const auto begin_with_first = [&] { receive(datagrams.front()); };
   const std::map<std::string, std::function<void()>> endings{

@@ -1,5 +1,5 @@
-// These tests check which thread receives. A waiting thread and the transport's own thread ask `role` one
-// after the other, at times that the test names.
+// These tests check which thread receives. A waiting thread and the transport's own thread call `role` one
+// after the other, at times that the test passes in.
 #include "udp_transport/receive/receiving_role.h"
 
 #include <gtest/gtest.h>

@@ -26,7 +26,8 @@ using namespace std::chrono_literals;
 inline constexpr const char* unsettled =
     "alone: it asks for that only since just now, or often for something else";
 
-/// This host has 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a wireless interface.
+/// The networks of this host. Its addresses are 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a
+/// wireless interface.
 inline constexpr std::uint32_t first_link = 0x0a000000, second_link = 0x0a000100, wireless = 0x0a000200;
 inline constexpr std::uint32_t netmask = 0xffffff00;
 

@@ -21,7 +21,7 @@ class FlowSenderTest : public testing::Test, protected test::Sending {
     made.fragments.emplace(sent_job->body(), to->path().datagram_bytes());
     return made;
   }
-  /// Goes on until the flow has to wait, or ends.
+  /// Sends until the flow has to wait or ends. Returns the last progress.
   Progress send(SendFlow& flow) {
     Progress progress = Progress::some;
     while (progress == Progress::some) progress = sender.send_a_few(flow, now);
