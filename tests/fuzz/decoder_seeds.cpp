@@ -16,8 +16,7 @@ constexpr std::size_t input_bytes_max = 400;
 
 std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-/// Returns that of some random inputs whose size is closest to the wanted one: small, but not empty
-/// everywhere.
+/// Returns that of many random inputs whose size is closest to the wanted one: small, but not empty.
 template <class RandomInput>
 std::vector<std::byte> small_input(RandomInput random_input) {
   std::vector<std::byte> best;

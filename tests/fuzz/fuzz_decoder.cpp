@@ -215,8 +215,7 @@ void read_views(const Body& body) {
   static_cast<void>(seen);
 }
 
-/// Simulates another process that writes to the chunk, so that body and index are not those that were
-/// checked.
+/// Simulates another process that writes to the chunk after body and index were checked.
 void survive_anything(Body& body, const FieldMask& narrower) {
   const std::span<const std::byte> bytes(body.state().body, body.state().body_bytes);
   for (std::size_t slot = 0; slot < body.index().size() && !bytes.empty(); ++slot) {

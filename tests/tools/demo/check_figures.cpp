@@ -16,8 +16,7 @@ namespace {
 
 using nlohmann::json;
 
-// These limits allow for the headers (Ethernet 14, IP 20, UDP 8, SFT 32), for fields (8), and for some
-// more.
+// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some more bytes.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
 constexpr double header_bytes_max = 130;  // `header` contains a name

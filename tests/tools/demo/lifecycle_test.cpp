@@ -30,8 +30,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Clock = std::chrono::steady_clock;
 
-/// The program sft_demo in a process of its own. All processes that it leaves behind become children of the
-/// test.
+/// Runs sft_demo in a process of its own. All processes that it leaves behind become children of the test.
 class RunningDemo {
  public:
   enum class On { pipe, terminal };
@@ -143,8 +142,7 @@ TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// The contents of a terminal of 24 rows after the whole text was printed, and the longest line that it
-/// ever had.
+/// The contents of a terminal of 24 rows after the text was printed, and the longest line that it ever had.
 class Screen {
  public:
   explicit Screen(const std::string& text) {

@@ -19,8 +19,7 @@ namespace sft::test {
 
 constexpr gid_t writers_group = 70'100;
 constexpr gid_t readers_group = 70'101;
-// These users are members of the groups only because their processes get the groups. No file lists them as
-// members.
+// These users are in the groups only because their processes get the groups. No file lists them.
 inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity another_account{70'003, 70'003, {}};

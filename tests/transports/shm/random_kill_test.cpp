@@ -80,8 +80,7 @@ class RandomKill : public ShmTest {
     ASSERT_EQ(sequence_of(sample), writer_->sequence());
   }
 
-  /// Expects that only the chunk of the survivor's last sample is in use, and that all other chunks can be
-  /// taken.
+  /// Expects only the chunk of the survivor's last sample to be in use, and all others to be available.
   void expect_all_memory_back(int kills) {
     shm::Usage usage;
     const std::int64_t since_ns = core::realtime_ns();
@@ -100,8 +99,7 @@ class RandomKill : public ShmTest {
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << summary;
     std::printf("%s; %s\n", summary.c_str(), how_to_repeat().c_str());
-    // A death costs at most two chunks: the delivered one, and the one that was pushed out of a queue for
-    // it.
+    // A death costs at most two chunks: the delivered one, and the one that it pushed out of a queue.
     EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";

@@ -102,8 +102,7 @@ std::size_t mapped_kib(pid_t pid, const std::string& file) {
   return kib;
 }
 
-// If the daemon mapped the pages to clear them, its threads would wait for each other, for long on a busy
-// machine.
+// If the daemon mapped pages to clear them, its threads would block each other, for long on a busy machine.
 TEST_F(SftdSegments, AreClearedWithoutAnybodyWhoUsesOrMapsThem) {
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   ASSERT_EQ(daemon.line(), "sftd: ready");
@@ -179,8 +178,7 @@ TEST_F(ChunksOnDemand, AreNotLentIfTheHostHasNoMemoryForThem) {
 
 TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {
   const ShmOfSize large(256);
-  // Allows three files: the directory, the host file, and the management segment. So the segment of samples
-  // gets none.
+  // Allows the directory, the host file and the management segment, but no file for the segment of samples.
   ASSERT_EQ(mount(nullptr, "/dev/shm", nullptr, MS_REMOUNT, "nr_inodes=3"), 0);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();

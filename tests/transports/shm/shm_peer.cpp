@@ -59,8 +59,7 @@ void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
-/// Does the same beside a forked copy that runs nothing else, but keeps all sockets and memory of this
-/// process.
+/// Does the same beside a forked process that only keeps all sockets and memory of this process.
 void hoard_with_a_worker(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   if (fork() == 0) {
     alarm(60);

@@ -24,8 +24,7 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Records the port that answers are requested at, and counts the answers and the marks at the port for
-/// samples.
+/// Records the port at which answers are requested. Counts answers and marks at the port for samples.
 class AnswerMonitor final : public test::PassingReceiver {
  public:
   struct Seen {

@@ -74,8 +74,7 @@ class BridgeTest : public testing::Test {
   static bool switch_on(unsigned number, const std::string& end) {
     return run("ip address add " + address_of(number) + " dev " + end + " && ip link set " + end + " up");
   }
-  /// Runs `make` on another host, on which everything that it opens stays. Returns false if no host can be
-  /// made.
+  /// Runs `make` on another host. What it opens stays there. Returns false if no host can be made.
   bool on_host(unsigned number, const std::function<void()>& make) {
     const std::string end = "end" + std::to_string(number);
     return plug_in(number, end) && on_host_behind(end, address_of(number), make);

@@ -1,5 +1,4 @@
-// A writer counts what happens to its samples for each of its readers, while routes change and queues
-// overflow.
+// A writer counts for each reader what happens to samples, while routes change and queues overflow.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 

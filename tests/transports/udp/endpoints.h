@@ -77,8 +77,7 @@ class Subscriber final : private core::ArrivalListener {
     changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
     return taken_;
   }
-  /// Returns the samples that have come since the last call, once there are `count`; fewer after a
-  /// time-out.
+  /// Returns the samples since the last call, once there are `count`; fewer after a time-out.
   std::vector<core::SampleHandle> await_new(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, hang_timeout, [&] { return taken_.size() >= count; });

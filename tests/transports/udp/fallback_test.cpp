@@ -41,8 +41,7 @@ void forbid(unsigned call, std::optional<unsigned> argument, int error, unsigned
   ASSERT_EQ(::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, flags, &program), 0);
 }
 
-/// Runs the action on a thread for which that system call fails, with any first argument or with `argument`
-/// only.
+/// Runs the action on a thread for which that system call fails. `argument`: as for forbid().
 void without(unsigned call, std::optional<unsigned> argument, int error,
              const std::function<void()>& action) {
   std::thread([&] {

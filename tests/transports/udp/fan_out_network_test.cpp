@@ -1,5 +1,4 @@
-// One publisher and eight readers with two masks, each on a host of its own, on one bridge. The tests check
-// the traffic.
+// The traffic of one publisher and eight readers with two masks, each on a host of its own, on one bridge.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -186,8 +185,7 @@ class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<M
     return std::accumulate(each.begin(), each.end(), 0.) / static_cast<double>(each.size());
   }
 
-  /// Returns a mask for each number. The image has six fields, so there are 64 masks. The first 32 have the
-  /// data.
+  /// Returns one of 64 masks, since the image has six fields. The first 32 masks have the data.
   static std::string mask(unsigned number) {
     std::string mask = number < 32 ? "data" : "";
     for (const char* field : {", stamp.sec", ", stamp.nanosec", ", name", ", height", ", width"}) {

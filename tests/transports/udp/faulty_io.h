@@ -104,8 +104,7 @@ class UnreachedReceiver final : public PassingReceiver {
   const std::atomic<bool>& unreached_;
 };
 
-/// Keeps a receiving thread busy with one datagram, and records the order in which samples come from the
-/// sockets.
+/// Keeps a receiving thread busy with one datagram. Records the order of samples from the sockets.
 class Hold {
  public:
   void begin() {

@@ -315,7 +315,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     return static_cast<std::size_t>(
         std::ranges::count_if(by_group, [](const auto& wish) { return wish.second; }));
   }
-  /// Publishes until all groups are in use. A link has at most eight groups with conditions, for ten such
+  /// Publishes until all groups are in use. A link has at most eight groups with conditions, for ten
   /// wishes.
   void come_together() {
     constexpr std::size_t most_groups = 8;
@@ -360,8 +360,7 @@ TEST_P(GateFanOutTest, GivesSixtyFourReadersJustWhatTheirOwnConditionsLetPass) {
   }
 }
 
-/// Each change removes a reader from its group, and lets the next sample pass for all readers with its new
-/// gate.
+/// Each change removes a reader from its group. The next sample passes for all readers with its new gate.
 TEST_P(GateFanOutTest, MissesNothingForReadersThatChangeTheirConditionsNorForThoseBesideThem) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};

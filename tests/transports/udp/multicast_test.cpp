@@ -360,7 +360,7 @@ TEST_P(MulticastTest, LosesNothingWhereAMemberOfAGroupThatEndsIsBusy) {
   ASSERT_TRUE(eventually([this] { return hold_.stops_it(); }));
   other.publish(make_image(100, 2));
   publish();
-  serve(2);  // without the first group
+  serve(2);  // two readers, which get another group
   publish();
   hold_.end();
   processes_[0].subscriber->await(published_ + 2, 1s);

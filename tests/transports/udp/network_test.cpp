@@ -1,5 +1,4 @@
-// Several readers of one publisher. One of them cannot be reached or is too slow, on a network that the
-// test makes.
+// Several readers of one publisher, one of which cannot be reached or is slow, on a network of the test.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -89,8 +88,7 @@ TEST(KnownMulticastLinksTest, AreAskedForOnceUntilTheNetworkChanges) {
   EXPECT_EQ(asked, 3);
 }
 
-/// A writer that gets routes reads the links of this host, and may notice a change before the node checks
-/// for one.
+/// A writer that gets routes reads the links of this host, and may notice a change before the node does.
 TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
   if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
   const auto transport = open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();

@@ -200,8 +200,7 @@ TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
   EXPECT_EQ(jumbo.longest(), payload(9000));
   EXPECT_EQ(usual.longest(), payload(1500));
 
-  // A shorter limit from now on: a refused sample is cut again, and not lost. After that a longer limit
-  // again.
+  // First a shorter limit: a refused sample is cut again, and not lost. Then the longer limit again.
   run_all("ip link set out1 mtu 1280");
   publisher.publish(make_image(300'000));
   EXPECT_EQ(of_jumbo.await(2).size(), 2U);
@@ -249,8 +248,7 @@ TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
   EXPECT_EQ(far.longest(), payload(1400));
 }
 
-/// The far end of the cable accepts less than the near end knows, and drops longer packets without an
-/// error.
+/// The far end of the cable accepts less than the near end knows, and drops longer packets silently.
 TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   Host far;
   plug_in(far, 1, 9000);

@@ -25,8 +25,7 @@ namespace sft::udp::test {
 class SampleTap {
  public:
   explicit SampleTap(const std::string& interface)
-      // receives nothing before bind()
-      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
+      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {  // receives nothing yet
     sockaddr_ll place{};
     place.sll_family = AF_PACKET;
     place.sll_protocol = htons(ETH_P_ALL);

@@ -110,8 +110,7 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .doorbell = {}})
                           .value();
     listener.reader->accept({{.wanted = {fields<Image>("*")}}});
-    // A new writer, since the receiving thread would not take the first sample of a known writer a second
-    // time.
+    // A new writer, since the receiving thread would not take the first sample of a known writer again.
     Publisher publisher(*there, Publisher::usual_id + static_cast<core::EndpointId>(i));
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

@@ -1,5 +1,4 @@
-// Typed cells of fields, wherever they are: pixels, map cells, beams, other numbers; and fields without
-// cells.
+// Typed cells of fields: pixels, map cells, beams and other numbers; and fields without cells.
 #include "sft/cells.h"
 
 #include <algorithm>

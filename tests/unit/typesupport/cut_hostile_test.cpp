@@ -107,8 +107,7 @@ PointField field_of(std::string_view name, std::uint32_t offset, std::uint8_t da
   return field;
 }
 
-/// Makes the data longer than the cells. Data of exactly their size is read row by row, whatever the row
-/// length says.
+/// Makes the data longer than the cells. If it has exactly their size, the length of rows is ignored.
 void pad(std::vector<std::uint8_t>& data) { data.push_back(0); }
 
 /// Returns 2 rows of 3 points with x, y and z, without padding.

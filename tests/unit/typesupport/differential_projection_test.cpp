@@ -1,5 +1,4 @@
-// Masked payloads compared with Cyclone DDS's serializer, which reads them as the projected types of
-// proof.idl.
+// Cyclone DDS's serializer reads masked payloads as the projected types of proof.idl.
 #include <gtest/gtest.h>
 #include <proof.h>
 

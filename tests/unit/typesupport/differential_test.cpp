@@ -1,5 +1,4 @@
-// Comparison with an independent implementation: Cyclone DDS's serializer, and stock idlc's C types of the
-// same IDL.
+// Comparison with Cyclone DDS's serializer, which uses stock idlc's C types of the same IDL.
 #include <gtest/gtest.h>
 
 #include <algorithm>

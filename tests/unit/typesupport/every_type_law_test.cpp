@@ -194,8 +194,7 @@ TEST(EveryType, IsThereOnce) {
   for (const MessageType& type : test::every_type())
     EXPECT_TRUE(names.insert(type.support->name()).second) << type.support->name();
   EXPECT_GE(names.size(),
-            // 118 of the common packages, 11 of ROS 2's tests, and those that were made to be difficult
-            200U);
+            200U);  // 118 of the common packages, 11 of ROS 2's tests, and some made to be difficult
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, EveryTypeLaw, ::testing::ValuesIn(test::every_type()),

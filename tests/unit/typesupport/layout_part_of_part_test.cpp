@@ -77,8 +77,7 @@ TEST_F(UserPartsOfParts, OfCellsAreThoseOfTheSelectionOfBoth) {
 
 // ---- records of bytes ----
 
-/// Expects the part of the records to say their byte order, and to be empty if the packet contradicts
-/// itself.
+/// Expects a part of records to say their byte order, and to be empty if the packet contradicts itself.
 void expect_honest_part(const Packet& packet, const Taken<Packet>& some, const Steps& steps) {
   if (steps.both.parts().empty()) return;
   EXPECT_TRUE(some.mask().contains(*type_support<Packet>().find("is_bigendian")));
@@ -213,8 +212,7 @@ class UserPicturesOfPictures : public UserPartsOfParts {
            (some_columns == 1 && part.columns.step != 1);
   }
 
-  /// Compares both ways, and returns the number of bytes of their pixels; 0 if the rules leave the result
-  /// open.
+  /// Compares both ways. Returns the bytes of their pixels; 0 if the rules leave the result open.
   std::size_t expect_same_picture(const Picture& picture) {
     std::uint32_t rows = picture.lines, columns = picture.columns;
     Part both;

@@ -14,8 +14,7 @@ namespace {
 
 using namespace detail;
 
-/// The value is "abcdefghijklmnopqrstuvwxyz". The body has its letters where they are copied, and dots
-/// elsewhere.
+/// The value is "abcdefghijklmnopqrstuvwxyz". The body has dots until its letters are copied.
 class PostponedCopiesTest : public ::testing::Test {
  protected:
   PostponedCopiesTest() { body_.fill('.'); }

@@ -42,8 +42,7 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// Accepts that number of batches. Later ones have the outcome `then`, by default that the send buffer is
-  /// full.
+  /// Accepts that number of batches. Later ones have the outcome `then`, by default a full send buffer.
   void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
     batches_left_ = count;
     then_ = then;

@@ -1,5 +1,4 @@
-// All combinations of offered and requested QoS, and the settings that are refused when an endpoint is
-// opened.
+// All combinations of offered and requested QoS, and settings that are refused when an endpoint is opened.
 #include "core/control/qos.h"
 
 #include <gtest/gtest.h>

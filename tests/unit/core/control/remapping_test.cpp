@@ -86,8 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
         Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
         Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
-        // Rules for topics are matched against the names that the node has after that, wherever the rules
-        // stand.
+        // Rules for topics are matched against the names that the node has after that, in any order.
         Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},
         Case{{"/right/eye:a:=b", "__ns:=/right", "__node:=eye"}, "a", "right/b"}));
 

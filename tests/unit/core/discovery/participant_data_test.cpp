@@ -1,5 +1,4 @@
-// The user data of a participant say which process it belongs to. Participants of other releases are
-// reported.
+// The user data of a participant name the process that it belongs to. Other releases are reported.
 #include "core/discovery/participant_data.h"
 
 #include <gmock/gmock.h>

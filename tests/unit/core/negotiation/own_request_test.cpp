@@ -1,5 +1,4 @@
-// These tests check that each change of one of our requests makes a newer request, and that nothing else
-// does.
+// These tests check that each change of our requests makes a newer request, and that nothing else does.
 #include "core/negotiation/own_request.h"
 
 #include <gmock/gmock.h>

@@ -7,7 +7,7 @@ namespace {
 
 class TableSharesTest : public ::testing::Test {
  protected:
-  /// Enters endpoints while they are admitted, and removes those that give way. Returns how many were
+  /// Enters the endpoints that are admitted, and removes those that give way. Returns how many were
   /// entered.
   int announce(AnnouncerId announcer, int count, const std::string& topic = "") {
     int entered = 0;

@@ -14,7 +14,7 @@
 
 namespace sft::core {
 
-/// Counts the ports in the memory of one daemon or another, and lets the test decide what they answer.
+/// Shared memory of a daemon. Counts its ports, and lets the test decide what they answer.
 class TestMemory final : public IdleSharedMemory {
  public:
   class Writer final : public IdleLendingWriter {

@@ -1,5 +1,4 @@
-// Loans: how memory is reserved, filled and given back in place, and that nothing beyond the message is
-// sent.
+// Loans: memory is reserved, filled and given back in place, and nothing beyond the message is sent.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,4 @@
-// A publisher of one type, with a port that keeps the last sample, in memory that held other samples
-// before.
+// A publisher of one type. Its port keeps the last sample, in memory that held other samples before.
 #pragma once
 
 #include <cstring>

@@ -325,8 +325,7 @@ class LateInMemoryTest : public PublisherServingTest {
         {.reader = 2, .destination = DoorbellAddress{}, .selection = type.full(), .history = 2}};
     return serving;
   }
-  /// Returns the sequences of the samples that the reader was given. Expects all of them in the port's
-  /// memory.
+  /// Returns the sequences that the reader was given. Expects these samples in the port's memory.
   std::vector<std::uint64_t> given() const {
     std::vector<std::uint64_t> sequences;
     for (const SampleHandle& sample : memory->given.value()) {

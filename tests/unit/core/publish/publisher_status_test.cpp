@@ -68,8 +68,7 @@ TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken
   EXPECT_EQ(publisher.status().dropped, 3U);
 }
 
-/// A reader with a maximum rate gets the first sample of each slot. A refused message does not count as
-/// one.
+/// A reader with a maximum rate gets the first sample of each slot. A refused message does not count.
 TEST_F(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
   constexpr std::uint32_t an_hour_us = 3'600'000'000;  // no slot begins in the course of the test
   serve(an_hour_us);

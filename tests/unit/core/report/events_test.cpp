@@ -225,8 +225,7 @@ void expect_one_event_for_each(const Status& base, const std::vector<Change<Stat
   }
 }
 
-/// Returns changes of a peer, which publishers and subscribers report alike. `matches` is true while the
-/// peer matches.
+/// Returns changes that publishers and subscribers report alike. `matches` is true while the peer matches.
 template <class Status, class Peer>
 std::vector<Change<Status>> changes_of_peer(std::vector<Peer> Status::*peers, bool Peer::*matches,
                                             TransportKind other_path) {

@@ -173,8 +173,7 @@ TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherP
   EXPECT_FALSE(is_new(by_memory(8))) << "the same sample again confirms nothing";
 }
 
-// Over UDP, lost and withheld samples are counted exactly, whatever is lost and however long the source
-// pauses.
+// Over UDP, lost and withheld samples are counted exactly, in spite of any losses and pauses.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());

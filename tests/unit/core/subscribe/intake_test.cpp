@@ -1,5 +1,4 @@
-// The order between the two paths of a subscriber, and which samples count as lost. Without ports, clocks
-// or threads.
+// The order between the two paths of a subscriber, and its losses, without ports, clocks or threads.
 #include "core/subscribe/intake.h"
 
 #include <gmock/gmock.h>

@@ -154,8 +154,8 @@ void expect_same_cells(const Result<Cells<Cell>>& seen, const Result<Cells<Cell>
   }
 }
 
-/// Expects cells in place to equal those of the copy, with the compiled type and without it. Returns those
-/// of the copy.
+/// Expects cells in place to equal those of the copy, with and without the compiled type. Returns the
+/// latter.
 template <class Cell, class T>
 Result<Cells<Cell>> expect_same_data(const detail::SampleState& state, const detail::SampleState& expected) {
   const Result<Cells<Cell>> right = view<T>(expected).template data<Cell>();

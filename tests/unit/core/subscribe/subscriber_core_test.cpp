@@ -345,8 +345,7 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
 class TwoFeedsTest : public SubscriberCoreTest {
  protected:
   using Came =
-      /// the number of the selection, and the sequence
-      std::vector<std::pair<std::uint32_t, std::uint64_t>>;
+      std::vector<std::pair<std::uint32_t, std::uint64_t>>;  ///< the number of a selection, and a sequence
 
   TwoFeedsTest() {
     subscriber = std::make_unique<SubscriberCore>(

@@ -1,4 +1,4 @@
-// A value that one thread replaces while another one reads it, and the wait until nobody uses the former
+// A value that one thread replaces while another one reads it, and the wait for readers of the former
 // value.
 #include "core/sync/published.h"
 

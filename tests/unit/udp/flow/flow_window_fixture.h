@@ -39,8 +39,7 @@ class FlowWindowTest : public testing::Test {
     send_while_there_is_room();
     ASSERT_TRUE(answer(share));
   }
-  /// Sends whenever there is room, until `end`. Returns the bytes that were sent to the socket. Marks are
-  /// not answered.
+  /// Sends whenever there is room, until `end`. Returns the bytes that were sent. No mark is answered.
   std::size_t send_until(FlowWindow::Time end, Size size = Size::large) {
     std::size_t sent = 0;
     for (; now < end; now = window.next_ready(now) + 1us) sent += send_while_there_is_room(size);
@@ -63,8 +62,7 @@ class FlowWindowTest : public testing::Test {
     return goes_on;
   }
 
-  /// Sends for that time. The receiver takes `bytes_per_ms`, and answers each mark as soon as it reaches
-  /// it.
+  /// Sends for that time. The receiver takes `bytes_per_ms`, and answers each mark when it reaches it.
   void take_for(FlowWindow::Time::duration time, std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
     for (const auto end = now + time; now < end;) {
       send_while_there_is_room();

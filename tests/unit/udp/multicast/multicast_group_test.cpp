@@ -74,8 +74,7 @@ class MulticastGroupTest : public testing::Test {
     const std::uint64_t ordinal = send();
     for (std::uint32_t i = 0; i < 4; ++i) report(i, ordinal);
   }
-  /// Makes a member ask for that sample. Returns how many parts the group leaves to be sent to the member
-  /// alone.
+  /// Makes a member ask for that sample. Returns how many parts are left to be sent to it alone.
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = group_writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal - first_sent + 1 + member), 0, 0};
@@ -136,8 +135,7 @@ TEST_F(MulticastGroupTest, AcceptsNoReportOfWhatWasNotSent) {
   EXPECT_FALSE(group->hears(1));
 }
 
-/// Best-effort members are offered the group at once, so that the first sample need not be sent to them
-/// alone.
+/// Best-effort members are offered the group at once, so that they need not get the first sample alone.
 TEST_F(MulticastGroupTest, IsHeardBeforeItsFirstSample) {
   EXPECT_EQ(group->next_probe(), GroupMembership::Time::max()) << "nobody was offered the group";
   ASSERT_EQ(group->offers(now).size(), 1U);

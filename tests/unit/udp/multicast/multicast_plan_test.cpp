@@ -223,8 +223,7 @@ TEST(MulticastPlan, HasNoGroupForATopicThatIsSeldomSent) {
 }
 
 TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor) {
-  // A group of all puts 20 % less on the wire than two groups, but sends two members what they did not ask
-  // for.
+  // A group of all saves 20 % of the bytes of two groups, but sends two members what they did not ask for.
   PlanLimits indifferent;
   indifferent.unwanted_weight = 0;
   indifferent.wire_max = 2;
@@ -240,8 +239,7 @@ TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor
 }
 
 TEST(MulticastPlan, HasNoGroupForOneCopyThatIsMoreThanAllThatItsReadersAskFor) {
-  // Two processes have two readers each, of small parts of one field. One copy for both has the whole
-  // field.
+  // Two processes have two readers each, of small parts of a field. One copy for both has the whole field.
   std::vector<PlanDestination> all = destinations({A, A}, apart({10'000}));
   for (PlanDestination& to : all) to.alone_bytes = 2 * wire_bytes(500, datagram_bytes, PlaceMark::none);
   EXPECT_TRUE(plan_multicast(all, apart({10'000}), often, {}, {}).empty());

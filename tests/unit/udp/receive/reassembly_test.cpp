@@ -27,8 +27,7 @@ using test::lone_writer;
 using test::make_image;
 using test::Wide;
 
-/// Images of one writer: sent() makes their datagrams, receive() takes them, and taken() returns the
-/// samples.
+/// Images of one writer: sent() makes their datagrams, receive() takes them, taken() returns the samples.
 class ReassemblyTest : public testing::Test {
  protected:
   ReassemblyTest() { restart({}); }

@@ -45,8 +45,7 @@ class ArrivalWindowTest : public testing::Test {
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     window.hear({.writer = 1, .channel = channel, .port = 1, .first = first, .end = end}, now);
   }
-  /// Returns the sequences that `reader` gets now. A sample is for all readers, or for the one that it
-  /// names.
+  /// Returns the sequences that `reader` gets now. Samples are for all readers, or name one.
   Numbers take(core::EndpointId reader = 1) {
     Numbers sequences;
     const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
@@ -233,8 +232,7 @@ TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleThatHasPartlyArrivedMeanwhile) 
 /// A network that delays what it sends for a while, and later does not.
 class RepairDelayTest : public ArrivalWindowTest {
  protected:
-  /// Loses one sample, which comes that often as soon as it is asked for. Returns the time until it was
-  /// asked for.
+  /// Loses one sample, which comes that often once it is asked for. Returns the time until then.
   ArrivalWindow::Time::duration lose_one(int times_that_it_comes) {
     const auto noticed = now;
     come(ordinal_ + 1);
@@ -460,8 +458,7 @@ TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
   EXPECT_EQ(again.ack(1).next, 1U);
 }
 
-/// A reader that has changed its request. Samples are sent under the first request unless the test says
-/// otherwise.
+/// A reader that has changed its request. Samples are under the first request unless the test says so.
 class ChangingReaderTest : public ArrivalWindowTest {
  protected:
   ChangingReaderTest() { window.set_readers({1}); }

@@ -1,5 +1,4 @@
-// The small decisions by which a reader follows a stream again: which sequences, ordinals and channels it
-// accepts.
+// How a reader follows a stream again: the sequences, ordinals and channels that it accepts.
 #include <gtest/gtest.h>
 
 #include "core/seam/buffer_pool.h"

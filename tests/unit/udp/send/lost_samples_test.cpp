@@ -1,5 +1,4 @@
-// Samples that are lost on the way to a destination do not count as sent to its readers, nor do their
-// bytes.
+// Samples that get lost before a destination do not count as sent to its readers, nor do their bytes.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -34,8 +34,7 @@ class SendsAhead : public testing::Test {
     if (delivery == Delivery::reliable) channel_ = std::make_shared<Channel>(7, 1, to_, tally_, 9);
     audience_.channels.push_back(channel_);
   }
-  /// Does what publish() does, up to the point at which it no longer uses the value. Returns the missed
-  /// samples.
+  /// Does what publish() does until it no longer uses the value. Returns the missed samples.
   std::size_t publish() {
     const Image image = test::make_image(sent_image_bytes);
     sample_ = memory_->take(test::sample_bytes(image, all_));
