@@ -21,7 +21,7 @@ constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
 constexpr double header_bytes_max = 130;  // `header` contains a name
 constexpr double idle_bytes_per_s_max = 300;
-constexpr double header_share_max = 0.06;          // of large messages: 58 of 1514 bytes
+constexpr double header_share_max = 0.06;          // the part of large messages: 58 of 1514 bytes
 constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 of its 48 bytes
 
 int failures = 0;

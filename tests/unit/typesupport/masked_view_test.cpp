@@ -181,8 +181,7 @@ TEST_F(MaskedViewTest, EnumerationsStringsAndBooleansInSequences) {
   });
 }
 
-/// Returns true if an optional getter has a result exactly if the leaf is in the mask, and the result is
-/// right.
+/// Returns true if the optional getter has a value exactly if that is `expected`, and the value is `owned`.
 template <class V, class Owned>
 bool there_if(bool expected, const std::optional<V>& got, const Owned& owned) {
   return got.has_value() == expected && (!expected || same(*got, owned));

@@ -202,7 +202,7 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(connections.ports_gone, 1);
 }
 
-// Only from the tick after the history has left may another path overtake datagrams under way.
+// Until the tick after the history has left, no other path may overtake the datagrams under way.
 TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
   const auto port = std::make_shared<TestWriterPort>();
   PublisherCore::Spec spec{7, "points", &type, 1 << 16};

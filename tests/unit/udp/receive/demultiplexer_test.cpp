@@ -1,4 +1,4 @@
-// Each datagram is decoded once and handed to whatever it is for, even if its contents are forged.
+// Each datagram is decoded once and handed to the component that it is for, even if it is forged.
 #include "udp_transport/receive/demultiplexer.h"
 
 #include <gtest/gtest.h>
