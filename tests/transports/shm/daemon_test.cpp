@@ -163,7 +163,8 @@ std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   std::ifstream smaps("/proc/" + std::to_string(pid) + "/smaps");
   for (std::string line; std::getline(smaps, line);) {
     const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
-    if (is_mapping) of_file = contains(line, file);  // the next lines, with keys, describe this mapping
+    if (is_mapping)
+      of_file = contains(line, file);  // the lines that follow have keys and describe this mapping
     if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
   }
   return flags;
