@@ -1,4 +1,4 @@
-// These tests check how ./run bench many fits and shows the growth of costs.
+// These tests check how ./run bench many fits the growth of costs, and how it shows the growth.
 #include <gtest/gtest.h>
 
 #include <cmath>

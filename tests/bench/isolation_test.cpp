@@ -1,5 +1,5 @@
-// These tests check what ./run bench isolation does without a network: which turns a publisher takes, and
-// what becomes of its notes.
+// These tests check what ./run bench isolation does without a network: the turns that a publisher takes,
+// and the evaluation of its notes.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ using testing::Not;
 constexpr Contender ours{Middleware::sft, true}, cyclone{Middleware::cyclone, true};
 constexpr std::int64_t us = 1000;
 
-/// A publisher whose messages take so long to each local reader.
+/// The notes of a publisher. The test says how long each message took to the local readers.
 class Notes {
  public:
   void message(std::uint64_t number, std::int64_t publish_us, std::int64_t local_us) {
@@ -103,7 +103,7 @@ TEST(IsolationTurns, AreLeftOutAfterAHold) {
   EXPECT_EQ(next_turn_ns(100, 290, 50), 300);
 }
 
-/// Results whose phases all take the same time, but for one.
+/// Returns results in which all phases take the same time, except for one.
 Results results_with(const Contender& contender, Phase slow_phase, std::int64_t slow_us) {
   Results results;
   for (const Phase phase : all_phases) {

@@ -1,5 +1,5 @@
-// These tests check what ./run bench paper does without a network: which fields receivers draw, when
-// contenders write, and what becomes of the records.
+// These tests check what ./run bench paper does without a network: the fields that receivers draw, the
+// times at which contenders write, and the evaluation of records.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -90,7 +90,7 @@ TEST(Schedule, RefusesARateAtWhichTurnsAreTooShort) {
   EXPECT_EQ(check({.rate_hz = 60}, 20), "20 contenders take turns: the rate may be 50 Hz at most");
 }
 
-/// A record of one receiver, which got `bytes` where `cdr_bytes` would have been enough.
+/// Returns a record of one receiver, which got `bytes` although `cdr_bytes` would have sufficed.
 Record record(const Contender& contender, double bytes, double p50_us, const Case& of,
               double cdr_bytes = 2000, double lost = 0) {
   const Received receiver{

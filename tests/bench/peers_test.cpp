@@ -1,5 +1,5 @@
-// These tests check what ./run bench peers does without a network: who takes part in which turns, and what
-// becomes of the records.
+// These tests check what ./run bench peers does without a network: which entrants take part in which turns,
+// and the evaluation of records.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr Case remote{Where::two_hosts, Waiting::sleeping};
 constexpr Entrant full{Way::sft_full}, iceoryx{Way::iceoryx}, tcp{Way::tcp}, copy{Way::memcpy_alone};
 const std::vector<Column> column{{"16 B", asleep, 16}};
 
-/// A record of one round, with latencies of so many samples that are all the same.
+/// Returns the record of a round with `samples` latencies, all of them `us`.
 Record record(const Entrant& entrant, double us, double per_s = 1000, std::size_t samples = 2000) {
   Record record{.group = "intra", .of = asleep, .entrant = entrant, .bytes = 16, .per_s = per_s, .lost = 0};
   set_latency(record, std::vector<double>(samples, us));

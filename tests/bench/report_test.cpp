@@ -1,4 +1,4 @@
-// These tests check what benchmarks print and write, and what ./run bench many makes of its rounds.
+// These tests check what benchmarks print and write, and how ./run bench many evaluates its rounds.
 #include "bench/common/report.h"
 
 #include <gmock/gmock.h>
@@ -82,7 +82,7 @@ TEST(BenchReport, JsonHasBoundsAndWorstRoundsWhereTheyExist) {
                 "bound_of": "value"})");
 }
 
-/// The names of figures that a program with two groups prints.
+/// Returns the names of the figures that a program with two groups prints with --only.
 std::vector<std::string> chosen(std::string only) {
   std::vector<std::string> measured;
   const auto measure = [&](const std::string& name) {
@@ -119,7 +119,7 @@ TEST(BenchProgram, TellsHowNoisyTheMachineWas) {
   std::vector<std::string> names;
   for (const auto& figure : nlohmann::json::parse(in)) {
     names.push_back(figure["name"]);
-    EXPECT_TRUE(figure["value"].is_number());  // a NaN would be null
+    EXPECT_TRUE(figure["value"].is_number());  // a NaN would be written as null
   }
   EXPECT_THAT(names, ElementsAre("one", "noise_other_programs", "noise_other_machines"));
   std::filesystem::remove(file);
@@ -151,7 +151,7 @@ TEST(BenchTally, WithoutRoundsIsWithinNoBound) {
   EXPECT_FALSE(Tally().figure_with_bound_of_value("time", "us", "other", 1).within_bound());
 }
 
-/// Samples every 10 ms, the first at 0, each with so many bytes.
+/// Returns samples every 10 ms, the first at 0, with these numbers of bytes.
 std::vector<Counted> samples(const std::vector<std::int64_t>& bytes) {
   std::vector<Counted> counted;
   std::int64_t sum = 0;
@@ -168,7 +168,7 @@ TEST(BenchSettling, IsTheTimeFromWhichOnBytesStayWithinFivePercent) {
   for (int i = 0; i < 20; ++i) bytes[i] = 5000;
   EXPECT_EQ(settled_ms(samples(bytes), 0), 200);
   EXPECT_EQ(settled_ms(samples(bytes), 150'000'000), 50);
-  EXPECT_EQ(settled_ms(samples(bytes), 300'000'000), 0);  // it had settled before
+  EXPECT_EQ(settled_ms(samples(bytes), 300'000'000), 0);  // the bytes had settled before
   bytes[30] = 1200;                                       // 4 % of a window
   EXPECT_EQ(settled_ms(samples(bytes), 0), 200);
   bytes[30] = 1300;

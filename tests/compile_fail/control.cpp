@@ -1,4 +1,4 @@
-// Compiles: what the other snippets do wrong, done right.
+// Compiles: does right what the other snippets do wrong.
 #include "tests/compile_fail/cloud.h"
 
 std::uint32_t width(sft::Subscriber<PointCloud2, F::width | F::header.stamp>& subscriber) {

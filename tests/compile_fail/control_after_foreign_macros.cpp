@@ -1,4 +1,4 @@
-// The public headers and all generated ones compile behind the macros of Qt, X11, Windows and of -D options.
+// The public headers and all generated ones compile after the macros of Qt, X11, Windows and of -D options.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -99,6 +99,6 @@
 #include <visualization_msgs/msg/InteractiveMarkerUpdate.hpp>
 #include <visualization_msgs/msg/Marker.hpp>
 
-// The macros are there again behind each header.
+// Behind each header the macros are defined again.
 static_assert(DEBUG == 1 && TRUE == 1 && UNKNOWN == 0);
 Bool is_defined = True;

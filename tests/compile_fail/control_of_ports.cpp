@@ -1,4 +1,4 @@
-// Compiles: what the snippets about transmissions and batches do wrong, done right.
+// Compiles: does right what the snippets about transmissions and batches do wrong.
 #include "tests/compile_fail/ports.h"
 
 using namespace sft::core;

@@ -14,7 +14,7 @@ void append(std::vector<std::byte>& input, const FieldMask& mask) {
   }
 }
 
-/// The leaves that are in the set that the bytes are and in `limit`.
+/// Returns the leaves that are in `limit` and in the bit set `bytes`.
 FieldMask intersection(std::span<const std::byte> bytes, const FieldMask& limit) {
   FieldMask mask(limit.leaves());
   for (std::size_t leaf = 0; leaf < limit.leaves(); ++leaf) {

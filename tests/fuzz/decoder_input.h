@@ -3,7 +3,8 @@
 //   u16 number of the type among every_type() (modulo their count) | its mask | the mask to project to | the
 //   body
 //
-// Masks are bit sets of as many bytes as the type's leaves need, not closed; the second is cut to the first.
+// Masks are bit sets with as many bytes as the type's leaves need. They need not be closed. Only those
+// leaves of the second mask count that are in the first one.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +24,7 @@ struct DecoderInput {
   std::span<const std::byte> body{};  ///< within the input, not aligned
 };
 
-/// Nothing where the input ends before the body.
+/// Returns nothing if the input ends before the body.
 std::optional<DecoderInput> parse_decoder_input(std::span<const std::byte> input);
 
 std::vector<std::byte> make_decoder_input(std::size_t type, const FieldMask& mask, const FieldMask& narrower,

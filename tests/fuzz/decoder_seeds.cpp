@@ -1,4 +1,4 @@
-// decoder_seeds DIRECTORY: writes first inputs of fuzz_decoder, small messages of all types.
+// decoder_seeds DIRECTORY: writes seed inputs of fuzz_decoder: small messages of all types.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +16,7 @@ constexpr std::size_t input_bytes_max = 400;
 
 std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-/// Returns the one of some random inputs whose body has the best size: small, but not empty all through.
+/// Returns that of many random inputs whose size is closest to the wanted one: small, but not empty.
 template <class RandomInput>
 std::vector<std::byte> small_input(RandomInput random_input) {
   std::vector<std::byte> best;

@@ -2,7 +2,7 @@
 //
 //   u16 bytes of the description (little-endian) | the description | and, if that is one, a mask | a body
 //
-// The mask is a bit set of as many bytes as the type's leaves need, not closed.
+// The mask is a bit set with as many bytes as the type's leaves need. It need not be closed.
 #pragma once
 
 #include <cstddef>
@@ -18,10 +18,10 @@ struct DescriptionInput {
   std::span<const std::byte> rest{};
 };
 
-/// A description of which the end is missing ends with the input.
+/// Parses the input. A description that is too short ends with the input.
 DescriptionInput parse_description_input(std::span<const std::byte> input);
 
-/// Takes the mask off `rest`; missing bytes are zero.
+/// Reads a mask from the beginning of `rest`, and removes its bytes there. Missing bytes are zero.
 FieldMask take_mask(std::span<const std::byte>& rest, std::size_t leaves);
 
 std::vector<std::byte> make_description_input(std::span<const std::byte> description, const FieldMask& mask,

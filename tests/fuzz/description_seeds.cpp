@@ -1,4 +1,4 @@
-// description_seeds DIRECTORY: writes first inputs of fuzz_type_description, small messages of all types.
+// description_seeds DIRECTORY: writes seed inputs of fuzz_type_description: small messages of all types.
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -16,7 +16,7 @@ using namespace detail;
 
 constexpr std::size_t input_bytes_max = 1000;
 
-/// The smallest of some random messages that are not empty all through.
+/// Returns the smallest input from some random messages that are not empty everywhere.
 std::vector<std::byte> small_input(const MessageType& type, Random& random) {
   RandomValues values(random);
   const std::vector<std::byte> description = describe(type.type());

@@ -1,7 +1,8 @@
-// Hostile datagrams into parser and reassembly; what comes out is decoded as a subscriber would. Then the
-// same datagrams come to honest streams, which have to flow again within a second of simulated time.
+// Hostile datagrams go into the parser and the reassembly. Samples that come out are decoded as a
+// subscriber does. Then the same datagrams are sent to honest streams, which have to flow again within a
+// second of simulated time.
 //
-// Input: datagrams, each behind three bytes: what to do, and the datagram's length (u16, little-endian).
+// Input: datagrams. Three bytes precede each: the action, and the datagram's length (u16, little-endian).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -30,7 +31,7 @@ using udp::test::Wide;
 constexpr core::EndpointId image_writer = 0x1'0000'0001;
 constexpr core::EndpointId wide_writer = 0x1'0000'0002;
 
-/// In a sample that has just this, the bytes are those of a shorter image.
+/// Returns a selection whose samples have the bytes of a shorter image.
 Selection every_third_byte() {
   const TypeSupport& type = type_support<Image>();
   return type.closed(type.parse_selection("name, data[::3]").value());
@@ -45,13 +46,14 @@ std::vector<udp::Stream> streams() {
           {wide_writer, &type_support<Wide>(), 400, {fields<Wide>("*"), fields<Wide>("first, seventh")}}};
 }
 
-/// Bits of the byte before each datagram; the upper half is time. Streams change: with of_wide_writer,
-/// whether the first one is reliable, and without, all are forgotten for a moment.
+/// Bits of the byte before each datagram. Its upper half is the time that passes. change_streams: together
+/// with of_wide_writer, the first stream turns reliable or best-effort; alone, all streams are removed for
+/// a moment.
 constexpr std::uint8_t plausible = 1, first = 2, of_wide_writer = 4, change_streams = 8, time_shift = 4;
 
 constexpr std::uint32_t channels = 8;
 
-/// A few that meet, and those at the end of what there can be.
+/// Returns one of a few ordinals, which datagrams have in common, or one of the largest possible.
 std::uint64_t ordinal_of(std::uint8_t number, std::uint8_t which) {
   return which % 4 == 3 ? udp::ordinal_max - number % 64U : 1U + number % 64U;
 }
@@ -63,10 +65,10 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
   return d;
 }
 
-/// Makes a packed datagram of some samples, from all the bytes that there are.
+/// Makes a packed datagram of some samples, with all bytes of `d`.
 void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
-  const bool forbidden = byte(14) % 16 == 0;  // packed ones go to no groups
+  const bool forbidden = byte(14) % 16 == 0;  // packed datagrams must not go to groups
   header.flags &= udp::mask_words_follow | udp::channel_follows |
                   (forbidden ? udp::group_follows | udp::merged_masks : 0);
   const bool words = (header.flags & udp::mask_words_follow) != 0;
@@ -85,7 +87,7 @@ void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std
     udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
 }
 
-/// Makes a control datagram, of few channels and groups.
+/// Makes a control datagram. It has one of a few channels and groups.
 bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
@@ -120,7 +122,7 @@ bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
   }
 }
 
-/// In a channel, in a group, which may be in one, or in neither.
+/// Puts the sample into a channel, into a group, or into neither.
 void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   if (byte(1) >= 128) {
@@ -132,12 +134,14 @@ void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
   }
 }
 
-/// Turns what it found in the place of a header into one of few samples, so that datagrams meet.
+/// Turns the bytes at the place of the header into the header of one of a few samples, so that datagrams
+/// belong together.
 void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::vector<udp::Stream>& wanted) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const udp::Stream& stream = wanted[(action & of_wide_writer) != 0 ? 1 : 0];
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
-                               static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};  // far
+                               // 0 or a far variant
+                               static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
   if ((action & first) != 0 && make_plausible_control(label.writer, d)) return;
   if ((action & first) == 0 ||
@@ -162,7 +166,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
   if (whole && byte(13) % 2 == 0 && udp::fits_in_single(header)) {
     udp::encode_in_single(header, d.data());
-    d.resize(d.size() - (header.bytes() - header.bytes_in_single()));  // the total is as before
+    d.resize(d.size() - (header.bytes() - header.bytes_in_single()));  // keeps the total
     return;
   }
   const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
@@ -183,10 +187,10 @@ void decode_all(const core::SampleBuffer& sample) {
   state.index = sample.index();
   state.mask = &sample.mask;
   T value;
-  if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated
+  if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated before
 }
 
-/// Reads as two readers of the first stream do, of which one takes one mask only.
+/// Reads as two readers of the first stream do. The second reader takes samples under one mask only.
 void read_in_order(udp::ArrivalWindow& window) {
   window.set_readers({1, 2});
   const FieldMask all = fields<Image>("*");
@@ -212,7 +216,7 @@ void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
   });
 }
 
-/// Both ends of a flow, of which one always sends what it may.
+/// Both ends of a flow. The sender always sends as much as it may.
 class Flow {
  public:
   void meet(std::span<const std::byte> datagram, udp::FlowWindow::Time now) {
@@ -231,7 +235,7 @@ class Flow {
   udp::ReceiveShares shares_{212'992};
 };
 
-/// All streams deliver again within a second after these came.
+/// Checks that all streams deliver again within a second after these datagrams.
 void check_that_streams_work_again(const std::vector<std::vector<std::byte>>& datagrams) {
   udp::test::LiveStreams streams;
   const auto pass = [&](int milliseconds) {
@@ -249,7 +253,7 @@ void check_that_streams_work_again(const std::vector<std::vector<std::byte>>& da
   }
 }
 
-/// A second takes long, so not every input is followed by one.
+/// Returns true for some inputs: the simulated second after an input takes too long for all of them.
 bool is_chosen(std::span<const std::uint8_t> input) {
   unsigned sum = 0;
   for (const std::uint8_t byte : input) sum += byte;

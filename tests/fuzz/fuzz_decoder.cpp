@@ -1,6 +1,6 @@
-// Hostile bodies of any type under any mask. Nothing is read outside of them; what passes the validating walk
-// decodes to what stands there, shows the same through a dynamic view and obeys the projection law; what does
-// not pass harms nobody either.
+// Hostile bodies of any type under any mask. Nothing is read outside of a body. A body that passes the
+// validating walk decodes to the values in it, shows the same through a dynamic view, and obeys the
+// projection law. A body that does not pass does no harm.
 #include <algorithm>
 #include <cstring>
 #include <map>
@@ -33,7 +33,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
 }
 
-/// A body in memory of exactly its size, so that the address sanitizer sees the first byte too many.
+/// A body in memory of exactly its size, so that the address sanitizer notices the first byte beyond it.
 class Body {
  public:
   Body(const MessageType& type, FieldMask mask, std::span<const std::byte> bytes)
@@ -78,7 +78,7 @@ class Body {
   std::uint32_t end_ = 0;
 };
 
-/// Returns the type as a program knows it that was not compiled with it.
+/// Returns the type as a program knows it that was not compiled with the type.
 const StructType& parsed(const MessageType& type) {
   static std::map<const TypeSupport*, DynamicType> types;
   const auto known = types.find(type.support);
@@ -126,7 +126,7 @@ void check_projection(const Body& body, const OwnedValue& value, const FieldMask
   require(reference::is_cdr_of(*bytes, value, mask), "the projection is the CDR of the projected type");
 }
 
-/// Walks to every member as views do, without what the validating walk guarantees.
+/// Walks to every member as views do, in a body that the validating walk need not have accepted.
 void skip_through(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset,
                   int depth) {
   for (std::size_t i = 0; i < type.members.size(); ++i) {
@@ -157,8 +157,8 @@ std::size_t sum(std::span<const E> block) {
   return block.size() + static_cast<std::size_t>(ends == E{});
 }
 
-/// Visits elements of ranges, some out of order, but not more than so many in all: a length without elements
-/// may be any number.
+/// Visits elements of ranges, some of them out of order, but no more than a fixed number: elements without
+/// bytes may have any count.
 class Visits {
  public:
   template <class Range, class Visit>
@@ -204,7 +204,7 @@ std::size_t read_all(const SampleState& s, const proof::Scene*) {
   return seen + view.tail().value_or(0);
 }
 
-/// Getters of views: of types that have one of each kind.
+/// Calls the getters of views, for types that together have all kinds of getters.
 void read_views(const Body& body) {
   volatile std::size_t seen = 0;
   if (&body.type().type() == &TypeTable<sensor_msgs::msg::PointCloud2>::type) {
@@ -215,7 +215,7 @@ void read_views(const Body& body) {
   static_cast<void>(seen);
 }
 
-/// Simulates another process that may write to the chunk: body and index are not those that were checked.
+/// Simulates another process that writes to the chunk after body and index were checked.
 void survive_anything(Body& body, const FieldMask& narrower) {
   const std::span<const std::byte> bytes(body.state().body, body.state().body_bytes);
   for (std::size_t slot = 0; slot < body.index().size() && !bytes.empty(); ++slot) {
@@ -243,13 +243,13 @@ std::optional<std::vector<std::byte>> converted(const StructType& type, std::spa
   return std::vector(body.get(), body.get() + size.bytes);
 }
 
-/// The same bytes as a body in every encoding.
+/// Treats the same bytes as a body in each foreign encoding.
 void convert_all(const MessageType& type, std::span<const std::byte> bytes) {
   for (const ForeignEncoding& encoding : foreign_encodings().subspan(1, 3)) {
     const auto converted_bytes = converted(type.type(), foreign_payload(bytes, encoding));
     if (!converted_bytes) continue;
     Body body(type, type.support->full(), *converted_bytes);
-    if (!body.walk()) continue;  // a boolean that is none, say
+    if (!body.walk()) continue;  // for instance, a boolean has another value than 0 or 1
     require(body.walked().size() == converted_bytes->size(), "nothing is left over");
     const std::optional<OwnedValue> value = body.decoded();
     if (!value) continue;
@@ -261,7 +261,8 @@ void convert_all(const MessageType& type, std::span<const std::byte> bytes) {
 }
 
 void run(const DecoderInput& input) {
-  static_cast<void>(converted(input.type->type(), input.body));  // with its own encapsulation, if it is one
+  // with the input's own encapsulation, if it has one
+  static_cast<void>(converted(input.type->type(), input.body));
   convert_all(*input.type, input.body);
   Body body(*input.type, input.mask, input.body);
   skip_through(body.state(), input.type->type(), 0, 0, 3);

@@ -1,5 +1,5 @@
-// Heartbeats and the user data of participants as arbitrary bytes: what is taken for one is written again the
-// same.
+// Arbitrary bytes as heartbeats and as the user data of participants. What is accepted is written again as
+// the same bytes or values.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,7 +25,7 @@ void check_heartbeat(const std::vector<std::byte>& datagram) {
   require(std::vector(written.begin(), written.end()) == datagram, "it is written in the same way");
 }
 
-/// Letters that mean nothing may be in it, so only what is read is compared.
+/// The text may contain letters without meaning, so only what was read is compared.
 void check_user_data(const std::string& text) {
   const auto data = parse_participant_data(text);
   const auto release = other_release(text);

@@ -1,5 +1,5 @@
-// Messages as arbitrary JSON: u8 number of the type (modulo their count), then the text. What is accepted is
-// a valid message, and the same again when it is printed and read.
+// Arbitrary JSON as messages: u8 number of the type (modulo their count), then the text. A text that is
+// accepted gives a valid message, which is the same again when it is printed and read back.
 #include <cstdint>
 #include <stdexcept>
 #include <string>

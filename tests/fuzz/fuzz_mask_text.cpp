@@ -1,5 +1,5 @@
-// Masks as arbitrary text: u8 number of the type (modulo their count), then the text. What is understood is
-// formatted and understood again as the same mask.
+// Arbitrary text as masks: u8 number of the type (modulo their count), then the text. A mask that is
+// accepted is formatted, and read back as the same mask.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -28,7 +28,7 @@ void check_mask(const TypeSupport& type, std::string_view text) {
   require(closed && closed->contains(*mask), "closing takes nothing away");
 }
 
-/// The same text as the path of one field in a sample of which nothing was sent.
+/// Checks the same text as the path of one field, in a sample without any fields.
 void check_path(const TypeSupport& type, std::string_view text) {
   const FieldMask none = type.none();
   const SampleState empty{.mask = &none};

@@ -1,5 +1,5 @@
-// The parser of .msg and .srv files. A text is refused with problems that a terminal can show, or has a
-// definition whose printed form has the same one.
+// The parser of .msg and .srv files. It refuses a text with problems that a terminal can show, or returns a
+// definition, which is printed and parsed again as the same one.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Types as arbitrary .msg text, with the definitions of nested messages behind it. What is accepted is
-// written as text of which the same type is made; what is refused is named in words that a terminal can show.
+// Arbitrary .msg text as types, followed by the definitions of nested messages. A type that is accepted is
+// written as text from which the same type is made. An error has words that a terminal can show.
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>

@@ -1,7 +1,7 @@
 // Hostile messages of the types that have parts, under any selection: u8 number of the type (modulo their
 // count), u8 length of a selection as text, the text, and the body of a whole message. Nothing is read
-// outside of the body. The part that is taken of a message that passes the validating walk is a message
-// again. Points and cells are read in it and in the whole message, and conditions are asked.
+// outside of the body. If the message passes the validating walk, the part taken from it is a message, too.
+// Points and cells are read from both, and conditions are evaluated.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -35,7 +35,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
 }
 
-/// A body in memory of exactly its size, so that the address sanitizer sees the first byte too many.
+/// A body in memory of exactly its size, so that the address sanitizer notices the first byte beyond it.
 class Body {
  public:
   Body(const TypeSupport& type, FieldMask mask, std::size_t bytes)
@@ -50,7 +50,7 @@ class Body {
               .mask = &mask_};
   }
   std::byte* data() { return body_.get(); }
-  /// Where the message ends; nothing if the bytes are none.
+  /// Returns the end of the message; nothing if the bytes are no message.
   std::optional<std::uint32_t> walk() {
     std::uint32_t end = 0;
     if (detail::build_index(state_, type_.type(), index_, &end) != detail::WalkStatus::ok)
@@ -69,7 +69,7 @@ class Body {
   detail::SampleState state_{};
 };
 
-/// Twice: the second time there may be a former sample to compare with.
+/// Evaluates the conditions twice, since the second time there may be a former sample to compare with.
 void ask(const Selection& selection, const TypeSupport& type, const detail::SampleState& sample) {
   if (selection.gate().conditions.empty()) return;
   const Result<void> sound = detail::Conditions::check(type.type(), selection.gate().conditions);

@@ -1,5 +1,5 @@
-// Bodies of records and reports as arbitrary bytes, after one octet that names the kind: nothing is read
-// behind the end, what is taken is within the bounds, and what is read is written again the same.
+// Arbitrary bytes as bodies of records and reports, after one octet that names the kind. Nothing is read
+// beyond the end. What is accepted is within the limits, and is written again as the same.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -25,7 +25,7 @@ bool is_refused(const Result<What>& read) {
   return true;
 }
 
-/// Addresses of no use are left out, and names are mended: so only what is read is compared.
+/// The decoder drops useless addresses and corrects names, so only what was read is compared.
 void check_endpoint(const Bytes& bytes) {
   const Result<Endpoint> read = endpoint_in(bytes);
   if (is_refused(read)) return;
@@ -61,8 +61,8 @@ void check_report(const Bytes& bytes) {
   require(report_in(to_bytes(*read)) == *read, "what is written again is the same");
 }
 
-/// The bytes are read from memory of exactly their size, so that the address sanitizer sees the first byte
-/// too many.
+/// The bytes are read from memory of exactly their size, so that the address sanitizer notices the first
+/// byte beyond it.
 void check(std::span<const std::byte> input) {
   if (input.empty()) return;
   const Bytes body(input.begin() + 1, input.end());

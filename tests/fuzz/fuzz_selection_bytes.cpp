@@ -1,4 +1,4 @@
-// Selections as arbitrary bytes: u8 leaves of the type, u16 bytes of a selection (little-endian), this
+// Arbitrary bytes as selections: u8 leaves of the type, u16 bytes of a selection (little-endian), this
 // selection, and another one. A selection that is accepted is written as the same bytes, and obeys the laws
 // of joining.
 #include <algorithm>
@@ -16,7 +16,7 @@ void require(bool condition, const char* what) {
   if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
 }
 
-/// Reads them from memory of exactly their size, so that the address sanitizer sees the first byte too many.
+/// Reads from memory of exactly that size, so that the address sanitizer notices the first byte beyond it.
 Result<Selection> checked(std::span<const std::byte> bytes, std::size_t leaves) {
   const std::vector<std::byte> copy(bytes.begin(), bytes.end());
   Result<Selection> selection = Selection::from_bytes(copy, leaves);

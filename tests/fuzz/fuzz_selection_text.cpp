@@ -1,5 +1,5 @@
-// Selections as arbitrary text: u8 number of the type (modulo their count), then the text. What is understood
-// is formatted and understood again as the same selection. An error names a column of the text.
+// Arbitrary text as selections: u8 number of the type (modulo their count), then the text. A selection that
+// is accepted is formatted, and read back as the same selection. An error names a column of the text.
 #include <charconv>
 #include <cstdint>
 #include <stdexcept>

@@ -1,4 +1,4 @@
-// Compiles: what the snippets of this folder do wrong, done right.
+// Compiles: does right what the other snippets of this folder do wrong.
 #include "tests/compile_fail/ports.h"
 
 using namespace sft::core;

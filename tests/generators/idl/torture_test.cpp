@@ -1,4 +1,4 @@
-// These tests check what the compiler makes of torture.idl.
+// These tests check the code that the compiler generates for torture.idl.
 #include "torture.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ const sft::StructType::Member& member(std::string_view name) {
 }
 
 /// A value in CDR, and a view of it. R is a parameter only because g++ 12 crashes on ViewOf<T, sft::all<T>>
-/// here.
+/// in this place.
 template <class T, sft::Req<T> R = sft::all<T>>
 class Encoded {
  public:
@@ -50,7 +50,7 @@ class Encoded {
 
  private:
   sft::FieldMask mask_{R.mask};
-  std::vector<std::uint64_t> body_;  // 8-aligned
+  std::vector<std::uint64_t> body_;  // aligned to 8 bytes
   std::vector<std::uint32_t> index_ =
       std::vector<std::uint32_t>(sft::detail::slot_count(sft::detail::TypeTable<T>::type));
   sft::detail::SampleState state_;

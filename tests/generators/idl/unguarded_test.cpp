@@ -1,4 +1,4 @@
-// Files as ROS 2's tool generates them from .msg files: read together although they have no include guards.
+// IDL files as ROS 2's tool makes them from .msg files, used together although they have no include guards.
 #include <gtest/gtest.h>
 
 #include <unguarded/Top.hpp>

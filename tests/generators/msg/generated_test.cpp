@@ -1,4 +1,4 @@
-// Types made from .msg files, and what their owned structs start with.
+// Types made from .msg files, and the initial values of their owned structs.
 #include <gtest/gtest.h>
 
 #include <array>

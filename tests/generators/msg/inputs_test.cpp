@@ -1,4 +1,4 @@
-// Kept inputs of fuzz_msg. What has to hold for them is in fuzz_msg.cpp.
+// Kept inputs of fuzz_msg. fuzz_msg.cpp has the checks.
 #include <gtest/gtest.h>
 
 #include <filesystem>

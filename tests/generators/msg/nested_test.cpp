@@ -1,4 +1,4 @@
-// Nested types are found below search roots.
+// How nested types are found below search roots.
 #include "from_msg/nested.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using test::parsed;
 
 class NestedTest : public ::testing::Test {
  protected:
-  /// `path` is below the temporary directory.
+  /// Writes a file. `path` is relative to the temporary directory.
   void write(const std::string& path, std::string_view text) { directory_.write(path, text); }
 
   SearchPath search_path(const std::vector<std::string>& roots) const {
@@ -24,7 +24,7 @@ class NestedTest : public ::testing::Test {
     return SearchPath(std::move(paths));
   }
 
-  /// Relative to the temporary directory.
+  /// Returns the files of nested types, relative to the temporary directory.
   std::vector<std::string> files(std::string_view text, const std::vector<std::string>& roots = {"a"}) {
     std::vector<std::string> relative;
     const auto found = nested_files(parsed(text), search_path(roots));
@@ -34,7 +34,7 @@ class NestedTest : public ::testing::Test {
     return relative;
   }
 
-  /// "LINE MEMBER: TEXT" of the only problem, the temporary directory being ROOT.
+  /// Returns the only problem as "LINE MEMBER: TEXT", with ROOT for the temporary directory.
   std::string problem(std::string_view text, const std::vector<std::string>& roots = {"a"}) {
     const auto found = nested_files(parsed(text), search_path(roots));
     if (found || found.error().size() != 1) return "";

@@ -1,4 +1,4 @@
-// These tests check what texts of .msg files mean.
+// These tests check how texts of .msg files are understood.
 #include <gtest/gtest.h>
 
 #include <limits>

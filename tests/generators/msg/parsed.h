@@ -12,7 +12,7 @@ namespace sft::msg::test {
 
 inline const TypeName example{"my_msgs", "Example"};
 
-/// The definition that `text` gives; a failure of the test, and an empty one, if it gives none.
+/// Returns the definition that `text` gives. If there is none, the test fails, and the result is empty.
 inline Definition parsed(std::string_view text) {
   auto result = parse(text, example);
   if (result) return *std::move(result);
@@ -20,8 +20,8 @@ inline Definition parsed(std::string_view text) {
   return {};
 }
 
-/// Returns what is wrong with `text`, one line each: "LINE MEMBER: TEXT", with the
-/// column behind it if it is known. Empty if nothing is.
+/// Returns the problems of `text`, one per line: "LINE MEMBER: TEXT", followed by the column if it is
+/// known. Empty if there are none.
 inline std::string problems(std::string_view text, const TypeName& name = example) {
   std::string lines;
   const auto result = parse(text, name);

@@ -1,4 +1,4 @@
-// A definition as the text of a .msg file.
+// Prints a definition as the text of a .msg file.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace sft::msg::test {
 
-/// Parses to `definition` again, but for the numbers of lines.
+/// Returns a text that is parsed as `definition` again, except for the line numbers.
 std::string print(const Definition& definition);
 
 }  // namespace sft::msg::test

@@ -1,4 +1,4 @@
-// Wrong texts are refused: text goes in, line and message come out.
+// Wrong texts are refused: for each text, the tests check the line and the message.
 #include <gtest/gtest.h>
 
 #include "tests/generators/msg/parsed.h"

@@ -1,4 +1,4 @@
-// Texts of .srv files: two messages, with their lines, and what is wrong with them.
+// Texts of .srv files: the two messages, their lines, and the problems of wrong texts.
 #include "from_msg/service.h"
 
 #include <gmock/gmock.h>
@@ -22,7 +22,7 @@ std::vector<Definition> service_of(std::string_view text) {
   return std::vector<Definition>(4);
 }
 
-/// "LINE: TEXT" of each.
+/// Returns each problem as "LINE: TEXT".
 std::string service_problems(std::string_view text, const std::string& name = "SetMode",
                              const std::string& package = "my_msgs") {
   std::string lines;

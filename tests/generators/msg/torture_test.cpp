@@ -1,4 +1,4 @@
-// These tests check what is made of the messages in interfaces/torture_msgs.
+// These tests check the code that is generated for the messages in interfaces/torture_msgs.
 #include <gtest/gtest.h>
 
 #include <default/msg/Class.hpp>

@@ -1,7 +1,7 @@
 // Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded
 // Checks the file that sft_demo --json has written for a run in which SAMPLES messages of FULL_BYTES bytes
 // were published. If a figure is wrong, the program says so, and returns 1. A best-effort reader on a busy
-// machine may lose samples; then it has to have counted them.
+// machine may lose samples, but must have counted them.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,13 +16,13 @@ namespace {
 
 using nlohmann::json;
 
-// This limit has room for the headers (Ethernet 14, IP 20, UDP 8, SFT 32), for fields (8), and some to spare.
+// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some more bytes.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
 constexpr double header_bytes_max = 130;  // `header` contains a name
 constexpr double idle_bytes_per_s_max = 300;
-constexpr double header_share_max = 0.06;          // in large messages: 58 of 1514 bytes
-constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 bytes of it
+constexpr double header_share_max = 0.06;          // the part of large messages: 58 of 1514 bytes
+constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 of its 48 bytes
 
 int failures = 0;
 
@@ -67,7 +67,7 @@ void check_roles(const json& run, bool recorded) {
   expect(run.at("subscribers").size() == remote.size() + 1, "not five subscribers");
   for (const auto& [name, fields] : remote) {
     const json& s = subscriber(run, name);
-    const bool still_learns = recorded && name == "localiser";  // the localiser has seen too few clouds
+    const bool still_learns = recorded && name == "localiser";  // it has seen too few clouds
     expect(still_learns || s.at("fields") == fields, name + " asks for " + s.at("fields").dump());
     expect(s.at("transport") == "udp", name + " is not served by UDP");
   }
@@ -90,8 +90,8 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
   }
   const json localiser = subscriber(run, "localiser");
   const double large = localiser.at("wire_bytes_per_sample");
-  const double part = recorded ? 1 : localiser_share;  // if it is recorded, it still learns
-  // Bytes of lost samples were carried, too.
+  const double part = recorded ? 1 : localiser_share;  // a recorded localiser is still learning
+  // The link also carried the bytes of lost samples.
   const double carried = 1 + localiser.at("lost").get<double>() / localiser.at("received").get<double>();
   expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,
          "wire_bytes_per_sample of localiser: " + std::to_string(large));

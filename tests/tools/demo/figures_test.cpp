@@ -1,4 +1,4 @@
-// Tests of the way from counters to figures, and from figures to JSON and text.
+// Tests of the computation of figures from counters, and of figures as JSON and text.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ SubscriberFigures detector() {
   return s;
 }
 
-/// Asks for all fields except height, of every tenth sample.
+/// Returns figures of a subscriber to all fields except height, of every tenth sample.
 SubscriberFigures localiser() {
   SubscriberFigures s = health();
   s.name = "localiser";
@@ -100,7 +100,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// The lines joined, so that a sentence that is broken into lines can be found.
+/// Returns the joined lines, so that a sentence that is broken into lines can be found.
 std::string unwrapped(std::vector<std::string> lines) {
   std::string text;
   for (const std::string& line : lines) text += line + " ";
@@ -374,7 +374,7 @@ TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
   EXPECT_THAT(unwrapped(lines), AllOf(HasSubstr("over loopback"), Not(HasSubstr("network interface"))));
 }
 
-/// Every text and number has the greatest length that makes sense.
+/// Returns figures in which every text and number is as long as is reasonable.
 RunFigures long_run() {
   SubscriberFigures s = localiser();
   s.name = "dashboard";

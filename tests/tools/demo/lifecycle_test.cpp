@@ -1,4 +1,4 @@
-// Tests of the whole program. In whatever way it ends, it leaves nothing behind.
+// Tests of the whole program. However it ends, it leaves nothing behind.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grp.h>
@@ -30,7 +30,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Clock = std::chrono::steady_clock;
 
-/// sft_demo in a process of its own. All processes that it leaves behind become children of the test.
+/// Runs sft_demo in a process of its own. All processes that it leaves behind become children of the test.
 class RunningDemo {
  public:
   enum class On { pipe, terminal };
@@ -51,7 +51,7 @@ class RunningDemo {
     nothing_is_left();
   }
 
-  /// Reads the output and the standard error until the program has printed that text or has ended.
+  /// Reads standard output and standard error until the program has printed that text, or has ended.
   bool prints(std::string_view expected) {
     const auto deadline = Clock::now() + 60s;
     while (text_.find(expected) == text_.npos) {
@@ -66,12 +66,13 @@ class RunningDemo {
     return true;
   }
   void send(int signal) const { kill(process_, signal); }
-  /// Lets the program publish something, and then interrupts it, which is sooner than the end of any run.
+  /// Lets the program publish something and then interrupts it, since a whole run takes longer. Returns the
+  /// exit code.
   int publish_and_stop() {
     if (prints("published; ")) send(SIGINT);
     return wait_for_end();
   }
-  /// The exit code, or minus the signal that ended the program.
+  /// Returns the exit code, or minus the signal that ended the program.
   int wait_for_end() {
     prints(std::string(1, '\0'));  // the program never prints this: reads all output until its end
     int status = 0;
@@ -79,7 +80,7 @@ class RunningDemo {
     process_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  /// True if all processes that the program has started are gone, or soon are.
+  /// Returns true if all processes that the program has started have ended, or end soon.
   static bool nothing_is_left() {
     for (const auto deadline = Clock::now() + 15s; Clock::now() < deadline;) {
       const pid_t gone = waitpid(-1, nullptr, WNOHANG);
@@ -141,8 +142,7 @@ TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// The contents of a terminal of 24 rows after all of the text was printed, and the longest line that it ever
-/// had.
+/// The contents of a terminal of 24 rows after the text was printed, and the longest line that it ever had.
 class Screen {
  public:
   explicit Screen(const std::string& text) {
@@ -216,7 +216,7 @@ TEST(Demo, StopsOnCtrlCWhileItWaits) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// An ordinary user gets hosts where user namespaces are allowed, and loopback elsewhere.
+/// An ordinary user gets separate hosts if user namespaces are allowed, and loopback otherwise.
 TEST(Demo, RunsForAnOrdinaryUserToo) {
   RunningDemo demo({"--seconds", "600"}, RunningDemo::On::pipe, RunningDemo::As::ordinary_user);
   const int code = demo.publish_and_stop();

@@ -1,4 +1,4 @@
-// The command as such: what it is typed, how it ends, what it does with a terminal; doctor and top.
+// The command as a whole: its arguments, how it ends, how it uses a terminal; and the verbs doctor and top.
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -88,7 +88,7 @@ TEST_F(CommandTest, HelpTellsOfExitCodes) {
   }
 }
 
-/// Returns the lines without escape sequences and returns.
+/// Returns the lines without escape sequences and carriage returns.
 std::vector<std::string> shown_lines(const std::string& out) {
   std::istringstream text(std::regex_replace(out, std::regex("\x1b\\[[0-9;]*m|\r"), ""));
   std::vector<std::string> lines;
@@ -157,7 +157,7 @@ TEST_F(CommandTest, CtrlCEndsWhatWaits) {
        {std::vector<std::string>{"ls", "--wait", "3600"},
         std::vector<std::string>{"echo", "nowhere", "--timeout", "3600"}}) {
     ToolProcess tool(arguments);
-    ASSERT_FALSE(eventually([&] { return false; }, 500ms));  // it is under way
+    ASSERT_FALSE(eventually([&] { return false; }, 500ms));  // now it is waiting
     tool.send(SIGINT);
     EXPECT_GE(tool.end().code, 0);
   }
@@ -194,7 +194,7 @@ TEST_F(CommandTest, TopWritesJsonForPrograms) {
   EXPECT_GT(pair["sent"], 100);
   EXPECT_GT(pair["bytes_saved"], 100'000);
   EXPECT_TRUE(pair["lost"].is_number());
-  EXPECT_EQ(run_tool({"top"}).code, 2);  // no terminal
+  EXPECT_EQ(run_tool({"top"}).code, 2);  // there is no terminal
 }
 
 TEST_F(CommandTest, ColoursAreForTerminalsAndCanBeRuledOut) {

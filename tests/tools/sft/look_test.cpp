@@ -1,4 +1,4 @@
-// The verbs ls, info, type and why tell what is there.
+// The verbs ls, info, type and why show the endpoints of a domain.
 #include <iomanip>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sstream>
@@ -135,7 +135,7 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
               HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
 }
 
-// Two numbers of four bytes are asked for, of a cloud of 6 MB.
+// The reader requests two numbers of four bytes each, of a cloud of 6 MB.
 TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
   PointCloud2 large = cloud();
   large.data.resize(6'000'000);
@@ -178,7 +178,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
 
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
   std::string text;
-  EXPECT_TRUE(eventually([&] {  // it does not wait until it knows both
+  EXPECT_TRUE(eventually([&] {  // the command may end before it knows both
     text = run_tool({"why", "points", "--wait", "0"}).out;
     return text.find("lidar -> logger") != std::string::npos;
   }));

@@ -1,4 +1,4 @@
-// The verbs hz, bw and delay measure.
+// What the verbs hz, bw and delay measure.
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {
@@ -6,7 +6,7 @@ namespace {
 
 class MeasureTest : public ToolTest {
  protected:
-  /// The last line.
+  /// Returns the last line that the command prints, as JSON.
   static Json measured(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--json", "--for", "3.5"});
     const Ended ended = run_tool(std::move(arguments));

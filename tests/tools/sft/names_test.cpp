@@ -1,4 +1,4 @@
-// Two nodes with one name in two namespaces, and rules for their topics, as the command sft shows them.
+// Two nodes with the same name in two namespaces, and rules for their topics, as sft shows them.
 #include <cstdlib>
 #include <mutex>
 #include <vector>

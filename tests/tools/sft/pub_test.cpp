@@ -1,4 +1,4 @@
-// Messages that are written down: pub.
+// The verb pub: it publishes messages that are given as text.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -20,13 +20,13 @@ using std_msgs::msg::UInt32;
 
 class PubTest : public ToolTest {
  protected:
-  /// The next sample, for which it waits.
+  /// Waits for the next sample and returns it.
   template <class S>
   static auto next(S& subscriber) {
     subscriber.wait(10s);
     return subscriber.take();
   }
-  /// The next numbers, so many or as many as come.
+  /// Returns the next `count` numbers; fewer if no more come.
   template <class S>
   static std::vector<std::uint32_t> next(S& subscriber, std::size_t count) {
     std::vector<std::uint32_t> numbers;
@@ -248,8 +248,8 @@ TEST_F(PubTest, AfterAKillTheNextOneIsHeard) {
 
 class PubEveryType : public RandomTest {};
 
-/// The node of the test announces the types that are not installed with SFT. Many commands run at once, since
-/// each waits most of its time.
+/// The node of the test announces the types that are not installed with SFT. Many commands run at the same
+/// time, since each waits most of its time.
 TEST_F(PubEveryType, IsEchoedAsItWasWritten) {
   constexpr std::size_t at_once = 16;
   Node node = Node::open({.name = "everything", .transport = TransportChoice::udp}).value();

@@ -1,4 +1,4 @@
-// The tool shows statistics of the last few seconds.
+// The command sft shows statistics of the last few seconds.
 #include "tools/sft/series.h"
 
 #include <gtest/gtest.h>

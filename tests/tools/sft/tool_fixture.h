@@ -1,4 +1,4 @@
-// A robot for the command sft to look at.
+// A robot that tests examine with the command sft.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ class ToolTest : public ::testing::Test {
   Node robot = open("lidar");
 };
 
-/// Publishes one message again and again while it lives.
+/// Publishes the same message periodically during its lifetime.
 template <class T>
 class Publishing {
  public:

@@ -11,26 +11,26 @@
 namespace sft::test {
 
 struct Ended {
-  int code = -1;  ///< exit code, or minus the signal that ended it
+  int code = -1;  ///< exit code, or minus the signal that ended the process
   std::string out;
   std::string err;
 };
 
 class ToolProcess {
  public:
-  /// With a terminal of 80 x 24 as its standard input and output, or with pipes, or with pipes and a standard
-  /// output that is full.
+  /// The standard input and output of the command: pipes, a terminal of 80 x 24, or pipes with a full disk
+  /// as standard output.
   enum class On { pipes, terminal, full_disk };
   explicit ToolProcess(std::vector<std::string> arguments, On on = On::pipes);
   ~ToolProcess();
   ToolProcess(const ToolProcess&) = delete;
   ToolProcess& operator=(const ToolProcess&) = delete;
 
-  /// Reads until it has printed that to its standard output; false if it ended first.
+  /// Reads until the command has printed that text to its standard output; false if it ended before.
   bool prints(std::string_view expected);
   void press(std::string_view keys) const;
-  /// To its standard input, where that is no terminal. Returns when it has read that, or nearly, or has
-  /// ended.
+  /// Writes to its standard input, which must not be a terminal. Returns when the command has read nearly
+  /// all of it, or has ended.
   void feed(std::string_view text) const;
   void end_input();
   void send(int signal) const;
@@ -44,15 +44,15 @@ class ToolProcess {
   bool read_some();
 
   pid_t process_ = -1;
-  int in_ = -1;  ///< where that is no terminal
+  int in_ = -1;  ///< not used if standard input is a terminal
   int out_ = -1;
   int err_ = -1;
-  int terminal_ = -1;   ///< the user's end
-  int other_end_ = -1;  ///< the program's, kept open
+  int terminal_ = -1;   ///< the user's end of the terminal
+  int other_end_ = -1;  ///< the command's end of the terminal, kept open
   Ended ended_;
 };
 
-/// Runs the tool until it ends by itself. `input` is everything on its standard input.
+/// Runs the command until it ends by itself. `input` is all of its standard input.
 Ended run_tool(std::vector<std::string> arguments, std::string_view input = {});
 
 }  // namespace sft::test

@@ -1,4 +1,4 @@
-// The rates that `sft top` shows are those between the two last reports of each publisher.
+// The rates that `sft top` shows are computed from the two last reports of each publisher.
 #include "tools/sft/traffic.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ constexpr std::uint64_t lidar = 7, camera = 8;
 
 class TrafficTest : public testing::Test {
  protected:
-  /// The node of the publisher reports its progress. The reports of other publishers stay as they are.
+  /// Makes the publisher's node report its progress. The reports of other publishers stay unchanged.
   void report(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
     const auto known = std::ranges::find(domain.publishers, publisher, &DomainSnapshot::Endpoint::id);
     DomainSnapshot::Endpoint& endpoint =
@@ -24,7 +24,7 @@ class TrafficTest : public testing::Test {
     endpoint.id = publisher;
     endpoint.progress = DomainSnapshot::Progress{samples, bytes};
   }
-  /// The tool looks every 100 ms.
+  /// Lets time pass. The tool checks every 100 ms.
   void pass(std::chrono::milliseconds time) {
     for (const auto end = now + time; now < end;) traffic.note(domain, now += 100ms);
   }

@@ -1,5 +1,5 @@
-// The fixture for tests with programs of several users on one host: their groups, and the daemons that they
-// start.
+// The fixture for tests with programs of several users on one host. It provides their groups, and the
+// daemons that they start.
 #pragma once
 
 #include <signal.h>
@@ -19,14 +19,13 @@ namespace sft::test {
 
 constexpr gid_t writers_group = 70'100;
 constexpr gid_t readers_group = 70'101;
-// These users are members of the groups only because their processes are given the groups. No file names
-// them.
+// These users are in the groups only because their processes get the groups. No file lists them.
 inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity another_account{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
 
-/// A /run of the test's own, in which the directory /run/sft belongs to the user.
+/// Mounts another /run for the test, in which the directory /run/sft belongs to the user.
 class RunDirectory {
  public:
   explicit RunDirectory(uid_t user) {
@@ -39,7 +38,7 @@ class RunDirectory {
   RunDirectory& operator=(const RunDirectory&) = delete;
 };
 
-/// A daemon that is ended in the way of a service manager, so that its files are not in the way of another
+/// A daemon that the test ends as a service manager does, so that its files are not in the way of another
 /// user's daemon.
 class RunningSftd : public Process {
  public:
@@ -51,7 +50,7 @@ class RunningSftd : public Process {
   }
 };
 
-/// Returns whether the test can start processes of other users. It cannot in a user namespace of its own.
+/// Returns true if the test can start processes of other users. It cannot in a user namespace of its own.
 inline bool other_users_exist() {
   if (geteuid() != 0) return false;
   unsigned first = 0;
@@ -62,7 +61,8 @@ inline bool other_users_exist() {
          count > another_account.user;
 }
 
-/// Puts the groups into an /etc/group of the test's own, and the programs where every user may run them.
+/// A test with its own /etc/group, which has the groups, and with the programs in a place where every user
+/// may run them.
 class AccountsTest : public ShmTest {
  protected:
   void SetUp() override {

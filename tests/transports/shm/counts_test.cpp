@@ -8,7 +8,7 @@ using core::SampleHandle;
 
 class ShmCounts : public ShmNodeTest {};
 
-// The counts of a subscriber must not shrink: the next event would be missing.
+// If the counts of a subscriber shrank, its next event would be missing.
 TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
   Node other(no_daemon_and_held_at_most(2));
   ASSERT_TRUE(other.becomes_ready()) << other->description();

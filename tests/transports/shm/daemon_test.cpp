@@ -1,5 +1,5 @@
-// The life of sftd: there is only one on a host, it starts and ends as it should, and it says why if it
-// cannot start.
+// The life of sftd: only one runs on a host, it starts and ends when it should, and it says why it cannot
+// start.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -32,7 +32,7 @@ int bound_socket(const char* path) {
   return bound;
 }
 
-/// A socket at the path, on which another program seems to listen.
+/// A socket at the path, as if another program listened on it.
 class Listener {
  public:
   explicit Listener(const char* path) : path_(path), socket_(bound_socket(path)) {}
@@ -40,7 +40,7 @@ class Listener {
     die();
     unlink(path_.c_str());
   }
-  /// Closes the socket and leaves its name, as when its process is killed.
+  /// Closes the socket and leaves its file, as if its process was killed.
   void die() {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
@@ -80,7 +80,7 @@ TEST_F(Sftd, IsFoundByLaterNodesUnderTheSameToken) {
 }
 
 TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
-  const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);  // without O_CLOEXEC
+  const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);  // open, since O_CLOEXEC is missing
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   EXPECT_FALSE(has(open_files(daemon_pid()), "/tmp/of_the_program"));
@@ -88,7 +88,7 @@ TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
   close(leaky);
 }
 
-/// Runs a program by the shell, with these limits.
+/// Starts a program through the shell, with these limits.
 Process with_limits(const std::string& limits, const std::vector<std::string>& command) {
   std::vector<std::string> words{"/bin/sh", "-c", limits + R"(; exec "$@")", "sh"};
   words.insert(words.end(), command.begin(), command.end());
@@ -143,15 +143,15 @@ std::vector<std::string> daemons() {
   return found;
 }
 
-// Each daemon that starts fills its memory with zeros, which takes the machine some time. So thirty nodes are
-// for longer runs.
+// Each daemon that starts fills its memory with zeros, which takes the machine some time. So only longer
+// runs use thirty nodes.
 TEST_F(Sftd, RunsOnceIfManyNodesStartItAtOnce) {
   const ShmOfSize small(128);
   const std::uint64_t nodes = std::min<std::uint64_t>(test_rounds(8), 30);
   std::vector<Process> peers;
   for (std::uint64_t i = 0; i < nodes; ++i) peers.push_back(start_peer({"attend"}));
   for (Process& peer : peers) EXPECT_EQ(peer.line(70s), "ready");
-  // The daemons that came too late end as soon as they see the first one.
+  // Daemons that came too late end as soon as they find the first one.
   EXPECT_TRUE(eventually([] { return daemons().size() == 1; })) << daemons().size();
   EXPECT_EQ(daemons(), std::vector<std::string>{std::to_string(daemon_pid())});
 }
@@ -164,7 +164,7 @@ std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   for (std::string line; std::getline(smaps, line);) {
     const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
     if (is_mapping)
-      of_file = contains(line, file);  // the lines that follow have keys, and describe this mapping
+      of_file = contains(line, file);  // the lines that follow have keys and describe this mapping
     if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
   }
   return flags;
@@ -183,7 +183,7 @@ TEST_F(Sftd, ItsMemoryIsInNobodysCoreDump) {
 TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
   const ShmOfSize small(256);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
-  ASSERT_EQ(daemon.line(), "sftd: ready");  // there is no warning before this line
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // no warning was written before this line
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -195,7 +195,7 @@ TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
 TEST_F(Sftd, LendsSamplesOf64MiBWhere1200MiBAreShared) {
   const ShmOfSize host(1200);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
-  ASSERT_EQ(daemon.line(), "sftd: ready");  // there is no warning before this line
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // no warning was written before this line
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -429,7 +429,7 @@ TEST_F(Sftd, StartsAfreshWithItsProgramsAfterSomebodyRemovedItsFiles) {
     const core::HostToken before = node->host_token();
     for (const std::string& name : names_in(directory)) {
       const std::string path = std::string(directory) + "/" + name;
-      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // a directory may have the programs
+      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // a directory may contain the programs
     }
     ASSERT_TRUE(eventually([&] {
       return node.poll() == Availability::ready && !(node->host_token() == before);
@@ -457,7 +457,7 @@ TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
   EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
 }
 
-/// Options with a program in the place of sftd that never becomes a daemon.
+/// Returns options with a program in the place of sftd that never becomes a daemon.
 shm::ShmOptions endless_start() {
   std::ofstream("/tmp/endless") << "#!/bin/sh\nexec sleep 1000\n";
   std::filesystem::permissions("/tmp/endless", std::filesystem::perms::owner_all);

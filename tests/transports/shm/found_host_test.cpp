@@ -1,4 +1,4 @@
-// The daemon as a process finds it: by the host file, by the lock in /tmp, and by its socket.
+// How a process finds the daemon: by the host file, by the lock in /tmp, and by its socket.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
-// Writers and readers are killed with SIGKILL at any moment. No other program is disturbed, and the chunks of
-// the killed programs come back.
+// Writers and readers are killed with SIGKILL at random moments. No other program is disturbed, and the
+// chunks of the killed programs become free again.
 #include <signal.h>
 
 #include <filesystem>
@@ -57,8 +57,8 @@ TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkThatItWasTakingUntilTheWrit
     peer.kill();
     ASSERT_EQ(writer->send_frame(megabyte), SendStatus::sent) << round;
   }
-  // The writer keeps one chunk. iceoryx forgets a chunk if a reader dies after it has taken the chunk from
-  // the queue and before it has noted it. This happens here in about one kill of a thousand.
+  // The writer keeps one chunk. iceoryx loses a chunk if a reader dies between taking it from the queue and
+  // recording it. Here that happens about once in a thousand kills.
   EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
   writer.reset();
   EXPECT_TRUE(chunks.comes_to(before));
@@ -107,7 +107,7 @@ TEST_F(Kill, RemovesTheSocketOfTheDead) {
   EXPECT_TRUE(eventually([] { return names_in("/tmp", "sft_node").size() == 1; }));
 }
 
-/// Writes nonsense into the longest list of free chunks in the management segment.
+/// Overwrites the longest list of free chunks in the management segment with invalid data.
 void damage_free_list() {
   const std::string path = std::string("/dev/shm/") + iox::roudi::SHM_NAME;
   const std::size_t bytes = std::filesystem::file_size(path);

@@ -1,4 +1,4 @@
-// A part of a program that the program loads when it runs, with SFT in it.
+// A shared library with SFT in it, which a program loads at run time.
 #include <chrono>
 #include <string>
 
@@ -9,7 +9,7 @@ extern "C" {
 
 bool functions_are_replaced() { return sft::shm::functions_are_replaced(); }
 
-/// Says why shared memory cannot be used. Starts no daemon.
+/// Returns why shared memory cannot be used. Starts no daemon.
 const char* shared_memory() {
   static std::string text;
   sft::shm::ShmOptions options;

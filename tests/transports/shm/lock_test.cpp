@@ -1,4 +1,4 @@
-// The lock of a port while the daemon holds it, because the daemon was stopped or killed while it changed
+// The lock of a port while the daemon holds it because it was stopped or killed while it changed
 // connections.
 #include <thread>
 
@@ -53,8 +53,8 @@ TEST_F(HeldLock, CostsAWriterItsSampleAndDoesNotBlockIt) {
   }
 }
 
-// Each send begins while the lock is held. The sample may be dropped only if the holder was kept from running
-// for longer than a writer waits.
+// Each send begins while the lock is held. The sample may be dropped only if the holder of the lock did not
+// get the processor for longer than a writer waits.
 TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   constexpr auto shortest_wait = 1ms;
   int waited = 0;
@@ -80,7 +80,7 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   EXPECT_GT(waited, 30);
 }
 
-// The writer of the queue lives, so the daemon does not open the lock.
+// The writer of the queue is alive, so the daemon does not open the lock.
 TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
   auto* port = session_->create_subscriber(1, 1, {hang_timeout, hang_timeout}).value();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == publisher_; }));

@@ -8,8 +8,8 @@ namespace {
 
 class ManyReadersAllocations : public ManyReaders {
  protected:
-  /// Counts the allocations of this thread over 200 samples, after 50 for warming up. Each sample is taken
-  /// by all who get it.
+  /// Returns the allocations of this thread over 200 samples, after 50 samples to warm up. All readers that
+  /// get a sample take it.
   std::uint64_t allocations() {
     for (int i = 0; i < 50; ++i) exchange();
     taken_ = 0;

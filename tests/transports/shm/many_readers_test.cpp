@@ -1,5 +1,5 @@
-// A writer with many attached queues: those of the readers that it serves in shared memory get each sample,
-// and those of the others get none.
+// A writer with many attached queues. The queues of readers that it serves in shared memory get each
+// sample, and the other queues get none.
 #include "tests/transports/shm/many_readers.h"
 
 #include <atomic>
@@ -17,21 +17,21 @@ using core::SendStatus;
 
 class ServedReaders : public ManyReaders {
  protected:
-  /// The number of readers that are not served goes from none to nearly all.
+  /// Returns services with a random number of readers that are not served: none to nearly all.
   static Services random_services(Random& random) {
     Services services(readers);
     const std::uint64_t share = random() % 16;
     for (Service& service : services) service.is_served = random() % 16 >= share;
     return services;
   }
-  /// Sends so many samples, and returns their sequences.
+  /// Sends that number of samples, and returns their sequences.
   Sequences send(std::size_t count) {
     Sequences sent(count);
     std::iota(sent.begin(), sent.end(), writer_->sequence() + 1);
     for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(writer_->send_frame(), SendStatus::sent);
     return sent;
   }
-  /// Those who are served got just what was sent, and the others nothing.
+  /// Expects readers that are served to have got exactly what was sent, and other readers nothing.
   void expect_taken(const Services& services, const Sequences& sent) {
     for (std::size_t i = 0; i < readers; ++i)
       ASSERT_EQ(take_all(i), services[i].is_served ? sent : Sequences()) << "reader " << i;
@@ -65,7 +65,7 @@ TEST_F(ServedReaders, ShareTheOneSampleThatWasSent) {
   EXPECT_EQ(shared, readers - 6);
 }
 
-/// One reader after the other is attached, or goes back to the network.
+/// In each round other readers are served in shared memory, and the rest go back to the network.
 TEST_F(ServedReaders, GetNoSampleOfTheTimeWhenTheyWereNotServed) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

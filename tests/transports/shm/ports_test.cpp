@@ -1,4 +1,4 @@
-// Writers and readers with a daemon that works: what arrives, what it costs, and what happens at the limits.
+// Writers and readers with a working daemon: what arrives, what it costs, and what happens at the limits.
 #include <array>
 #include <atomic>
 #include <cstdio>
@@ -143,7 +143,7 @@ TEST_F(ShmPorts, SkipMalformedSamplesAndCountThem) {
   EXPECT_EQ(node()->counters().malformed, 2U);
 }
 
-/// A chunk with a forged header. The header of a chunk lies in shared memory in front of the sample, so any
+/// A chunk with a forged header. The chunk's header is in shared memory in front of the sample, so any
 /// writer can change it.
 class ForgedChunk : public ShmPorts {
  protected:
@@ -216,7 +216,7 @@ TEST_F(ForgedChunk, WhoseSampleIsNotAlignedIsRefused) {
   forge_position(0U - 4U);
 }
 
-/// Returns the memory in which the daemon's own data are mapped in this process.
+/// Returns the memory at which this process has mapped the daemon's own data.
 std::span<std::byte> management_memory() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -506,15 +506,15 @@ TEST_F(LostSamples, AreCountedOnce) {
   EXPECT_EQ(counted(), 5U);
 }
 
-// Nobody knows the first sequence number, so the number of samples lost before the first one that is taken is
-// not known.
+// The reader does not know the first sequence number, so it cannot know how many samples were lost before
+// the first one that it takes.
 TEST_F(LostSamples, CountAsOneBeforeTheFirstSampleThatIsTaken) {
   ASSERT_TRUE(reader_->connects_to(1));
   send(depth + 3);
   EXPECT_EQ(counted(), 1U);
 }
 
-// Gaps have other reasons, too. They must not count as samples that the queue lost long afterwards.
+// Gaps have other reasons, too. They must not count as samples that the queue loses long afterwards.
 TEST_F(LostSamples, DoNotIncludeGapsOfLongAgo) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
@@ -524,8 +524,8 @@ TEST_F(LostSamples, DoNotIncludeGapsOfLongAgo) {
   EXPECT_EQ(counted(), 3U);
 }
 
-// A writer reports an overflow after it has pushed a sample out. By then the reader may have taken a queue of
-// others.
+// A writer reports an overflow after it has pushed a sample out. By then the reader may have taken all
+// other samples of the queue.
 TEST_F(LostSamples, CountAlsoIfTheOverflowIsReportedAQueueOfSamplesLater) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
@@ -551,7 +551,7 @@ TEST_F(LostSamples, CountAlsoIfArrivalsNoticedTheOverflowFirst) {
 }
 
 TEST_F(LostSamples, LeaveItOpenWhichSampleIsTheOldestOfTheHistory) {
-  // The route asks for no history, so the reader gets only the samples that come.
+  // The route requests no history, so the reader gets only new samples.
   writer_->port().set_routes(
       {{.reader = 7, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
   for (const std::uint32_t lost : {0U, 1U}) {

@@ -15,7 +15,7 @@ namespace {
 
 using core::SampleHandle;
 
-/// Pages that the thread has used for the first time.
+/// Returns how many pages this thread has touched for the first time.
 long page_faults_of_this_thread() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -48,7 +48,7 @@ class ShmLargeChunks : public ShmNodeTest {
 
 TEST_F(ShmLargeChunks, AreMappedBeforeTheirWriterTakesThemExceptTheFirst) {
   constexpr std::uint32_t bytes = 1'000'000;
-  constexpr long most_pages = 240, few_pages = 16;  // of 245
+  constexpr long most_pages = 240, few_pages = 16;  // of the 245 pages of a sample
   constexpr int ahead = 5;
   EXPECT_GE(page_faults_of_next(bytes), most_pages) << "nobody knew that large samples would come";
   node().poll();
@@ -58,7 +58,7 @@ TEST_F(ShmLargeChunks, AreMappedBeforeTheirWriterTakesThemExceptTheFirst) {
 
 TEST_F(ShmLargeChunks, AreMappedInWhicheverOrderOthersHaveGivenThemBack) {
   constexpr std::uint32_t bytes = 1'000'000;
-  constexpr long few_pages = 16;  // of 245
+  constexpr long few_pages = 16;  // of the 245 pages of a sample
   Writer other(node(), 2);
   std::array<SampleHandle, 12> chunks;
   for (SampleHandle& chunk : chunks) chunk = other.loan(bytes);
@@ -84,7 +84,7 @@ TEST_F(ShmLargeChunks, AreMappedAsFarAsTheLargestSampleOfTheirSizeReached) {
 
 TEST_F(ShmLargeChunks, OfTheNextSizeAreMappedBeforeThoseOfThisSizeAreUsedUp) {
   constexpr std::uint32_t bytes = 3'000'000;
-  constexpr long few_pages = 32;  // of 733
+  constexpr long few_pages = 32;  // of the 733 pages of a sample
   const std::size_t chunks = ChunkCounter(node(), bytes).free();
   for (std::size_t i = 0; i < chunks; ++i) {
     node().poll();

@@ -1,5 +1,5 @@
-// Writers and readers are killed with SIGKILL at random moments of their lives, and some of them are stopped
-// before. No other program is disturbed, and all memory of the killed programs comes back.
+// Writers and readers are killed with SIGKILL at random moments, and some of them are stopped before. No
+// other program is disturbed, and all memory of the killed programs becomes free again.
 // (tests/system/kill_test.cpp does the same with whole nodes.)
 #include <signal.h>
 
@@ -19,10 +19,10 @@ namespace {
 using core::SendStatus;
 
 constexpr core::EndpointId daemons_killed = 8;
-constexpr int victims_for_each_stop = 15;         // one of so many victims is stopped before it is killed
+constexpr int victims_for_each_stop = 15;         // one in this many victims is stopped before it is killed
 constexpr core::EndpointId survivor = 2'000'000;  // an id that no ChunkCounter uses
 
-/// Returns the usage as sftd last wrote it. It writes it twice a second.
+/// Returns the memory usage as sftd has written it last, which it does twice a second.
 shm::Usage usage_now() {
   Process command({sftd_path(), "status", "--json"});
   return shm::parse_status(command.all_output()).value_or(shm::Status{}).usage;
@@ -61,7 +61,7 @@ class RandomKill : public ShmTest {
 
   std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
 
-  /// Kills the victim after a random time, and stops some victims before.
+  /// Kills the victim after a random time. Stops some victims before.
   void kill_some_time(Process& victim, int round) {
     poll(nullptr, 0, static_cast<int>(below(30)));
     if (round % victims_for_each_stop == victims_for_each_stop - 1) {
@@ -80,8 +80,7 @@ class RandomKill : public ShmTest {
     ASSERT_EQ(sequence_of(sample), writer_->sequence());
   }
 
-  /// Expects that only the chunk of the survivor's last sample is in use, and that all other chunks can be
-  /// had.
+  /// Expects only the chunk of the survivor's last sample to be in use, and all others to be available.
   void expect_all_memory_back(int kills) {
     shm::Usage usage;
     const std::int64_t since_ns = core::realtime_ns();
@@ -100,8 +99,7 @@ class RandomKill : public ShmTest {
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << summary;
     std::printf("%s; %s\n", summary.c_str(), how_to_repeat().c_str());
-    // A death costs at most two chunks: the one that was delivered, and the one that it pushed out of a
-    // queue.
+    // A death costs at most two chunks: the delivered one, and the one that it pushed out of a queue.
     EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
@@ -117,12 +115,12 @@ class RandomKill : public ShmTest {
   pid_t daemon_ = 0;
 };
 
-/// The task of the victims of a test, and how many victims there are.
+/// The task of the victims in a test, and their number.
 struct Life {
   const char* name;
   const char* role;  ///< the argument of shm_peer
   int kills;
-  bool settled;          ///< killed after it has reported success; otherwise as soon as it has hardly begun
+  bool settled;  ///< the victim is killed after it has reported success; otherwise shortly after its start
   bool is_read = false;  ///< a reader takes its samples
 };
 void PrintTo(const Life& life, std::ostream* out) { *out << life.kills << " kills"; }
@@ -163,8 +161,7 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfWriters,
 
 class RandomKillOfReaders : public RandomKill, public ::testing::WithParamInterface<Life> {};
 
-// A chunk that a killed reader had in hand belongs to its writer, and comes back when the writer has gone,
-// too.
+// A chunk that a killed reader held belongs to its writer, and becomes free when the writer has ended, too.
 TEST_P(RandomKillOfReaders, CostsOtherProgramsNothingAndAllMemoryComesBack) {
   const Life& life = GetParam();
   for (int round = 0; round < life.kills; ++round) {
@@ -191,7 +188,7 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
                                            Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
                          name_of);
 
-// The two peers do not notice that the daemon died: they go on in its memory.
+// The two peers do not notice the death of the daemon, and go on in its memory.
 TEST_F(RandomKill, OfDaemonsNeitherBlocksNorHarmsProgramsInATightLoop) {
   for (core::EndpointId round = 0; round < daemons_killed; ++round) {
     SCOPED_TRACE(round);

@@ -1,5 +1,5 @@
-// The rights of programs of several users: writers may write samples, readers may only read them, and all
-// other programs are told that they may do neither.
+// The rights of programs of several users: writers may write samples, readers may only read them, and other
+// programs get an error that says so.
 #include "shm_transport/sftd/exit_code.h"
 #include "tests/transports/shm/accounts.h"
 
@@ -52,7 +52,7 @@ TEST_F(Rights, AStrangerIsToldAtOnceThatPermissionIsDenied) {
   const RunningSftd daemon = start_sftd_with_groups();
   const std::string said = start(another_account, {"knock"}).line();
   EXPECT_TRUE(contains(said, "permission denied")) << said;
-  // This user has no name here.
+  // This user has no name in the system.
   EXPECT_TRUE(contains(said, "sftd serves the members of group sft_writers; give this program that group"))
       << said;
 }
@@ -83,7 +83,8 @@ TEST_F(Rights, ADaemonWithoutGroupsInItsConfigurationServesItsOwnGroup) {
 
 TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsers) {
   const Identity daemon_user{70'010, writers_group, {readers_group}};
-  const RunDirectory of_the_daemon(daemon_user.user);  // other users accept the daemon of its owner
+  // other users accept a daemon if /run/sft belongs to its user
+  const RunDirectory of_the_daemon(daemon_user.user);
   const RunningSftd daemon = start_sftd_with_groups(&daemon_user);
   Process writer = start(a_writer, {"publish", "1", "100"});
   ASSERT_EQ(writer.line(), "publishing");

@@ -1,4 +1,4 @@
-// The files of the daemon's segments: how they are made, and what sftd does if they cannot be made.
+// The files of the daemon's segments: how they are created, and what sftd does if they cannot be created.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -28,7 +28,7 @@ struct stat status_of(const std::string& path) {
 }
 
 std::size_t bytes_in_memory(const std::string& path) {
-  constexpr std::size_t block = 512;  // stat(2): st_blocks counts these
+  constexpr std::size_t block = 512;  // stat(2): st_blocks counts blocks of this size
   return static_cast<std::size_t>(status_of(path).st_blocks) * block;
 }
 
@@ -90,7 +90,7 @@ TEST_F(SftdSegments, HaveAllTheirMemoryFromTheBeginning) {
   EXPECT_EQ(daemon.exit_code(), 0);
 }
 
-/// How much of the file the process has mapped, in KiB: "Rss", as proc(5) says of smaps.
+/// Returns how much of the file the process has mapped, in KiB: "Rss" of smaps, see proc(5).
 std::size_t mapped_kib(pid_t pid, const std::string& file) {
   std::ifstream mappings("/proc/" + std::to_string(pid) + "/smaps");
   std::size_t kib = 0;
@@ -102,7 +102,7 @@ std::size_t mapped_kib(pid_t pid, const std::string& file) {
   return kib;
 }
 
-// If the daemon mapped the pages for that, its threads would wait for each other, for long on a busy machine.
+// If the daemon mapped pages to clear them, its threads would block each other, for long on a busy machine.
 TEST_F(SftdSegments, AreClearedWithoutAnybodyWhoUsesOrMapsThem) {
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   ASSERT_EQ(daemon.line(), "sftd: ready");
@@ -132,7 +132,7 @@ std::size_t bytes_in_all_files() {
   return bytes;
 }
 
-/// A daemon with memory for many large chunks, which takes less than that at once.
+/// A daemon with memory for many large chunks, which it takes only when chunks are used.
 class ChunksOnDemand : public ShmNodeTest {
  protected:
   static constexpr std::uint32_t large_bytes = 30'000'000, common_bytes = 8'000'000;
@@ -178,7 +178,7 @@ TEST_F(ChunksOnDemand, AreNotLentIfTheHostHasNoMemoryForThem) {
 
 TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {
   const ShmOfSize large(256);
-  // The directory, the host file, and the management segment. No file is left for the segment of samples.
+  // Allows the directory, the host file and the management segment, but no file for the segment of samples.
   ASSERT_EQ(mount(nullptr, "/dev/shm", nullptr, MS_REMOUNT, "nr_inodes=3"), 0);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();

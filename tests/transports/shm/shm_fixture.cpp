@@ -25,8 +25,7 @@ bool become(const Identity& identity) {
          setgid(identity.group) == 0 && setuid(identity.user) == 0;
 }
 
-/// Asks again if the daemon gave no answer in time, because it may be busy after the death of another
-/// process.
+/// Asks again if the daemon did not answer in time. It may be busy after the death of another process.
 template <class Ask>
 auto patiently(Ask ask) {
   auto answer = ask();
@@ -139,7 +138,8 @@ bool is_stopped(pid_t pid) {
   const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
     const std::string text = core::text_of(thread.path() / "stat");
-    const auto behind_name = text.rfind(") ");  // the state follows the name, which may have any characters
+    // the state follows the name, which may contain any characters
+    const auto behind_name = text.rfind(") ");
     if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
   }
   return true;
@@ -148,7 +148,7 @@ bool is_stopped(pid_t pid) {
 shm::ShmOptions own_daemon() {
   shm::ShmOptions options;
   options.daemon_path = sftd_path();
-  options.port_wait = options.port_deadline;  // a node would ask again
+  options.port_wait = options.port_deadline;  // waits as long as a node that asks again
   return options;
 }
 

@@ -1,5 +1,5 @@
-// The helpers of the tests of shared memory: nodes that become ready, writers and readers of frames, daemons
-// and peers that are started, stopped and killed.
+// Helpers for tests of shared memory: nodes that become ready, writers and readers of frames, and daemons
+// and peers that a test starts, stops and kills.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ class Process {
   void kill();
   /// Waits for the end of the process. Returns -1 if the process was killed.
   int exit_code();
-  /// Returns the next line that the process writes; empty if no line came in time.
+  /// Returns the next line that the process writes; empty if none comes in time.
   std::string line(Clock::duration within = 30s);
   std::string all_output();
 
@@ -64,15 +64,15 @@ Process start_peer(std::vector<std::string> arguments);
 
 /// Returns the pid of the running daemon; 0 if none runs.
 pid_t daemon_pid();
-/// Ends the running daemon, also if it is stopped, and waits for its end.
+/// Ends the running daemon, even if it is stopped, and waits for its end.
 void end_daemon();
 bool is_alive(pid_t pid);
-/// Returns whether all threads of the process stand still. This takes some time after SIGSTOP was sent.
+/// Returns true if all threads of the process stand still. This takes some time after SIGSTOP was sent.
 bool is_stopped(pid_t pid);
 
 shm::ShmOptions own_daemon();  ///< options with which a node starts the sftd of this build if none runs
 shm::ShmOptions no_daemon();   ///< options with which a node starts no daemon
-/// The same, where the node holds at most this number of samples and loans.
+/// Returns the same options for a node that holds at most this number of samples and loans.
 shm::ShmOptions no_daemon_and_held_at_most(std::uint32_t samples);
 
 /// The transport of one node.
@@ -92,7 +92,7 @@ class Node {
 
 class Writer {
  public:
-  /// Opens a port with a route to a reader that does not exist. The port delivers only if it has a route.
+  /// Opens a port with a route to a reader that does not exist. Without a route the port delivers nothing.
   Writer(Node& node, core::EndpointId id);
 
   core::SampleHandle loan(std::uint32_t data);
@@ -109,7 +109,7 @@ class Writer {
   std::uint64_t sequence_ = 0;
 };
 
-/// The readers of these tests have this id, unless a test wants others, and every writer serves it.
+/// The id of the readers of these tests, unless a test uses others. Every writer serves it.
 constexpr core::EndpointId reader_id = 7;
 
 class Reader {
@@ -127,12 +127,12 @@ class Reader {
 
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
 
-/// Counts how many chunks for this much data can be had now, as a client of the daemon sees it.
+/// Counts the chunks for this much data that a client of the daemon can take now.
 class ChunkCounter {
  public:
   ChunkCounter(Node& node, std::uint32_t data) : node_(node), data_(data) {}
   std::size_t free();
-  /// Returns whether so many chunks become free before long. Otherwise it prints how many are free.
+  /// Returns true if so many chunks become free in time. Otherwise prints how many are free.
   bool comes_to(std::size_t chunks);
 
  private:
@@ -147,7 +147,7 @@ inline bool contains(const std::string& text, const std::string& part) {
 
 std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
 
-/// Skips the test if it has no isolated host of its own, and ends the daemon that the test has left.
+/// Skips a test that has no isolated host, and ends the daemon that a test leaves.
 class ShmTest : public ::testing::Test {
  protected:
   /// `shm_mebibytes`: the size of /dev/shm, if it is not the usual one.

@@ -1,5 +1,5 @@
-// The other process in the tests of shared memory. It does one task, says so on its standard output, and goes
-// on until it is killed.
+// The other process in tests of shared memory. It does one task, reports that on its standard output, and
+// goes on until it is killed.
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -33,7 +33,7 @@ void say(const std::string& text) {
   for (;;) pause();
 }
 
-/// The pause between two samples of the tasks that do not go on as fast as they can.
+/// The pause between two samples, for tasks that do not run as fast as they can.
 constexpr std::chrono::microseconds pause{200};
 
 /// Publishes frames with this much data without a pause.
@@ -59,7 +59,7 @@ void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
-/// A forked copy that executes nothing else keeps all sockets and memory of this process.
+/// Does the same beside a forked process that only keeps all sockets and memory of this process.
 void hoard_with_a_worker(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   if (fork() == 0) {
     alarm(60);
@@ -94,7 +94,7 @@ void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
   for (sft::test::Pace pace(pause);; pace.await_turn()) taker.take();
 }
 
-/// Takes one sample after the other whenever the parent lets it, and gives it back.
+/// Takes a sample and gives it back, each time the parent lets it.
 void take_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t depth) {
   Reader reader(node, depth);
   if (!reader.connects_to(id)) say("cannot connect");
@@ -106,7 +106,7 @@ void take_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t depth) {
   }
 }
 
-/// Sends one sample after the other whenever the parent lets it.
+/// Sends a sample each time the parent lets it.
 void send_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   sft::test::let_parent_step();
@@ -124,7 +124,7 @@ long minor_faults() {
   return usage.ru_minflt;
 }
 
-/// Takes one sample, reads its two scalars and then its data, and says how many pages each of the two steps
+/// Takes one sample, reads its two scalars and then its data. Reports how many pages each of the two steps
 /// touched.
 void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Reader reader(node);
@@ -149,7 +149,7 @@ void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
 
 std::byte* target = nullptr;
 
-/// Reads a sample, tries to write to it, and says what it could do.
+/// Reads a sample, tries to write to it, and reports what it could do.
 void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
   Reader reader(node);
   if (!reader.connects_to(id)) say("cannot connect");
@@ -191,14 +191,14 @@ void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   say(why_not.empty() && sent ? "rang" : why_not);
 }
 
-/// Says why the transport cannot be used, as soon as it knows, or that it was not refused.
+/// Reports why the transport cannot be used as soon as that is known, or that it was not refused.
 int knock(Node& node) {
   const bool refused = node.becomes(Availability::unavailable, std::chrono::seconds(2));
   say(refused ? node->description() : "not refused");
   return 0;
 }
 
-/// Says that the node is ready, and stays.
+/// Reports that the node is ready, and stays.
 void attend(Node&, sft::core::EndpointId, std::uint32_t) {
   say("ready");
   stay();

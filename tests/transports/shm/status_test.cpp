@@ -27,7 +27,7 @@ Answer call(std::vector<std::string> words) {
 
 Status status_now() { return shm::parse_status(call({"status", "--json"}).text).value_or(Status{}); }
 
-/// Returns whether the status fulfils the condition before long. sftd writes its status twice a second.
+/// Returns true if the status fulfils the condition in time. sftd writes its status twice a second.
 template <class Condition>
 bool status_becomes(Condition condition) {
   return eventually([&] { return condition(status_now()); });
@@ -119,7 +119,7 @@ TEST_F(SftdCommands, CountDeadPrograms) {
   Process daemon = start_sftd();
   Process victim = start_peer({"publish", "1", "100"});
   ASSERT_EQ(victim.line(), "publishing");
-  Process witness = start_peer({"attend"});  // a daemon without programs would start afresh
+  Process witness = start_peer({"attend"});  // a daemon without programs would start again
   ASSERT_EQ(witness.line(), "ready");
   victim.kill();
   EXPECT_TRUE(status_becomes(
@@ -139,7 +139,7 @@ TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) 
   EXPECT_TRUE(contains(answer.text, "0000000000000005")) << answer.text;
 }
 
-/// A daemon that is stopped, and a node that asks it for ports and does not wait for the answers.
+/// A stopped daemon, and a node that asks it for ports and does not wait for the answers.
 class PortsAnsweredLate : public SftdCommands {
  protected:
   PortsAnsweredLate() : daemon_(start_sftd()), node_(without_waiting()) {
@@ -265,7 +265,7 @@ TEST_F(SftdCommands, AMalformedStatusIsRefused) {
 TEST_F(SftdCommands, AStatusIsReadBackAsItWasWritten) {
   Status status;
   status.pid = 42;
-  status.usage.users = {{7, "sft_\xff_7", 1, 2}};  // not UTF-8: a program chose it
+  status.usage.users = {{7, "sft_\xff_7", 1, 2}};  // not UTF-8: the program chose this name
   status.usage.publishers = {{"sft_a_7", "01", 3, {4, 5, 6}}};
   const auto read = shm::parse_status(shm::to_json(status));
   ASSERT_TRUE(read);

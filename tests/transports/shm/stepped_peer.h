@@ -1,6 +1,6 @@
-// A peer whose main thread goes on only as far as the test wants, instruction by instruction. Its other
-// threads run on. A peer that stands still between two instructions has left the shared memory as it would if
-// it had been killed there.
+// A peer whose main thread runs only as far as the test wants, instruction by instruction. Its other
+// threads run freely. A peer that stands still between two instructions leaves shared memory in the state
+// in which a kill at that point would leave it.
 #pragma once
 
 #include <signal.h>
@@ -15,33 +15,33 @@
 
 namespace sft::test {
 
-/// The peer calls it once, before its first mark.
+/// Called by the peer once, before its first mark.
 inline void let_parent_step() { ptrace(PTRACE_TRACEME, 0, nullptr, nullptr); }
-/// The peer calls it at the beginning and at the end of what is to be stepped through.
+/// Called by the peer at the beginning and at the end of the work that the test steps through.
 inline void mark() { raise(SIGTRAP); }
 
-/// Only the thread that has started the process may call these functions.
+/// Only the thread that started the process may call these functions.
 class SteppedPeer {
  public:
   explicit SteppedPeer(const Process& process) : pid_(process.pid()) {}
 
-  /// Waits until the peer has come to its first mark. Returns false if it has ended.
+  /// Waits until the peer has reached its first mark. Returns false if it has ended.
   [[nodiscard]] bool comes_to_mark() const { return stands_still() && is_at_mark(); }
   /// Lets the peer run until its next mark. Returns false if it has ended.
   [[nodiscard]] bool goes_to_mark() const { return resume(PTRACE_CONT) && is_at_mark(); }
   /// Lets the peer execute one instruction. Returns false if that has brought it to its next mark.
   [[nodiscard]] bool steps() const { return resume(PTRACE_SINGLESTEP) && !is_at_mark(); }
-  /// Lets the peer run until it is about to execute its breakpoint. Returns false if it comes to its next
+  /// Lets the peer run until it is about to execute its breakpoint. Returns false if it reaches its next
   /// mark before.
   [[nodiscard]] bool goes_to_breakpoint() const { return resume(PTRACE_CONT) && !is_at_mark(); }
 
 #ifdef __x86_64__
   static constexpr bool has_breakpoints = true;
-  /// The address of the instruction that the peer executes next.
+  /// Returns the address of the instruction that the peer executes next.
   std::uintptr_t instruction() const {
     return static_cast<std::uintptr_t>(ptrace(PTRACE_PEEKUSER, pid_, offsetof(user, regs.rip), nullptr));
   }
-  /// A breakpoint of the processor, which other threads of the peer do not have.
+  /// Sets a breakpoint in the processor. Other threads of the peer do not have it.
   void set_breakpoint(std::uintptr_t instruction) const {
     ptrace(PTRACE_POKEUSER, pid_, offsetof(user, u_debugreg[0]), instruction);
     ptrace(PTRACE_POKEUSER, pid_, offsetof(user, u_debugreg[7]), 1UL);
@@ -63,7 +63,7 @@ class SteppedPeer {
     int status = 0;
     return waitpid(pid_, &status, 0) == pid_ && WIFSTOPPED(status);
   }
-  /// A step ends with the same signal as a mark, but that was not sent by a thread.
+  /// Returns true at a mark. A step ends with the same signal, but no thread has sent that one.
   bool is_at_mark() const {
     siginfo_t signal{};
     return ptrace(PTRACE_GETSIGINFO, pid_, nullptr, &signal) == 0 && signal.si_code == SI_TKILL;

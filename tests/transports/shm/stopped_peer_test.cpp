@@ -1,6 +1,6 @@
-// A writer never waits for a reader that stands still in the midst of a take, nor a reader for a writer that
-// stands still in the midst of a send: at no instruction. The other one may have been killed there, or be
-// stopped by a debugger, or be of a lower priority.
+// A writer never waits for a reader that stands still during a take, nor a reader for a writer that stands
+// still during a send, at any instruction. The other process may have been killed there, be stopped by a
+// debugger, or have a lower priority.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -18,10 +18,10 @@ using core::SendStatus;
 
 constexpr std::uint32_t frame = 100;
 
-/// A peer that is disturbed more often does not get on: the lists of free chunks of iceoryx make it try again
-/// whenever another process has used them meanwhile.
+/// The number of steps between two calls. With more calls the peer would make no progress: iceoryx's lists
+/// of free chunks make it try again whenever another process has used them meanwhile.
 constexpr int steps_between_stops = 128;
-constexpr int stops_at_an_instruction = 3;  // of a loop
+constexpr int stops_at_an_instruction = 3;  // at an instruction in a loop
 
 class StoppedPeer : public ShmNodeTest {
  protected:
@@ -30,9 +30,9 @@ class StoppedPeer : public ShmNodeTest {
     if (!SteppedPeer::has_breakpoints) GTEST_SKIP() << "needs breakpoints of an x86 processor";
   }
 
-  /// Lets the peer do its work again and again. Calls `act` wherever the peer stands still, in another
-  /// thread. Expects that each call returns before the peer goes on. Returns at how many instructions the
-  /// peer stood still.
+  /// Lets the peer do its work again and again, and stops it at each instruction of it. There calls `act`
+  /// in another thread, and expects it to return before the peer goes on. Returns at how many instructions
+  /// the peer stood still.
   static std::size_t at_each_instruction(const Process& process, const std::function<void()>& act) {
     const SteppedPeer peer(process);
     std::size_t stopped_at = 0;
@@ -52,8 +52,8 @@ class StoppedPeer : public ShmNodeTest {
   }
 
  private:
-  /// Steps through the peer's work: once undisturbed, once with a call of `act` now and then, which takes the
-  /// peer to places where it tries again.
+  /// Returns the instructions of the peer's work. Steps through the work twice. The second time `act` is
+  /// called now and then, so that the peer also comes to instructions with which it tries again.
   static std::set<std::uintptr_t> instructions_of_its_work(const SteppedPeer& peer,
                                                            const std::function<void()>& act) {
     std::set<std::uintptr_t> instructions;

@@ -1,5 +1,5 @@
-// Counts every operator new of the process while samples travel: buffers and queues grow to what is needed at
-// a time, and then no sample costs one.
+// Counts each operator new of the process while samples are sent. Buffers and queues grow to what is needed
+// at the same time, and after that no sample allocates.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
@@ -32,7 +32,7 @@ class Counting final : public core::ArrivalListener {
   std::atomic<std::size_t> samples{0};
 };
 
-/// Loses all acks to one transport until they may pass.
+/// Drops all acks to one transport until it is opened.
 class AckGate {
  public:
   DatagramIo put_around(DatagramIo io) {
@@ -40,7 +40,8 @@ class AckGate {
     return io;
   }
   void open() { open_ = true; }
-  /// The sending thread has heard that all samples before this ordinal came, and has dealt with that.
+  /// Returns the ordinal before which all samples were acknowledged, as far as the sending thread has
+  /// processed acks.
   std::uint64_t acknowledged() const { return acknowledged_; }
 
  private:
@@ -77,7 +78,7 @@ struct Case {
   bool reliable;
 };
 
-/// A writer and its reader, in one process.
+/// A writer and its reader in the same process.
 class Stream {
  public:
   Stream(Backend backend, const Case& of) : image_(test::make_image(of.bytes)) {
@@ -105,19 +106,19 @@ class Stream {
     test::fill(*sample, image_, all_, 7, ++sent_);
     writer_->send(sample);
   }
-  /// Sends so many samples, each once the one before has come.
+  /// Sends samples, each of them once the one before has arrived.
   void exchange(int samples) {
     for (int i = 0; i < samples; ++i) {
       const std::size_t before = came();
       send();
       const auto deadline =
-          std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a lost one may be lost
+          std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a best-effort sample may be lost
       while (came() == before && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
     }
   }
   std::size_t came() const { return listener_.samples; }
 
-  /// Returns true once the writer keeps nothing for repair. Before the call no ack comes through.
+  /// Lets acks pass from now on. Returns true once the writer keeps nothing for repair.
   bool acknowledge_all() {
     acks_.open();
     return test::eventually([&] { return acks_.acknowledged() > sent_; });
@@ -149,13 +150,13 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   for (const Backend backend : {Backend::automatic, Backend::sockets}) {
     Stream stream(backend, GetParam());
     constexpr int bursts = 5, at_once = 12, one_by_one = 10, measured = 200;
-    // An ack is heard as late as the sending thread gets a processor, and until then the writer keeps the
-    // samples for repair. So no ack comes through until as many samples are kept as follow. Then all of them
-    // are acknowledged, and from there on no more can be kept at a time than were before.
+    // The sending thread handles an ack when it gets a processor, and until then the writer keeps the
+    // samples for repair. So no ack passes until as many samples are kept as follow. Then all of them are
+    // acknowledged, and from there on no more samples can be kept at the same time than before.
     stream.exchange(GetParam().reliable ? bursts * (at_once + one_by_one) + measured : 50);
     ASSERT_TRUE(!GetParam().reliable || stream.acknowledge_all());
-    // A thread that has sent or received a sample may be kept from giving back what it took for that. More
-    // than a few are never out at once here, so they are taken now.
+    // A thread that has sent or received a sample may not get to give back what it took for that. No more
+    // than a few are in use at the same time here, so as many are taken now.
     for (int burst = 0; burst < bursts; ++burst) {
       for (int i = 0; i < at_once; ++i) stream.send();
       stream.exchange(one_by_one);
@@ -165,8 +166,8 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
     const std::uint64_t before = sft::test::process_allocations();
     stream.exchange(measured);
     const std::uint64_t allocations = sft::test::process_allocations() - before;
-    // A large sample that comes slowly, and is sent reliably, may be asked for again: each request has a list
-    // of gaps of its own.
+    // The reader may request parts of a large reliable sample that comes slowly. Each request has a list of
+    // gaps of its own.
     const bool may_be_asked_for = GetParam().reliable && GetParam().bytes > 100'000;
     EXPECT_LE(allocations, may_be_asked_for ? 19U : 0U);
     if (allocations != 0) sft::test::print_allocations();
@@ -174,7 +175,7 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   }
 }
 
-/// A large sample to many masks may take longer than the agent sleeps.
+/// A large sample to many masks may take longer than the agent's pauses.
 TEST(AgentAllocations, AreNoneWhileWritersAreOnlyLookedAfter) {
   const auto transport = open_udp_transport({.bind_address = INADDR_LOOPBACK}, test::make_pool()).value();
   const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();

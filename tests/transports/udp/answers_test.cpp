@@ -1,4 +1,4 @@
-// Acks and reports come back to those who send.
+// Acks and reports come back to the sender.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,7 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Notes where answers are asked for, how many come to where samples are received, and how many marks do.
+/// Records the port at which answers are requested. Counts answers and marks at the port for samples.
 class AnswerMonitor final : public test::PassingReceiver {
  public:
   struct Seen {
@@ -54,7 +54,7 @@ class AnswersTest : public TransportTest {
     });
   }
 
-  /// Enough for reports and acks.
+  /// Sends enough samples to cause reports and acks.
   void transfer(core::Network& there, core::Network& here) {
     Subscriber subscriber(here, {"*"});
     Publisher publisher(there);
@@ -90,9 +90,9 @@ TEST_P(AnswersTest, ComeToAPortOfTheirOwnAndWakeNobodyWhoReceivesSamples) {
   EXPECT_EQ(seen_there_.here, 0U);
 }
 
-// Firewalls, and those who translate addresses, know no other.
+// Firewalls and address translators let answers through at no other port.
 TEST_P(AnswersTest, ComeToThePortThatWasChosenWhereOneWas) {
-  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // is free again by now
+  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // the port is free again
   const auto there = open(seen_there_, port), here = open(seen_here_);
   transfer(*there, *here);
   EXPECT_EQ(seen_here_.port, port);
@@ -117,7 +117,7 @@ TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {
 }
 
 TEST_P(AnswersTest, AreCountedWhereNothingWasSentThatTheyAnswer) {
-  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // is free again by now
+  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // the port is free again
   const auto there = open(seen_there_, port);
   acknowledge_what_was_never_sent(*there, 3);
   EXPECT_TRUE(eventually([&] { return there->counters().rejected == 3; }));

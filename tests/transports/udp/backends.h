@@ -1,4 +1,4 @@
-// Both backends, and the one reason there may be to leave one of them out.
+// Both backends, and the one reason for which a test may leave one of them out.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,9 +14,8 @@
 
 namespace sft::udp::test {
 
-/// Returns why the system has no io_uring for us, as it says itself, whatever the code under test makes of
-/// that; empty if it has io_uring. For plain sockets it is always empty: where they cannot be opened, a test
-/// fails.
+/// Returns why the system gives us no io_uring; empty if it does. Asks the system itself, whatever the
+/// tested code concludes. Always empty for plain sockets: if these cannot be opened, a test fails.
 inline std::string refusal_of(Backend backend) {
   if (backend != Backend::io_uring) return {};
   io_uring_params params{};

@@ -1,4 +1,4 @@
-// A process that does not read for long costs others nothing, and itself only samples.
+// A process that does not read for long costs other processes nothing, and itself only samples.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -25,7 +25,7 @@ using test::Subscriber;
 
 class BacklogTest : public TransportTest {
  protected:
-  /// Nothing leaves for that one until the gate is opened.
+  /// Opens a transport that sends nothing to the gate's address until the gate is opened.
   std::unique_ptr<core::Network> open_before(test::Gate& gate, std::shared_ptr<core::BufferPool> pool) {
     UdpOptions options;
     options.bind_address = INADDR_LOOPBACK;

@@ -1,4 +1,4 @@
-// A publisher and readers, each reader on a host of its own, on a bridge that the test makes.
+// A publisher and readers on a bridge that the test makes. Each reader is on a host of its own.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -45,13 +45,13 @@ class BridgeTest : public testing::Test {
     core::UdpAddress address;
     std::string mask;
     bool reliable = false;
-    std::uint32_t since = 0;  ///< so many were published before it was served
+    std::uint32_t since = 0;  ///< how many samples were published before it was served
   };
 
   void TearDown() override {
     hosts_.clear();
     for (const std::string& link : links_)
-      run("ip link delete " + link + " 2> /dev/null");  // or gone with its host
+      run("ip link delete " + link + " 2> /dev/null");  // the link may have gone with its host
   }
 
   /// Opens the publisher on this host.
@@ -74,16 +74,16 @@ class BridgeTest : public testing::Test {
   static bool switch_on(unsigned number, const std::string& end) {
     return run("ip address add " + address_of(number) + " dev " + end + " && ip link set " + end + " up");
   }
-  /// Makes something on another host, which stays there. False if there can be none.
+  /// Runs `make` on another host. What it opens stays there. Returns false if no host can be made.
   bool on_host(unsigned number, const std::function<void()>& make) {
     const std::string end = "end" + std::to_string(number);
     return plug_in(number, end) && on_host_behind(end, address_of(number), make);
   }
-  /// A reader on a host of its own.
+  /// Adds a reader on a host of its own.
   bool add_reader(unsigned number, const std::string& mask, bool reliable) {
     return add_readers(number, {mask}, reliable);
   }
-  /// Readers on one host, each with a transport of its own, as several programs have.
+  /// Adds readers on one host. Each has a transport of its own, as several programs have.
   bool add_readers(unsigned number, const std::vector<std::string>& masks, bool reliable) {
     return on_host(number, [&] {
       for (const std::string& mask : masks) hosts_.push_back(open_reader(mask, reliable));
@@ -118,7 +118,7 @@ class BridgeTest : public testing::Test {
     }
     return true;
   }
-  /// One more, once everybody has all before.
+  /// Publishes a sample once all readers have all earlier ones.
   void publish() {
     ASSERT_TRUE(all_came());
     Image image = make_image(data_bytes, ++published_);
@@ -139,7 +139,7 @@ class BridgeTest : public testing::Test {
     }
     return true;
   }
-  /// Publishes until it holds.
+  /// Publishes until the condition holds.
   template <class Condition>
   bool publish_until(const Condition& holds) {
     return eventually([&] {

@@ -1,5 +1,4 @@
-// One publisher and eight readers with two masks, each on a host of its own, on one bridge: what is on the
-// wire.
+// The traffic of one publisher and eight readers with two masks, each on a host of its own, on one bridge.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -73,8 +72,8 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   EXPECT_TRUE(all_came());
 }
 
-/// The first sample goes to each alone, since its size was not known, and then one that tells a reliable
-/// member its place. No other sample goes by both ways.
+/// The first sample goes to each member alone, since its size was not known. So does another one, which
+/// says to a reliable member where it is in the group. No other sample goes both ways.
 TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
   make_hosts({});
   serve(hosts);
@@ -87,7 +86,7 @@ TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
     writer_->poll(now);
     if (all_are_in_groups()) return true;
     const bool probes_have_ended = writer_->next_poll() == decltype(now)::max();
-    if (probes_have_ended) publish();  // a busy machine was slower than all probes
+    if (probes_have_ended) publish();  // the machine was too busy to answer the probes in time
     return false;
   })) << publisher_->port().multicast(1);
   test::SampleTap tap("bridge");
@@ -125,7 +124,7 @@ class WaitingFanOutTest : public ManyHostsTest {
   }
 };
 
-/// The publisher may wait for a reader, also for one that shares a group with others.
+/// The publisher may wait for a reader, even if that reader shares a group with others.
 TEST_F(WaitingFanOutTest, LosesNothingToAMemberOfAGroupThatIsCutOffForAWhile) {
   constexpr std::uint32_t kept_most = ResendLimits{}.samples;
   constexpr std::uint32_t samples = kept_most + 2000;
@@ -170,8 +169,8 @@ class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<M
     }
   }
 
-  /// A reliable reader that is slow to acknowledge is sent heartbeats. On a busy machine many samples are
-  /// followed by some, so the half counts that took the fewest bytes.
+  /// Returns the bytes per sample. A reliable reader that acknowledges late gets heartbeats. On a busy
+  /// machine these follow many samples, so only the half of the samples with the fewest bytes counts.
   double bytes_of_a_sample() {
     std::vector<std::uint32_t> each;
     std::uint32_t before = test::traffic_of("bridge").sent;
@@ -186,7 +185,7 @@ class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<M
     return std::accumulate(each.begin(), each.end(), 0.) / static_cast<double>(each.size());
   }
 
-  /// The image has six fields, and so there are 64 masks. The first 32 of these have the data.
+  /// Returns one of 64 masks, since the image has six fields. The first 32 masks have the data.
   static std::string mask(unsigned number) {
     std::string mask = number < 32 ? "data" : "";
     for (const char* field : {", stamp.sec", ", stamp.nanosec", ", name", ", height", ", width"}) {
@@ -208,7 +207,7 @@ TEST_P(ManyMasksTest, CostNoMoreThanEverythingToEverybody) {
   serve(hosts_.size());
   constexpr std::size_t other_fields = 4 + 4 + (4 + name_bytes + 1) + 3 + 4 + 4 + 4;
   const double whole = wire_bytes(data_bytes + other_fields, datagram_bytes_max, PlaceMark::in_group);
-  // Readers that ask for little may stay out of groups.
+  // Readers that request little may stay out of groups.
   const auto is_shared = [&] {
     const std::uint32_t before = test::traffic_of("bridge").sent;
     publish();

@@ -1,4 +1,4 @@
-// Decorators of the I/O seam: a receiver whose datagrams get lost, repeated and swapped, and connections that
+// Decorators of the I/O interfaces: receivers that lose, repeat and swap datagrams, and connections that
 // are full or refuse.
 #pragma once
 
@@ -23,14 +23,14 @@ namespace sft::udp::test {
 struct Faults {
   double loss = 0;
   double repetition = 0;
-  double swap = 0;  ///< with the datagram after it
-  /// Outlives the I/O. Null: there are faults at all times.
+  double swap = 0;  ///< swapped with the next datagram
+  /// Must outlive the I/O. Null: faults may happen at any time.
   const std::atomic<bool>* only_while = nullptr;
 
   bool may_happen() const { return only_while == nullptr || *only_while; }
 };
 
-/// Passes everything on; the base of receivers that look at what comes, or lose some of it.
+/// Passes everything on. The base of receivers that check what comes, or lose some of it.
 class PassingReceiver : public DatagramReceiver, private DatagramSink {
  public:
   explicit PassingReceiver(std::unique_ptr<DatagramReceiver> inner) : inner_(std::move(inner)) {}
@@ -88,7 +88,7 @@ class FaultyReceiver final : public PassingReceiver {
   std::optional<std::vector<std::byte>> held_;
 };
 
-/// While it is unreached, this receiver gets nothing that was sent to a group.
+/// While `unreached` is true, this receiver gets nothing that was sent to a group.
 class UnreachedReceiver final : public PassingReceiver {
  public:
   UnreachedReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& unreached)
@@ -104,7 +104,7 @@ class UnreachedReceiver final : public PassingReceiver {
   const std::atomic<bool>& unreached_;
 };
 
-/// Keeps a receiving thread busy with one datagram, and notes in which order samples come from the sockets.
+/// Keeps a receiving thread busy with one datagram. Records the order of samples from the sockets.
 class Hold {
  public:
   void begin() {
@@ -114,13 +114,13 @@ class Hold {
     }
     held_ = true;
   }
-  /// The thread is busy.
+  /// Returns true while the thread is busy.
   bool stops_it() const { return stopped_; }
   void end() {
     held_ = false;
     held_.notify_all();
   }
-  /// Those since begin(): "7 by group, 8 alone".
+  /// Returns the arrivals since begin(), such as "7 by group, 8 alone".
   std::string arrivals() const {
     const std::scoped_lock lock(mutex_);
     return arrivals_;
@@ -162,7 +162,7 @@ class Hold {
   std::string arrivals_;
 };
 
-/// Passes everything on; the base of connections with faults.
+/// Passes everything on. The base of connections with faults.
 class Connected : public Connection {
  public:
   explicit Connected(std::unique_ptr<Connection> inner) : inner_(std::move(inner)) {}
@@ -178,11 +178,11 @@ class Connected : public Connection {
   std::unique_ptr<Connection> inner_;
 };
 
-/// Puts something around each connection of a sender.
+/// Puts a decorator around each connection of a sender.
 using DecorateConnection =
     std::function<std::unique_ptr<Connection>(const SocketAddress&, std::unique_ptr<Connection>)>;
 
-/// Passes everything on; the base of senders with faults.
+/// Passes everything on. The base of senders with faults.
 class PassingSender : public DatagramSender {
  public:
   explicit PassingSender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
@@ -218,7 +218,7 @@ class DecoratedSender final : public PassingSender {
   DecorateConnection decorate_;
 };
 
-/// The answers to this sender get lost, and some come twice.
+/// A sender that loses some answers, and gets some twice.
 class SenderOfBadLink final : public PassingSender {
  public:
   SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
@@ -250,14 +250,14 @@ class SenderOfBadLink final : public PassingSender {
   SocketAddress again_from_;
 };
 
-/// All that comes has faults: samples, and answers to those that are sent.
+/// Adds faults to everything that comes: samples, and answers to sent samples.
 inline DatagramIo with_faults(DatagramIo io, const Faults& faults, unsigned seed) {
   io.receiver = std::make_unique<FaultyReceiver>(std::move(io.receiver), faults, seed);
   io.sender = std::make_unique<SenderOfBadLink>(std::move(io.sender), faults, ~seed);
   return io;
 }
 
-/// The send buffer of one address: full until it is opened.
+/// The send buffer for one address. It is full until the gate is opened.
 class Gate {
  public:
   explicit Gate(std::uint16_t port) : port_(port) {}
@@ -302,7 +302,7 @@ class Gate {
   std::atomic<DatagramSender*> sender_{nullptr};
 };
 
-/// Sends one batch every second time, and is full then.
+/// Is full at every other call, and sends one batch at the others.
 class BusyConnection final : public Connected {
  public:
   using Connected::Connected;
@@ -318,7 +318,7 @@ class BusyConnection final : public Connected {
   std::atomic<unsigned> calls_{0};
 };
 
-/// A way out that refuses trains.
+/// A connection that refuses batches of several datagrams.
 template <SendOutcome refusal>
 class TrainRefusingConnection final : public Connected {
  public:

@@ -1,6 +1,6 @@
-// One publisher and 64 readers with conditions on 16 hosts, on one bridge. Hosts that ask for the same under
-// the same conditions are served by multicast groups. Each reader gets just what its conditions let pass, as
-// a reference says a second time, and counts nothing of the rest as lost.
+// One publisher and 64 readers with conditions on 16 hosts, on one bridge. Multicast groups serve hosts
+// that request the same under the same conditions. Each reader gets exactly what its conditions let pass,
+// as a reference confirms, and counts none of the rest as lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,8 +30,8 @@ using test::Image;
 
 constexpr std::size_t gated_hosts = 16, readers_per_host = 4;
 
-/// The readers ask for these in turn. Several have the same fields under different conditions, or different
-/// fields under the same conditions; the last two have no conditions.
+/// The readers request these in turn. Several have the same fields under different conditions, or different
+/// fields under the same conditions. The last two have no conditions.
 const std::vector<std::string> wishes{"height, data[::2] @ height > 500",
                                       "height, data[::2] @ height <= 500",
                                       "height, data[::2] @ every 3rd",
@@ -49,7 +49,7 @@ const TypeSupport& image_type() { return test::type_support<Image>(); }
 
 std::uint64_t gate_of(const Selection& selection) { return core::gate_id(selection.gate_hash(), 0); }
 
-/// The image with that number. Its fields change now and then, as conditions see it.
+/// Returns the image with that number. Its fields change now and then, so that conditions have an effect.
 Image image_of(std::uint32_t number) {
   sft::test::Random random{sft::test::test_seed() + number};
   Image image = test::make_image(random() % 3000, number);
@@ -59,14 +59,14 @@ Image image_of(std::uint32_t number) {
   return image;
 }
 
-/// The image as that selection wants it.
+/// Returns the image as that selection requests it.
 Image part_of(Image image, const Selection& wanted) {
   for (const Selection::Part& part : wanted.parts())
     image.data = sft::test::cut_reference::cut(image.data, part.columns);
   return image;
 }
 
-/// A gate of the publisher, beside the reference for the same conditions.
+/// A gate of the publisher, and the reference for the same conditions.
 class CheckedGate {
  public:
   CheckedGate(std::shared_ptr<core::Gate> gate, const Selection& selection)
@@ -84,7 +84,7 @@ class CheckedGate {
     reference_.passed(values, stamp_ns);
     numbers_.emplace(sequence, static_cast<std::uint32_t>(numbers_.size() + 1));
   }
-  /// The number of the sample among those that have passed; nothing if it has not.
+  /// Returns the number of the sample among those that have passed; nothing if it has not passed.
   std::optional<std::uint32_t> number(std::uint64_t sequence) const {
     const auto found = numbers_.find(sequence);
     return found == numbers_.end() ? std::nullopt : std::optional(found->second);
@@ -96,16 +96,16 @@ class CheckedGate {
   std::map<std::uint64_t, std::uint32_t> numbers_;  ///< by sequence
 };
 
-/// The gates of all wishes that were ever asked for.
+/// The gates of all wishes that were ever requested.
 class CheckedGates {
  public:
-  /// Gives the routes their gates. Call opened() once they are in force.
+  /// Assigns gates to the routes. Call opened() once the routes are in force.
   void give(std::vector<core::Route>& routes) {
     gates_.give(routes);
     for (const core::Route& route : routes)
       if (route.gate != nullptr) checked_.try_emplace(route.gate->id(), gates_.of(route), route.selection);
   }
-  /// The routes are in force, and these gates have been asked for anew.
+  /// Call this once the routes are in force. `anew`: the gates that a reader has newly requested.
   void opened(std::vector<core::Route> routes, const std::vector<std::uint64_t>& anew) {
     core::Serving serving;
     serving.network = std::move(routes);
@@ -119,7 +119,7 @@ class CheckedGates {
   bool let_pass(const Selection& wish, std::uint64_t sequence) const {
     return gate_of(wish) == 0 || checked_.at(gate_of(wish)).number(sequence);
   }
-  /// 0: it has none.
+  /// Returns the number of the sample behind the wish's gate; 0 if it has none.
   std::uint32_t number(const Selection& wish, std::uint64_t sequence) const {
     return gate_of(wish) == 0 ? 0 : checked_.at(gate_of(wish)).number(sequence).value_or(0);
   }
@@ -129,7 +129,7 @@ class CheckedGates {
   std::map<std::uint64_t, CheckedGate> checked_;  ///< by id
 };
 
-/// A reader, and what it has to get.
+/// A reader, and the samples that it must get.
 class GatedReader {
  public:
   GatedReader(std::shared_ptr<core::Network> transport, core::EndpointId id, const std::string& wish,
@@ -146,7 +146,7 @@ class GatedReader {
   void listen_to(core::EndpointId writer) {
     reliable_ ? subscriber_->listen_reliably_to(writer) : subscriber_->listen_to(writer);
   }
-  /// Samples under former wishes may still come then.
+  /// Changes the wish. Samples under former wishes may still come after that.
   void ask_for(const std::string& wish) {
     const Selection asked = test::selection_of<Image>(wish);
     const core::Wanted wanted{asked.without_rate()};
@@ -163,10 +163,10 @@ class GatedReader {
     return route;
   }
 
-  /// That sample is sent under its wish. Others count as withheld.
+  /// Notes that the sample is sent under the present wish. Other samples count as withheld.
   void owe(std::uint64_t sequence) { owed_.push_back(sequence); }
   std::size_t owed() const { return owed_.size(); }
-  /// Takes samples until it has all that it is owed. Returns what is wrong; empty if nothing is.
+  /// Takes samples until it has all that it is owed. Returns the first error; empty if there is none.
   std::string catch_up(const CheckedGates& gates) {
     std::string wrong;
     while (wrong.empty() && got_ < owed_.size()) {
@@ -180,7 +180,7 @@ class GatedReader {
 
   std::uint64_t lost() const { return lost_; }
   std::uint64_t withheld() const { return withheld_; }
-  /// Returns the samples that are missing between the first and the last one that have come.
+  /// Returns how many samples are missing between the first and the last one that it is owed.
   std::uint64_t kept_from_it() const { return owed_.back() - owed_.front() + 1 - received_; }
 
  private:
@@ -205,7 +205,7 @@ class GatedReader {
     got_ += is_next ? 1 : 0;
     return {};
   }
-  /// The latest one, if several suit the sample.
+  /// Returns the wish that the sample was sent under; the latest one if several match.
   const Selection* named_by(const core::SampleBuffer& sample) const {
     const auto suits = [&](const Selection& wish) {
       if (gate_of(wish) != sample.gate) return false;
@@ -222,7 +222,7 @@ class GatedReader {
   core::UdpAddress address_;
   std::unique_ptr<test::Subscriber> subscriber_;
   core::AcceptedRequests requests_;
-  std::vector<Selection> asked_{};  ///< the latest is the last
+  std::vector<Selection> asked_{};  ///< the latest wish is the last one
   core::AskedGates asked_gates_{};
   core::SequenceAccount account_{};
   std::vector<std::uint64_t> owed_{};  ///< sequences of the samples that are owed
@@ -230,7 +230,7 @@ class GatedReader {
   std::uint64_t received_ = 0, lost_ = 0, withheld_ = 0;
 };
 
-/// Reliable readers are on links that lose, repeat and swap datagrams, once they are in their groups.
+/// The links of reliable readers lose, repeat and swap datagrams, once the readers are in their groups.
 class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
@@ -248,7 +248,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     BridgeTest::TearDown();
   }
 
-  /// Four processes with a reader each; on the last host, one process with four readers.
+  /// Adds four processes with a reader each; on the last host, one process with four readers.
   void add_readers(unsigned host) {
     std::shared_ptr<core::Network> transport;
     for (std::size_t i = 0; i < readers_per_host; ++i) {
@@ -265,7 +265,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
                               [=](DatagramIo io) { return test::with_faults(std::move(io), faults, seed); })
         .value();
   }
-  /// Brings into force what the readers ask for.
+  /// Puts the readers' present wishes into force.
   void serve() {
     std::vector<core::Route> routes;
     std::vector<std::uint64_t> anew;
@@ -286,7 +286,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     const Image image = image_of(++published_);
     const core::SampleHandle sample = publisher_->make(image);
     ASSERT_TRUE(sample);
-    // As a publisher does: what the gates withhold counts from the moment from which the routes hold.
+    // As in a publisher, what the gates withhold counts from the moment at which the routes take effect.
     core::Transmission transmission = publisher_->port().begin();
     gates_.evaluate(image, published_);
     for (const auto& reader : readers_)
@@ -297,15 +297,15 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   void catch_up() {
     for (const auto& reader : readers_) ASSERT_EQ(reader->catch_up(gates_), "") << "reader " << reader->id();
   }
-  /// Over good links, a sample is published once all before have come: no queue is ever full. Over bad ones,
-  /// many are under way at a time.
+  /// Over good links, publishes a sample once all earlier ones have come, so that no queue is ever full.
+  /// Over bad links, many samples are under way at the same time.
   void publish_and_compare(std::size_t samples) {
     for (std::size_t i = 0; i < samples && !HasFatalFailure(); ++i) {
       publish();
       if (!is_bad_ || published_ % 64 == 0) catch_up();
     }
   }
-  /// How many wishes with conditions are served by a group to all who may be in one.
+  /// Returns how many wishes with conditions are served by groups to all readers that may be in one.
   std::size_t gated_groups() {
     std::map<std::uint64_t, bool> by_group;  // by wish
     for (const auto& reader : readers_) {
@@ -315,7 +315,8 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     return static_cast<std::size_t>(
         std::ranges::count_if(by_group, [](const auto& wish) { return wish.second; }));
   }
-  /// No more than eight groups of some samples are made behind a link, and there are ten wishes for some.
+  /// Publishes until all groups are in use. A link has at most eight groups with conditions, for ten
+  /// wishes.
   void come_together() {
     constexpr std::size_t most_groups = 8;
     ASSERT_TRUE(test::eventually([&] {
@@ -359,7 +360,7 @@ TEST_P(GateFanOutTest, GivesSixtyFourReadersJustWhatTheirOwnConditionsLetPass) {
   }
 }
 
-/// Each change takes a reader out of its group, and lets the next sample pass for all who share its new gate.
+/// Each change removes a reader from its group. The next sample passes for all readers with its new gate.
 TEST_P(GateFanOutTest, MissesNothingForReadersThatChangeTheirConditionsNorForThoseBesideThem) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};

@@ -1,5 +1,5 @@
-// Counts every operator new of the process where each sample goes out under many masks, and waits in the
-// lanes of all of them. Nothing is sent here, so the same job comes to the same mask in each run.
+// Counts each operator new of the process while each sample is queued under many masks. Nothing is sent
+// here, so in each run a job comes to the same masks.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -21,7 +21,7 @@ using test::Image;
 
 constexpr std::size_t masks = 64, lane_depth = 2;
 
-/// The allocations of one call.
+/// Returns the allocations of one call.
 template <class Act>
 std::uint64_t allocations_of(const Act& act) {
   sft::test::note_allocations();
@@ -32,7 +32,7 @@ std::uint64_t allocations_of(const Act& act) {
   return allocations;
 }
 
-/// A different set of fields for each number below 64.
+/// Returns a different set of fields for each number below 64.
 std::string fields_of(std::size_t number) {
   std::string text;
   for (const char* name : {"stamp.sec", "stamp.nanosec", "height", "width", "name", "data"}) {
@@ -42,7 +42,7 @@ std::string fields_of(std::size_t number) {
   return text;
 }
 
-/// One reader for each mask, all behind a socket whose send buffers are full: a lane loses its oldest sample
+/// One reader for each mask, all behind a socket with a full send buffer. A lane drops its oldest sample
 /// for each new one.
 class ManyMaskAllocations : public testing::Test {
  protected:
@@ -64,7 +64,7 @@ class ManyMaskAllocations : public testing::Test {
     test::fill(*sample_, image, all, 7, 1);
   }
 
-  /// Returns how many older samples had to go.
+  /// Sends a sample under all masks. Returns how many older samples were dropped.
   std::size_t send() {
     std::size_t lost = 0;
     for (const Audience& audience : audiences_) lost += sender_.send(audience, sample_);
@@ -83,8 +83,8 @@ class ManyMaskAllocations : public testing::Test {
   core::SampleHandle sample_;
 };
 
-/// A job that one mask is done with is the next one's. So each job comes to all masks, but only after 64
-/// samples.
+/// The next mask uses the job that one mask no longer needs. So each job comes to all masks, but only after
+/// 64 samples.
 TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
   for (std::size_t lost = 0; lost < 2 * lane_depth * masks;) lost += send();
   std::size_t lost = 0;
@@ -95,7 +95,7 @@ TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
   EXPECT_EQ(lost, 2 * masks * masks) << "each sample costs each lane one";
 }
 
-/// The sending thread takes a list of lanes and leaves one that it has emptied.
+/// The sending thread takes a list of lanes, and leaves an empty list for the next ones.
 class ScheduledWorkAllocations : public testing::Test {
  protected:
   ScheduledWorkAllocations() {

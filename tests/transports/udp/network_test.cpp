@@ -1,5 +1,4 @@
-// Several readers of one publisher, of which one cannot be reached or does not keep up, on a network of the
-// test's own.
+// Several readers of one publisher, one of which cannot be reached or is slow, on a network of the test.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -37,7 +36,7 @@ using test::run;
 using test::Subscriber;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, and nobody answers for it
+constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, but no host answers for it
 
 class NetworkTest : public testing::TestWithParam<Backend> {
  protected:
@@ -89,7 +88,7 @@ TEST(KnownMulticastLinksTest, AreAskedForOnceUntilTheNetworkChanges) {
   EXPECT_EQ(asked, 3);
 }
 
-/// The routes of a writer ask for the links of this host, and see a change before the node looks for one.
+/// A writer that gets routes reads the links of this host, and may notice a change before the node does.
 TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
   if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
   const auto transport = open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();
@@ -105,7 +104,7 @@ TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, test::both_backends, test::backend_name);
 
-/// Datagrams that wait for the dead host's answer take some 3 s until the kernel gives up on it.
+/// Datagrams wait some 3 s for the dead host's answer until the kernel gives up.
 TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"*", "stamp"});
@@ -128,7 +127,7 @@ class Pair {
       : there_(std::move(there)), here_(std::move(here)) {
     subscriber_.listen_to(publisher_.id());
   }
-  /// The second one reads the same.
+  /// Serves the fast reader, and a second one that reads the same.
   void serve(core::Network* second = nullptr) {
     std::vector<Publisher::Reader> readers{{test::loopback_address(*here_)}};
     if (second != nullptr) readers.insert(readers.begin(), {test::loopback_address(*second)});
@@ -151,7 +150,7 @@ class Pair {
   std::size_t came_ = 0;
 };
 
-/// Each sample holds the thread up that receives for the reader, until the thread may go on.
+/// A reader that blocks the receiving thread at each sample until the test lets the thread go on.
 class SlowReader final : private core::ArrivalListener {
  public:
   SlowReader(core::Network& transport, core::EndpointId publisher) {
@@ -163,7 +162,7 @@ class SlowReader final : private core::ArrivalListener {
     EXPECT_TRUE(port_->connect({.writer = publisher}));
   }
   ~SlowReader() { let_go_of(std::numeric_limits<std::size_t>::max()); }
-  /// Up to the next sample.
+  /// Lets the thread run until the next sample.
   void go_on() { let_go_of(came_); }
   std::size_t came() const { return came_; }
 
@@ -179,11 +178,11 @@ class SlowReader final : private core::ArrivalListener {
     }
   }
   std::atomic<std::size_t> came_{0}, let_go_{0};
-  std::unique_ptr<core::NetworkReader> port_;  // goes first: then nobody calls any more
+  std::unique_ptr<core::NetworkReader> port_;  // destroyed first: after that no thread calls arrived()
 };
 
-/// Samples with the slow reader and without it take turns, so that both meet the same load of the machine.
-/// The slow reader does not go on before the fast one has five more.
+/// Samples to a pair with the slow reader and to one without alternate, so that both meet the same load of
+/// the machine. The slow reader goes on only after the fast one has got five more samples.
 TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
   Pair alone(open(), open()), beside(open(), open());
   const auto slow = open({.receive_buffer_bytes = 200'000});
@@ -207,7 +206,7 @@ TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
   EXPECT_LT(time_beside, 3 * time_alone + 400ms) << "the slow one waits for the fast one";
 }
 
-/// 1 Mbit/s, and behind it nobody answers.
+/// A link of 1 Mbit/s, with no host behind it.
 TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
   if (!run("tc qdisc replace dev near root tbf rate 1mbit burst 70kb latency 40s") ||
       !run("ip neighbour replace 10.9.0.3 lladdr 02:00:00:00:00:03 dev near"))
@@ -223,7 +222,7 @@ TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
   }
 }
 
-/// Between two hosts, either of which loses what comes, and also sees some of it twice and in another order.
+/// Between two hosts that both lose, repeat and swap datagrams that come in.
 TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGetLost) {
   sft::test::Random random{sft::test::test_seed()};
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -250,7 +249,7 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
   test::transfer_all_sizes(publisher, subscriber, random);
 }
 
-/// An announcement can name anybody's address.
+/// An announcement can name the address of any host.
 TEST_P(NetworkTest, SendsNextToNothingToAHostThatDidNotAskForIt) {
   int socket = -1;
   sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
@@ -373,7 +372,7 @@ TEST_P(NetworkTest, GoesOnWhenTheHostGetsAnotherAddress) {
   publisher.serve({{{0x0A090003, 5000, 32 << 20}}});
   EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
   ASSERT_TRUE(with_address("10.9.0.6"));
-  publisher.publish(make_image(5));  // may find out
+  publisher.publish(make_image(5));  // the first one that may fail
   EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
 }
 

@@ -1,5 +1,5 @@
-// One publisher and readers of parts of a field, each on a host of its own, on one bridge: what is on the
-// wire, and what comes.
+// One publisher and readers of parts of a field, each on a host of its own, on one bridge. The tests check
+// the traffic, and what arrives.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     open_publisher();
   }
 
-  /// A reader on a host of its own for each text.
+  /// Makes a reader on a host of its own for each text.
   void make_readers(const std::vector<std::string>& asked) {
     for (const std::string& one : asked)
       ASSERT_TRUE(add_reader(static_cast<unsigned>(hosts_.size()) + 2, one, GetParam()));
@@ -38,7 +38,7 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     publish(samples_weighed);
     return static_cast<double>(test::traffic_of("bridge").sent - before) / samples_weighed;
   }
-  /// The image with that number, of which each step-th byte was kept.
+  /// Returns the image with that number, reduced to each `step`th byte.
   static test::Image thinned(std::uint32_t number, std::size_t step) {
     test::Image image = test::make_image(data_bytes, number);
     image.name.assign(name_bytes, 'n');
@@ -47,8 +47,8 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     image.data = std::move(kept);
     return image;
   }
-  /// All samples of the reader are what they name, in order, and none is missing. Returns how many of them
-  /// have a part.
+  /// Expects all samples of the reader to be what they name, in order and complete. Returns how many of
+  /// them have a part.
   std::size_t check(std::size_t reader, std::size_t step) {
     const auto samples = hosts_[reader].subscriber->await(published_ - hosts_[reader].since);
     const Selection asked = test::selection_of<test::Image>(hosts_[reader].mask);
@@ -102,7 +102,7 @@ TEST_P(PartFanOutTest, ServesWholePartAndScalarsBesideEachOther) {
   for (const std::size_t reader : {2U, 3U, 4U}) check(reader, 4);
 }
 
-/// Two readers of one transport, as one program has.
+/// Two readers of one transport, as a single program has them.
 TEST_P(PartFanOutTest, SendsAProcessWithTwoReadersOfAPartOneCopy) {
   make_readers({"data[::2]"});
   const double one_reader = bytes_of_one_sample();
@@ -117,7 +117,7 @@ TEST_P(PartFanOutTest, SendsAProcessWithTwoReadersOfAPartOneCopy) {
   EXPECT_TRUE(all_came());
 }
 
-/// The reader that changes goes from its group to being served alone, and to another group.
+/// The reader that changes leaves its group, is served alone, and then joins another group.
 TEST_P(PartFanOutTest, LosesNothingWhileAReaderChangesItsPart) {
   const std::string third = "data[::3]", half = "data[::2]";
   make_readers({third, third, half, half});

@@ -29,7 +29,7 @@ void run_all(const std::string& commands) {
   ASSERT_EQ(std::system(("sh -ec '" + commands + "'").c_str()), 0) << commands;
 }
 
-/// Notes how long the longest datagram is that comes.
+/// Records the length of the longest datagram that comes.
 class LongestSoFar final : public test::PassingReceiver {
  public:
   LongestSoFar(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
@@ -44,11 +44,11 @@ class LongestSoFar final : public test::PassingReceiver {
   std::atomic<std::size_t>& longest_;
 };
 
-/// Addresses are in use at once: nobody looks for others that have them.
+/// Makes addresses usable at once, without detection of duplicates.
 constexpr const char* set_up =
     "ip link set lo up; for f in /proc/sys/net/ipv6/conf/*/accept_dad; do echo 0 > $f; done";
 
-/// A network stack of its own, with a transport if need be.
+/// A host with a network stack of its own, and a transport if a test opens one.
 class Host {
  public:
   Host() {
@@ -77,11 +77,11 @@ class Host {
   Host& operator=(const Host&) = delete;
 
   bool is_own() const { return own_; }
-  /// Returns the name for `ip link ... netns`.
+  /// Returns the name of the stack for `ip link ... netns`.
   std::string name() const {
     return "/proc/" + std::to_string(::getpid()) + "/task/" + std::to_string(thread_id_) + "/ns/net";
   }
-  /// Runs that there, and waits for it.
+  /// Runs the task on that host, and waits for its end.
   void here(std::function<void()> task) {
     std::unique_lock lock(mutex_);
     task_ = std::move(task);
@@ -106,7 +106,7 @@ class Host {
     address.ip = ip;
     return address;
   }
-  /// Bytes of the longest datagram that has come since this was asked last.
+  /// Returns the bytes of the longest datagram since the last call.
   std::size_t longest() { return longest_.exchange(0); }
 
  private:
@@ -132,7 +132,7 @@ class PathsTest : public testing::TestWithParam<Family> {
   void TearDown() override { std::system("for l in out1 out2; do ip link del $l; done 2> /dev/null"); }
 
   static bool ipv6() { return GetParam() == Family::ipv6; }
-  /// Host `number` of network `net`.
+  /// Returns the address of host `number` in network `net`.
   static std::string address(unsigned net, unsigned number) {
     return (ipv6() ? "fd0" : "10.20.") + std::to_string(net) + (ipv6() ? "::" : ".") + std::to_string(number);
   }
@@ -145,7 +145,8 @@ class PathsTest : public testing::TestWithParam<Family> {
   }
   static std::size_t payload(std::size_t mtu) { return mtu - (ipv6() ? 48 : 28); }
 
-  /// A cable from this host to that one: network `net`, we are its number 1. Frames are cut before it.
+  /// Makes a cable from this host to that one: network `net`, in which we are number 1. Batches are cut
+  /// into frames before they reach the cable.
   static void plug_in(Host& host, unsigned net, unsigned mtu) {
     const std::string number = std::to_string(net), out = "out" + number, mtus = std::to_string(mtu);
     run_all("ip link add " + out + " mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
@@ -154,7 +155,7 @@ class PathsTest : public testing::TestWithParam<Family> {
     host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
   }
 
-  /// Another cable, from a router to a host behind it: network 2, the router is its number 1.
+  /// Makes another cable, from a router to a host behind it: network 2, in which the router is number 1.
   static void put_behind(Host& router, Host& far, unsigned mtu) {
     const std::string mtus = std::to_string(mtu);
     router.run_here("ip link add r1 mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
@@ -165,8 +166,8 @@ class PathsTest : public testing::TestWithParam<Family> {
                  address(2, 1));
     run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
   }
-  /// From now on the router drops longer packets without an error, as some tunnels do. The sending host cuts
-  /// trains of datagrams into packets before they get there.
+  /// Makes the router drop longer packets without an error from now on, as some tunnels do. The sending
+  /// host cuts batches of datagrams into packets before they reach the router.
   static void drop_longer_than(unsigned bytes, Host& router) {
     router.run_here(
         "nft add table inet silent; nft add chain inet silent f \"{ type filter hook forward "
@@ -199,7 +200,7 @@ TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
   EXPECT_EQ(jumbo.longest(), payload(9000));
   EXPECT_EQ(usual.longest(), payload(1500));
 
-  // Shorter from now on: what is refused is cut again, not lost. And longer again.
+  // First a shorter limit: a refused sample is cut again, and not lost. Then the longer limit again.
   run_all("ip link set out1 mtu 1280");
   publisher.publish(make_image(300'000));
   EXPECT_EQ(of_jumbo.await(2).size(), 2U);
@@ -247,7 +248,7 @@ TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
   EXPECT_EQ(far.longest(), payload(1400));
 }
 
-/// The far end of the cable takes less than the near one knows of: what is longer is dropped without a word.
+/// The far end of the cable accepts less than the near end knows, and drops longer packets silently.
 TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   Host far;
   plug_in(far, 1, 9000);
@@ -271,7 +272,7 @@ TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   EXPECT_EQ(longest, payload(1450));
 }
 
-/// By best effort, where nothing is asked for again.
+/// With best effort, where nothing is sent again.
 TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   Host far;
   plug_in(far, 1, 9000);
@@ -293,7 +294,7 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   }
 }
 
-/// Bytes of samples that take one datagram that fits, one that does not, a few, and many.
+/// Data of samples that fit into one datagram, just do not, or take a few or many datagrams.
 constexpr std::size_t all_sizes[] = {100, 1300, 1400, 9000, 1'600'000};
 
 TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPacketsSilently) {
@@ -324,7 +325,7 @@ TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPa
   }
 }
 
-/// They are lost until it is known how long datagrams may be. From then on they arrive.
+/// Samples are lost until the limit of the length is known. From then on they arrive.
 TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
   Host router, far;
   plug_in(router, 1, 9000);

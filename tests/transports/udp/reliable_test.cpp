@@ -1,5 +1,4 @@
-// Reliable delivery from transport to transport, while datagrams get lost, repeated and swapped on either
-// way.
+// Reliable delivery between transports, while datagrams get lost, repeated and swapped in both directions.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
@@ -35,7 +34,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
     if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
-  /// Datagrams of 1,400 bytes, so that large samples have many.
+  /// Opens a transport with datagrams of 1,400 bytes, so that large samples need many.
   std::unique_ptr<core::Network> open(const test::Faults& faults = {}, UdpOptions options = {}) {
     options.bind_address = INADDR_LOOPBACK;
     options.backend = GetParam();
@@ -46,7 +45,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
         .value();
   }
 
-  /// One reader, served reliably.
+  /// Serves one reader reliably.
   void join(Publisher& publisher, Subscriber& subscriber, const core::Network& here) {
     subscriber.listen_reliably_to(publisher.id());
     publisher.serve({{test::loopback_address(here), "*", true}});
@@ -85,7 +84,7 @@ TEST_P(ReliableTest, DeliversTheLastSampleAlthoughNothingFollowsIt) {
   EXPECT_EQ(subscriber.await_sequences(1), up_to(1));
 }
 
-/// Counts what comes, except marks.
+/// Counts what comes, except for marks.
 class CountingReceiver final : public test::PassingReceiver {
  public:
   CountingReceiver(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& count)
@@ -168,11 +167,11 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
   EXPECT_TRUE(test::eventually(rests));
 }
 
-/// A publisher that has retained samples, and a reader that comes then.
+/// A publisher that has retained samples, and a reader that comes later.
 class LateReaderTest : public ReliableTest {
  protected:
-  /// The numbers of what the reader gets where so many samples of so many bytes are retained, and `live` ones
-  /// follow. As on a reliable topic the publisher keeps what it retains.
+  /// Returns the sequences that a late reader gets if `retained` samples of `bytes` bytes are retained, and
+  /// `live` ones follow. The publisher keeps what it retains, as on a reliable topic.
   std::vector<std::uint64_t> numbers_of(std::size_t retained, std::size_t bytes, std::size_t live = 0) {
     const auto there = open({}, full_length), here = open({}, full_length);
     const auto pool = core::BufferPool::make(std::size_t{512} << 20);

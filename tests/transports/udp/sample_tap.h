@@ -1,5 +1,5 @@
-// Counts the bytes of samples that an interface of this host sends. Counters of the interface have also what
-// is sent when it is due, not with a sample: heartbeats, offers, and what the kernel says by itself.
+// Counts the bytes of samples that an interface of this host sends. The interface's own counters would
+// include what is sent at other times: heartbeats, offers, and packets of the kernel.
 #pragma once
 
 #include <arpa/inet.h>
@@ -25,18 +25,18 @@ namespace sft::udp::test {
 class SampleTap {
  public:
   explicit SampleTap(const std::string& interface)
-      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {  // hears nothing yet
+      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {  // receives nothing yet
     sockaddr_ll place{};
     place.sll_family = AF_PACKET;
     place.sll_protocol = htons(ETH_P_ALL);
     place.sll_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
-    open_ = place.sll_ifindex > 0 &&  // 0: all of them
+    open_ = place.sll_ifindex > 0 &&  // 0 would mean all interfaces
             ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
   }
   bool is_open() const { return open_; }
 
-  /// The bytes of the datagrams that have carried samples over IPv4 since the last call, with headers of
-  /// ours.
+  /// Returns the bytes of the datagrams with samples that were sent over IPv4 since the last call,
+  /// including our own headers.
   std::size_t bytes() {
     std::size_t sum = 0;
     sockaddr_ll from{};
@@ -57,7 +57,8 @@ class SampleTap {
     std::memcpy(&ip, frame.data(), sizeof ip);
     const std::size_t headers_bytes = ip.ihl * std::size_t{4} + sizeof(udphdr);
     if (ip.protocol != IPPROTO_UDP || frame.size() <= headers_bytes) return 0;
-    const auto datagrams = frame.subspan(headers_bytes);  // offloads join several of a kind
+    // an offload may join several datagrams of the same kind
+    const auto datagrams = frame.subspan(headers_bytes);
     return is_of_sample(kind_of(datagrams).value_or(DatagramKind::heartbeat)) ? datagrams.size() : 0;
   }
 

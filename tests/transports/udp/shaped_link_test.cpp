@@ -1,4 +1,4 @@
-// Small samples beside large ones, on a link that is far too slow for these.
+// Small samples beside large ones, on a link that is far too slow for the large ones.
 #include <gtest/gtest.h>
 #include <sched.h>
 
@@ -33,7 +33,7 @@ using sft::test::StandstillMonitor;
 using WatchedClock = StandstillMonitor::Clock;
 using Standstills = std::vector<StandstillMonitor::Standstill>;
 
-/// A publisher here, and its reader there.
+/// A publisher on this host, and its reader on the other one.
 struct Topic {
   Topic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id,
         std::uint32_t depth)
@@ -45,7 +45,7 @@ struct Topic {
   Subscriber subscriber;
 };
 
-/// A topic of small samples, and how long these take.
+/// A topic of small samples, whose times to arrival are measured.
 class SmallTopic {
  public:
   SmallTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
@@ -54,9 +54,9 @@ class SmallTopic {
     published_at_.push_back(WatchedClock::now());
     topic_.publisher.publish(make_image(100));
   }
-  /// Returns how long each of the samples took that were published since the last call, but for the time in
-  /// which the machine stood still. The times are sorted. A lost sample took forever, unless the machine
-  /// stood still when it was under way.
+  /// Returns the times from publication to arrival of all samples since the last call, sorted, without the
+  /// time in which the machine stood still. A lost sample counts as the longest time, unless the machine
+  /// stood still while it was under way.
   std::vector<WatchedClock::duration> times(const Standstills& standstills = {}) {
     std::vector<std::int64_t> came_ns(published_at_.size());
     for (const auto& sample : topic_.subscriber.await(published_at_.size(), 1s))
@@ -83,7 +83,7 @@ class SmallTopic {
   std::size_t done_ = 0;
 };
 
-/// Publishes samples of 1 MB, every 10 ms.
+/// A topic of samples of 1 MB.
 class LargeTopic {
  public:
   LargeTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
@@ -97,13 +97,13 @@ class LargeTopic {
   Topic topic_;
 };
 
-/// This thread, and those that it starts. Where threads of one side are on two CPUs, the kernel swaps what
-/// they take off the shaped link, and best effort drops what comes behind a newer one.
+/// Binds this thread, and those that it starts, to one CPU. If threads of one side ran on two CPUs, the
+/// kernel would swap datagrams on the shaped link, and best effort drops what comes behind a newer sample.
 void run_on(int cpu) {
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
   CPU_SET(cpu, &cpus);
-  ::sched_setaffinity(0, sizeof cpus, &cpus);  // on a machine with one it has nothing to do
+  ::sched_setaffinity(0, sizeof cpus, &cpus);  // has no effect on a machine with one CPU
 }
 
 class ShapedLinkTest : public testing::TestWithParam<Backend> {
@@ -135,7 +135,7 @@ class ShapedLinkTest : public testing::TestWithParam<Backend> {
 
 INSTANTIATE_TEST_SUITE_P(Backends, ShapedLinkTest, test::both_backends, test::backend_name);
 
-/// On a schedule of its own, whatever the link takes.
+/// Samples are published at fixed times, whatever the link takes.
 TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
   std::vector<std::unique_ptr<LargeTopic>> large;
   std::vector<std::unique_ptr<SmallTopic>> small;
@@ -143,7 +143,7 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
     large.push_back(std::make_unique<LargeTopic>(*near_, *far_, reader(id % 2 == 0), id));
   for (core::EndpointId id = 5; id <= 6; ++id)
     small.push_back(std::make_unique<SmallTopic>(*near_, *far_, reader(id % 2 == 0), id));
-  small[0]->publish();  // has the kernel ask for the other host's address
+  small[0]->publish();  // makes the kernel look up the other host's address
   ASSERT_LT(small[0]->times().back(), 1s);
 
   StandstillMonitor monitor(2);

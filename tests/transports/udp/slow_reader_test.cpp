@@ -1,4 +1,4 @@
-// Reliable readers that take less than is published, and publishers that wait for them, or not.
+// Reliable readers that take less than is published, with publishers that wait for them or do not.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,9 +22,9 @@ using test::loopback_address;
 using test::make_image;
 
 constexpr std::uint32_t depth = 4;
-constexpr std::uint64_t under_way_max = 4096;  // samples that a channel keeps
+constexpr std::uint64_t under_way_max = 4096;  // how many samples a channel keeps
 
-/// Takes nothing by itself.
+/// A subscriber that takes samples only when the test calls it.
 class SlowSubscriber final : private core::ArrivalListener {
  public:
   SlowSubscriber(core::Network& transport, const core::Source& source) {
@@ -38,7 +38,7 @@ class SlowSubscriber final : private core::ArrivalListener {
     port_->accept({{.wanted = {fields<Image>("*")}}});
     EXPECT_TRUE(port_->connect(source));
   }
-  /// Takes samples until that one has come; fewer after a while.
+  /// Takes samples until `last` has come, and returns them; fewer after a time-out.
   std::vector<std::uint64_t> take_until(std::uint64_t last) {
     std::vector<std::uint64_t> sequences;
     eventually([&] {
@@ -58,7 +58,7 @@ class SlowReaderTest : public TransportTest {
  protected:
   static constexpr core::EndpointId writer = 7;
 
-  /// Publishes that many, and waits for each up to so long.
+  /// Publishes that number of samples, and waits up to `max_blocking` for each.
   void publish(std::uint64_t samples, std::chrono::nanoseconds max_blocking) {
     const auto port = there_->open_writer({writer, &test::type_support<Image>(), true, max_blocking}).value();
     core::Route route{1, loopback_address(*here_), fields<Image>("*")};
@@ -71,7 +71,7 @@ class SlowReaderTest : public TransportTest {
       port->send(sample);
       published_ = sequence;
     }
-    eventually([&] { return over_.load(); });  // what it keeps goes with it
+    eventually([&] { return over_.load(); });  // before the port ends with the samples that it keeps
   }
 
   std::unique_ptr<core::Network> here_ = nullptr, there_ = nullptr;

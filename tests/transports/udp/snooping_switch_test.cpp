@@ -1,5 +1,5 @@
-// A publisher, two readers and a host that wants nothing, on a switch that snoops on IGMP: with a querier it
-// passes a group on to those ports only from which membership was reported, without one it passes on nothing.
+// A publisher, two readers and a host without readers, on a switch with IGMP snooping. With a querier it
+// passes a group only to ports that have reported membership. Without one it passes on nothing.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -14,12 +14,12 @@ namespace sft::udp {
 namespace {
 
 constexpr std::size_t samples_watched = 100;
-constexpr std::size_t sample_bytes = 8000;  // no less
+constexpr std::size_t sample_bytes = 8000;  // a lower bound
 constexpr const char* bystander = "port4";
 
-/// The bridge asks by IGMPv3: by the older one it would for its first seconds pass on each host's report to
-/// all others, these would keep theirs back, and it would not learn of them. It holds back what nobody has
-/// joined once a querier has had its response interval, here 0.1 s.
+/// The bridge uses IGMPv3. With an older version it would pass each host's report to all others during its
+/// first seconds. These would then suppress their own reports, and the bridge would not learn of them. It
+/// filters groups without members once a querier has waited for its response interval, here 0.1 s.
 class SnoopingSwitchTest : public test::BridgeTest {
  protected:
   void SetUp() override {
@@ -34,9 +34,9 @@ class SnoopingSwitchTest : public test::BridgeTest {
   static void switch_querier_on() {
     ASSERT_TRUE(test::run("ip link set bridge type bridge mcast_querier 1"));
   }
-  /// A group that is joined while the switch still floods is heard before the switch knows its members: their
-  /// kernels report some milliseconds later. A switch that begins to hold back between the two would cost
-  /// samples that are not reliable, and no publisher could know.
+  /// Waits until the switch filters. A group that is joined before that is received although the switch
+  /// does not know its members yet, because their kernels report some milliseconds later. If the switch
+  /// began to filter in between, best-effort samples would be lost, and no publisher could know.
   bool holds_back_what_nobody_joined() {
     const core::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
     const int yes = 1;
@@ -47,7 +47,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
       const std::uint32_t before = test::traffic_of(bystander).sent;
       const auto came = [before] { return test::traffic_of(bystander).sent - before; };
       send(socket, "239.255.1.1", sample_bytes);
-      send(socket, "10.20.0.255", 2 * sample_bytes);  // comes everywhere, and last
+      send(socket, "10.20.0.255", 2 * sample_bytes);  // reaches all ports, and comes last
       return test::eventually([&] { return came() >= 2 * sample_bytes; }) && came() < 3 * sample_bytes;
     });
   }
@@ -66,7 +66,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     ASSERT_TRUE(add_reader(3, "*", reliable));
     ASSERT_TRUE(on_host(4, [&] { bystander_ = open_udp_transport({}, test::make_pool()).value(); }));
   }
-  /// Publishes until everybody is served by a group, and the switch has begun to snoop.
+  /// Publishes until groups serve all readers, and the switch filters.
   bool group_passes_to_members_only() {
     return publish_until([this] {
       if (!all_are_in_groups()) return false;
@@ -76,7 +76,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     });
   }
 
-  std::unique_ptr<core::Network> bystander_;  ///< for as long as this is open there is its host
+  std::unique_ptr<core::Network> bystander_;  ///< keeps its host alive
 };
 
 TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
@@ -96,7 +96,7 @@ TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
   EXPECT_LT(test::traffic_of(bystander).sent - to_bystander, sample_bytes);
 }
 
-/// Switches do so that flood nothing, or have forgotten who is a member because nobody asks.
+/// Such a switch never floods, or has removed the members because no querier asks for them.
 TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) {
   add_hosts(false);
   for (const char* port : {"port1", "port2", "port3", "port4"})
@@ -116,8 +116,9 @@ TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) 
   EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
 }
 
-/// The switch was restarted, for example, or the cable is at another port. Hosts report a membership by
-/// themselves only when it begins, once more within a second, and the next query is far off.
+/// For instance, the switch was restarted, or the cable was moved to another port. Hosts report a
+/// membership on their own only when it begins, and once more within a second. The next query comes much
+/// later.
 TEST_F(SnoopingSwitchTest, IsToldAgainOfAMemberThatItHasForgotten) {
   switch_querier_on();
   add_hosts(true);

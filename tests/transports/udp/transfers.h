@@ -1,4 +1,4 @@
-// A thousand samples of 1 B to 6.3 MB, log-uniform, from one publisher to one subscriber.
+// A thousand samples of 1 B to 6.3 MB, log-uniformly distributed, from one publisher to one subscriber.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace sft::udp::test {
 
-/// Some of them under way at a time. Each has to come, in order and bit by bit.
+/// Sends the samples, several of them at the same time. Expects each to arrive, in order and unchanged.
 inline void transfer_all_sizes(Publisher& publisher, Subscriber& subscriber, sft::test::Random& random) {
   constexpr std::size_t samples = 1000, outstanding_max = 8;
   std::uniform_real_distribution<> exponent(0, std::log(6.3e6));

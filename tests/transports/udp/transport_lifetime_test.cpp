@@ -1,4 +1,4 @@
-// The ends of readers, writers and transports, while datagrams come and go.
+// Readers, writers and transports end while datagrams are sent and received.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -110,7 +110,7 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .doorbell = {}})
                           .value();
     listener.reader->accept({{.wanted = {fields<Image>("*")}}});
-    // Of a writer that it knows, the receiving thread would not take the first sample a second time.
+    // A new writer, since the receiving thread would not take the first sample of a known writer again.
     Publisher publisher(*there, Publisher::usual_id + static_cast<core::EndpointId>(i));
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

@@ -1,4 +1,4 @@
-// Many readers ask for different fields, and each gets its own.
+// Many readers request different fields, and each gets its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ class Audience {
     }
     publisher.serve(readers_);
   }
-  /// The last ones become the first.
+  /// Serves the readers in reverse order.
   void ask_in_reverse(Publisher& publisher) {
     std::reverse(readers_.begin(), readers_.end());
     publisher.serve(readers_);
@@ -48,7 +48,7 @@ class Audience {
 
   const std::vector<std::string>& masks() const { return masks_; }
   Subscriber& subscriber(std::size_t number) { return *subscribers_[number]; }
-  /// Expects that each reader has had these samples and no others in the end.
+  /// Expects each reader to get these samples in the end, and no others.
   void expect_sequences(const std::vector<std::uint64_t>& sequences) {
     for (std::size_t i = 0; i < masks_.size(); ++i)
       EXPECT_EQ(subscribers_[i]->await_sequences(sequences.size()), sequences) << masks_[i];
@@ -123,7 +123,7 @@ TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {
   EXPECT_EQ(publisher.port().counters().bytes_sent, FirstHeader{}.bytes_in_single() + 4 + 1000);
 }
 
-/// The first sample is measured. All others go out once for all 16 masks, of which half have the data.
+/// The first sample is measured. Each later one is sent once for all 16 masks, half of which have the data.
 TEST_P(TransportTest, SendsReadersOfOneProcessWithDifferentMasksOneCopyThatHasTheFieldsOfAll) {
   const auto there = open({.send_queue_depth = 100}), here = open();
   Publisher publisher(*there);

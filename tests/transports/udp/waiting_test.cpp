@@ -1,5 +1,5 @@
-// Threads that wait for samples where these come in. Nothing that a thread waits for is polled: one that is
-// not woken is a failed test.
+// Threads that wait for samples, and receive while they wait. The tests do not poll for what a thread waits
+// for: if it is not woken, the test fails.
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sys/resource.h>
@@ -30,7 +30,7 @@ using test::loopback_address;
 using test::make_image;
 using test::Publisher;
 
-/// One that only threads in receive() wait for.
+/// A reader that only threads in receive() wait for.
 class Waited final : private core::ArrivalListener {
  public:
   explicit Waited(core::Network& transport, core::EndpointId id = 1) {
@@ -42,7 +42,7 @@ class Waited final : private core::ArrivalListener {
   }
   void listen_to(const Publisher& publisher) { EXPECT_TRUE(port_->connect({publisher.id(), 0})); }
 
-  /// The next sample; empty after `at_most`. Counts how often its thread received.
+  /// Returns the next sample; empty after `at_most`. Counts how often the calling thread received.
   core::SampleHandle next(std::chrono::nanoseconds at_most = test::hang_timeout,
                           std::chrono::nanoseconds spin = 0ns) {
     const auto deadline = Clock::now() + at_most;
@@ -66,9 +66,9 @@ class Waited final : private core::ArrivalListener {
   void share() { port_->share_reader(); }
   int received() const { return received_; }
   int received_itself() const { return received_itself_; }
-  /// True if its thread is in receive(), or about to be.
+  /// Returns true if the waiting thread is in receive(), or about to be.
   bool waits() const { return waits_; }
-  /// Returns how many samples that thread received for it.
+  /// Returns how many samples that thread received for this reader.
   int received_by(std::thread::id thread) const {
     const std::scoped_lock lock(mutex_);
     return static_cast<int>(std::ranges::count(called_by_, thread));
@@ -89,7 +89,7 @@ class Waited final : private core::ArrivalListener {
   std::atomic<bool> waits_{false};
   mutable std::mutex mutex_;
   std::vector<std::thread::id> called_by_;
-  std::unique_ptr<core::NetworkReader> port_;  // goes first: then nobody calls any more
+  std::unique_ptr<core::NetworkReader> port_;  // destroyed first: after that no thread calls arrived()
 };
 
 class WaitingThread : public TransportTest {
@@ -107,7 +107,7 @@ class WaitingThread : public TransportTest {
   std::unique_ptr<Publisher> publisher;
 };
 
-/// A thread that is held up before it waits may miss its turn; most of the time it is not.
+/// A thread that is delayed before it waits may miss its turn. Most of the time it is not delayed.
 TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   constexpr std::uint64_t samples = 200;
   Waited reader(*here);
@@ -123,7 +123,7 @@ TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   EXPECT_GT(reader.received_itself(), static_cast<int>(samples / 2));
 }
 
-/// Returns how often this thread has slept.
+/// Returns how often this thread has gone to sleep.
 long times_asleep() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -217,7 +217,8 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
   publisher->publish(make_image(10));
 }
 
-/// A vacancy of the role could let its samples fall behind those that come by the other way.
+/// If the role was vacant for a moment, samples might fall behind those that come by the reader's other
+/// path.
 TEST_P(WaitingThread, DoesNotReceiveForAReaderWithAnotherWay) {
   Waited reader(*here);
   reader.listen_to(*publisher);
@@ -228,7 +229,7 @@ TEST_P(WaitingThread, DoesNotReceiveForAReaderWithAnotherWay) {
   EXPECT_EQ(reader.received_itself(), 0);
 }
 
-/// The reader's listener answers each sample by asking for the next.
+/// The reader's listener answers each sample by publishing the next one.
 TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
   class CalledBack final : public core::ArrivalListener {
    public:
@@ -249,18 +250,18 @@ TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
   called_back.publisher = publisher.get();
   reader->accept({{.wanted = {fields<Image>("*")}}});
   ASSERT_TRUE(reader->connect({publisher->id(), 0}));
-  Publisher first(*there, 7);  // the other one is the listener's, perhaps before this thread is back
+  Publisher first(*there, 7);  // the listener uses the other one, perhaps before publish() returns here
   first.serve({{loopback_address(*here)}});
   ASSERT_TRUE(reader->connect({first.id(), 0}));
   first.publish(make_image(10));
   EXPECT_TRUE(eventually([&] { return called_back.taken == 300; }));
   reader.reset();
-  here.reset();  // within the hour
+  here.reset();  // returns long before the hour of spinning is over
 }
 
 std::atomic<bool> held{false}, may_go{false};
 
-/// A debugger or an application's signal handler can do that to any thread.
+/// A debugger or an application's signal handler can delay any thread like this.
 TEST_P(WaitingThread, LosesTheRoleWhileItIsHeldUp) {
   struct sigaction action {};
   action.sa_handler = [](int) {

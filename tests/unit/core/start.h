@@ -1,4 +1,4 @@
-// When tests begin that count time themselves.
+// The time at which tests begin that pass in the time themselves.
 #pragma once
 
 #include "core/platform/clock.h"

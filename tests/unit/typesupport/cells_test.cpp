@@ -1,4 +1,4 @@
-// Typed cells of fields, wherever they lie: pixels, cells of maps, beams, other numbers, and what is no cell.
+// Typed cells of fields: pixels, map cells, beams and other numbers; and fields without cells.
 #include "sft/cells.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@ static_assert(std::ranges::random_access_range<Cells<float>> && std::ranges::siz
 static_assert(std::ranges::view<Cells<float>> && std::ranges::borrowed_range<Cells<float>>);
 static_assert(std::is_trivially_copyable_v<Cells<Rgb>> && sizeof(Cells<Rgb>) <= 48);
 
-/// Each pixel says where it is. There are three bytes behind each row.
+/// Returns an image in which each pixel holds its position. Three bytes follow each row.
 Image image(std::uint32_t height, std::uint32_t width) {
   Image made;
   made.height = height;
@@ -241,7 +241,8 @@ TEST(CellsTest, AFieldThatWasNotSentIsAnErrorThatNamesIt) {
   const auto selected_view = detail::view_of<Image, selected>(sample.state());
   EXPECT_EQ(message_of(selected_view.data<Rgb>()), "'encoding' was not sent in this sample");
   EXPECT_EQ(selected_view.data<Rgb>().error().code, Errc::unavailable);
-  // A sample in shared memory has more than is declared, and one of another host has not.
+  // A sample in shared memory has more fields than are declared. Using one of them is the same error as in
+  // a sample from another host.
   const Arrived full(message);
   EXPECT_EQ(message_of((detail::view_of<Image, Image::Field::data>(full.state()).data<Rgb>())),
             "'height' was not sent in this sample");

@@ -1,5 +1,5 @@
-// Gates over streams that others recorded: those samples pass that a plain reading of the specification
-// names. Needs the recordings beside the repository.
+// Gates over recorded streams: those samples pass that a plain implementation of the specification names.
+// Needs the recordings beside the repository.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ struct Stamped {
   T message;
 };
 
-/// The cells of a table with a line of names at its beginning.
+/// Returns the cells of a table without its first line, which has the names.
 std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file) {
   const test::Payload bytes = test::read_recording(file).value();
   std::istringstream text(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
@@ -54,13 +54,13 @@ std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file
   return rows;
 }
 
-/// A rate as a purse: each period that begins, on the grid of the stamps, puts a coin into it, of which it
-/// holds two, and a sample costs one. In the period of the first sample there is one coin.
+/// A rate as a number of coins. Each period that begins, on the grid of the stamps, adds a coin, up to two.
+/// Each sample costs one. In the period of the first sample there is one coin.
 class RateReference {
  public:
   explicit RateReference(std::chrono::microseconds period) : period_ns_(period.count() * 1000) {}
 
-  /// Stamps are positive and never go back.
+  /// Returns true if there is a coin. Stamps must be positive and must not go back.
   bool permits(std::int64_t stamp_ns) {
     if (period_ns_ == 0) return true;
     const std::int64_t period = stamp_ns / period_ns_;
@@ -72,11 +72,11 @@ class RateReference {
 
  private:
   std::int64_t period_ns_;
-  std::int64_t period_ = -1;  ///< the number of the last one that has begun
+  std::int64_t period_ = -1;  ///< the number of the latest period that has begun
   int coins_ = 1;
 };
 
-/// The messages of a .cdrlog file, each with its own stamp.
+/// Returns the messages of a .cdrlog file, each with the stamp in its header.
 template <class T>
 std::vector<Stamped<T>> read_messages(const std::filesystem::path& file) {
   const StructType& type = type_support<T>().type();
@@ -100,7 +100,7 @@ std::vector<Stamped<T>> read_messages(const std::filesystem::path& file) {
 
 class ConditionsCorpus : public ::testing::Test {
  protected:
-  /// Returns the samples that pass the gate. The references have to name the same ones.
+  /// Returns the samples that pass the gate. Expects the references to let the same ones pass.
   template <class T>
   std::vector<std::size_t> passing(std::string_view text, const std::vector<Stamped<T>>& stream) {
     const TypeSupport& type = type_support<T>();
@@ -136,7 +136,7 @@ class ConditionsCorpus : public ::testing::Test {
     return result;
   }
 
-  /// How many samples pass.
+  /// Returns how many samples pass.
   template <class T>
   std::size_t passed(std::string_view text, const std::vector<Stamped<T>>& stream) {
     const std::size_t count = passing(text, stream).size();
@@ -147,7 +147,7 @@ class ConditionsCorpus : public ::testing::Test {
   }
 
   struct Expected {
-    std::size_t count;  ///< of samples that pass
+    std::size_t count;  ///< the number of samples that pass
     std::string_view text;
   };
   template <class T>
@@ -155,9 +155,8 @@ class ConditionsCorpus : public ::testing::Test {
     for (const auto& [count, text] : expected) EXPECT_EQ(passed(text, stream), count) << text;
   }
 
-  /// Where a sample passes only if it has changed, or if some time has gone by, it does not pass a second
-  /// time: not if it is published twice, and not if it comes behind another such gate, which lets all of them
-  /// pass.
+  /// Takes gates that let a sample pass only after a change or after some time. Expects that a sample that
+  /// is published twice does not pass twice, and that what has passed one gate passes an equal one.
   template <class T>
   void expect_none_passes_twice(const std::vector<Stamped<T>>& stream,
                                 const std::vector<std::string_view>& texts) {
@@ -241,7 +240,7 @@ TEST_F(ConditionsCorpus, ARobotPassesWhenItHasMoved) {
 
 // ---- battery states of autopilots ----
 
-/// The records of an autopilot of PX4 about one battery or two, which `location` tells apart.
+/// Returns the records of a PX4 autopilot about one battery or two, which `location` distinguishes.
 std::vector<Stamped<BatteryState>> read_px4(const std::filesystem::path& file) {
   constexpr std::size_t instance = 1, voltage = 2, current = 4, remaining = 8, temperature = 10,
                         capacity = 12;
@@ -254,7 +253,7 @@ std::vector<Stamped<BatteryState>> read_px4(const std::filesystem::path& file) {
     battery.voltage = number(voltage);
     battery.current = number(current);
     battery.percentage = number(remaining);
-    battery.temperature = number(temperature);  // it is not measured, and no number
+    battery.temperature = number(temperature);  // not measured: a NaN
     battery.capacity = number(capacity) / 1000;
   }
   return stream;
@@ -274,9 +273,9 @@ TEST_F(ConditionsCorpus, TwoPacksOnOneTopicAreAlwaysAChangeForEachOther) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
   const std::vector<Stamped<BatteryState>> both = read_px4(file);
   ASSERT_EQ(both.size(),
-            42U);  // 21 of a pack with 23 V and 30 Ah, and behind each of them one of 50 V and 6 Ah
+            42U);  // 21 of a pack with 23 V and 30 Ah, each followed by one of a pack with 50 V and 6 Ah
   expect_passed(both, {{42, "voltage @ changed 1%"},
-                       {2, "voltage @ changed 60%"},  // from 23 V to 50 V, and never back
+                       {2, "voltage @ changed 60%"},  // from 23 V to 50 V, but never back
                        {42, "* @ changed(location)"},
                        {1, "* @ changed(temperature)"},
                        {42, "* @ temperature != 0"},
@@ -286,7 +285,7 @@ TEST_F(ConditionsCorpus, TwoPacksOnOneTopicAreAlwaysAChangeForEachOther) {
                        {11, "current @ voltage > 40 and changed 1"},
                        {9, "* @ every 5th"},
                        {8, "* @ capacity == 6 and every 3rd"},
-                       {1, "* @ capacity == 6 and every 4th"},  // each fourth one is of the other pack
+                       {1, "* @ capacity == 6 and every 4th"},  // each fourth sample is of the other pack
                        {6, "* @ every 1 s"},
                        {7, "* @ at most 1 Hz"},
                        {13, "* @ at most one per 500 ms"},
@@ -362,7 +361,7 @@ TEST_F(ConditionsCorpus, ABatteryOnTheBenchPassesWhenSomeCurrentFlows) {
                "voltage @ changed 2% or every 2 s", "voltage @ changed 1% at most 1 Hz"});
 }
 
-// ---- messages of another implementation, of which one number is that of a sine: 25 a second for 62.6 s ----
+// ---- messages of another implementation, one number of which follows a sine: 25 a second for 62.6 s ----
 
 TEST_F(ConditionsCorpus, AVoltageThatSwingsPassesByHowFarItHasSwung) {
   const auto file = path_of("rosbag2/extracted/plotjuggler_test__battery.cdrlog");
@@ -374,7 +373,7 @@ TEST_F(ConditionsCorpus, AVoltageThatSwingsPassesByHowFarItHasSwung) {
                  {563, "voltage @ changed 0.05"},
                  {60, "voltage @ changed 0.5"},
                  {20, "voltage @ changed 1.5"},
-                 {1, "voltage @ changed 2"},  // it is between -1 and 1
+                 {1, "voltage @ changed 2"},  // the voltage is between -1 and 1
                  {664, "voltage @ changed 10%"},
                  {226, "voltage @ changed 50%"},
                  {1, "* @ changed(temperature, serial_number, present)"},
@@ -384,7 +383,7 @@ TEST_F(ConditionsCorpus, AVoltageThatSwingsPassesByHowFarItHasSwung) {
                  {451, "* @ voltage > 0.9 or voltage < -0.9"},
                  {125, "* @ (voltage > 0.9 or voltage < -0.9) at most 5 Hz"},
                  {16, "* @ every 100th"},
-                 {62, "* @ every 1 s"},  // 26 samples behind each other are 1.04 s from the first to the last
+                 {62, "* @ every 1 s"},  // the first and the last of 26 successive samples are 1.04 s apart
                  {7, "* @ every 10 s"},
                  {62, "voltage @ changed 1 or every 1 s"},
                  {64, "* @ at most 1 Hz"},
@@ -403,7 +402,7 @@ TEST_F(ConditionsCorpus, AnOrientationPassesWhenItHasTurned) {
   ASSERT_EQ(stream.size(), 1565U);
   expect_passed(stream, {{339, "orientation.x @ changed 0.1"},
                          {21, "orientation.x @ changed 1"},
-                         {379, "orientation @ changed 25%"},  // the other three numbers stay
+                         {379, "orientation @ changed 25%"},  // the other three numbers do not change
                          {1, "* @ changed(angular_velocity.z, linear_acceleration.x)"},
                          {13, "* @ changed(angular_velocity.z) or every 5 s"},
                          {197, "* @ orientation.x >= 0 and every 4th"},

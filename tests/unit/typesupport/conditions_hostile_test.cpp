@@ -1,4 +1,4 @@
-// Conditions that are on no single values are refused; and samples that lie about themselves are read within
+// Conditions on anything but single values are refused. Samples with false lengths are read only within
 // their bytes.
 #include <gtest/gtest.h>
 
@@ -33,7 +33,7 @@ using test::OwnedValue;
 
 constexpr std::int64_t any_ns = 1'700'000'000'123'456'789;
 
-/// The first leaf that the path names.
+/// Returns the first leaf that the path names.
 template <class T>
 std::uint32_t leaf(std::string_view path) {
   return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
@@ -112,7 +112,8 @@ class HostileSample : public test::RandomTest {
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
   bool one_in(std::uint64_t n) { return random() % n == 0; }
 
-  /// The answers do not matter, but each byte that is read lies in the memory of the sample.
+  /// Evaluates the conditions. The answers do not matter, but a sanitizer checks that only bytes of the
+  /// sample are read.
   static void ask(const StructType& type, const std::vector<Condition>& conditions,
                   const detail::SampleState& state) {
     detail::Conditions asked(type, conditions);
@@ -122,7 +123,7 @@ class HostileSample : public test::RandomTest {
       asked.passed(sample, any_ns + i);
     }
   }
-  /// One condition on each single value.
+  /// Returns a condition on each single value.
   static std::vector<Condition> on_all_fields(const StructType& type) {
     std::vector<Condition> conditions;
     for (const test::SingleField& field : test::single_fields(type)) {

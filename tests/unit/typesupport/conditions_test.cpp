@@ -31,14 +31,14 @@ std::vector<Condition> conditions_of(const TypeSupport& type, std::string_view t
   return type.parse_selection(text).value().gate().conditions;
 }
 
-/// The stream of a gate without a rate: whatever fulfils the conditions passes.
+/// The stream of a gate without a rate: all samples pass that fulfil the conditions.
 template <class T>
 class Stream {
  public:
   explicit Stream(std::string_view text)
       : asked_(type_support<T>().type(), conditions_of(type_support<T>(), text)) {}
 
-  /// The first sample of the stream, with which others are compared.
+  /// Passes the first sample of the stream, which later ones are compared with.
   Stream& first(const T& message, std::int64_t stamp_ns = now_ns) {
     asked_.holds(&message, stamp_ns, mask_);
     asked_.passed(&message, stamp_ns, mask_);
@@ -59,13 +59,13 @@ class Stream {
   test::Asked asked_;
 };
 
-/// One comparison of one message.
+/// Returns true if the comparison holds for the message.
 template <class T>
 bool is_true(std::string_view condition, const T& message) {
   return Stream<T>("* @ " + std::string(condition)).holds(message);
 }
 
-/// True if the condition, which has a `changed`, holds for the second message behind the first one.
+/// Returns true if the condition, which has a `changed`, holds for `to` after `from` has passed.
 template <class T>
 bool has_changed(std::string_view condition, const T& from, const T& to) {
   return Stream<T>("* @ " + std::string(condition)).first(from).holds(to);

@@ -1,4 +1,4 @@
-// Foreign encodings as Cyclone DDS writes them: its serializer in either version and byte order.
+// Foreign encodings as Cyclone DDS's serializer writes them, in both versions and both byte orders.
 #include <foreign.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
@@ -43,7 +43,7 @@ using test::ForeignEncoding;
 using test::MessageType;
 using test::OwnedValue;
 
-/// One type as both implementations know it.
+/// A type as both implementations describe it.
 struct Contestant {
   MessageType ours;
   const dds_topic_descriptor_t* theirs;
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Of, ForeignDifferential,
                                   std::get<1>(of.param).name;
                          });
 
-/// In C every enumeration is an int, whatever it takes on the wire.
+/// In C every enumeration is an int, whatever its size on the wire.
 class EnumeratedC {
  public:
   explicit EnumeratedC(const foreign::Enumerated& from) {
@@ -189,7 +189,7 @@ class EnumeratedDifferential : public test::RandomTest,
   }
 };
 
-// Enumerations are no primitives in XCDR2: collections of them have a delimiter.
+// In XCDR2 enumerations do not count as primitives, so collections of them have a delimiter.
 TEST_P(EnumeratedDifferential, WhatCycloneWritesIsConvertedToOurBytes) {
   constexpr const StructType& type = TypeTable<foreign::Enumerated>::type;
   for (int round = 0; round < rounds; ++round) {

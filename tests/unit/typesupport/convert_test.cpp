@@ -1,4 +1,4 @@
-// Payloads of other implementations become the bytes that we would have written, or are refused.
+// Payloads of other implementations are converted to the bytes that we would have written, or refused.
 #include "sft/detail/convert.h"
 
 #include <gmock/gmock.h>
@@ -44,7 +44,7 @@ struct Converted {
   std::vector<std::byte> body{};
 };
 
-/// Takes a payload in as a publisher does, from memory of exactly its size.
+/// Converts a payload as a publisher does, from memory of exactly its size.
 Converted converted(const StructType& type, std::span<const std::byte> payload) {
   const std::unique_ptr<std::byte[]> memory(new std::byte[payload.size()]);
   std::copy(payload.begin(), payload.end(), memory.get());
@@ -252,7 +252,7 @@ TEST_P(ForeignPayloads, WhosePaddingIsLongerThanTheyAreRefused) {
   EXPECT_FALSE(parse_payload(payload));
 }
 
-// A few bytes that claim to be a lot take neither time nor memory.
+// A few bytes that claim to be many cost neither time nor memory.
 TEST_P(ForeignPayloads, WhoseLengthsLeadOutsideAreRefused) {
   for (std::size_t at = 0; at + 4 <= body.size(); at += 4) {
     std::vector<std::byte> changed = body;

@@ -1,5 +1,5 @@
-// Real payloads, recorded by others: they decode to what is known of them, encode to the same bytes, and obey
-// the projection law. Needs the recordings beside the repository.
+// Recorded payloads of others decode to what is known of them, encode to the same bytes, and obey the
+// projection law. Needs the recordings beside the repository.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ V value_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
   return value;
 }
 
-/// A recorded payload as a receiver holds it: the body in aligned memory of just that size, walked.
+/// A recorded payload as a receiver holds it: its body was walked, in aligned memory of exactly its size.
 template <class T>
 class Received {
  public:
@@ -68,7 +68,7 @@ class Received {
 
  private:
   static constexpr Req<T> R = all<T>;
-  std::vector<std::byte> body_;  // the heap's memory is aligned to 16
+  std::vector<std::byte> body_;  // heap memory is aligned to 16 bytes
   FieldMask full_ = FieldMask::full(leaf_count_of<T>);
   std::vector<std::uint32_t> index_ = std::vector<std::uint32_t>(slot_count(TypeTable<T>::type));
   SampleState state_{};
@@ -84,7 +84,7 @@ class CorpusTest : public test::RandomTest {
     }
   }
 
-  /// Everything that holds for any payload of a message of type T.
+  /// Checks what holds for each payload of a message of type T.
   template <class T>
   void check(const Payload& payload, int masks = 5) {
     const Received<T> received(payload);

@@ -1,5 +1,5 @@
-// Random parts of recorded clouds, scans and maps: byte by byte what the reference cuts, and Cyclone DDS
-// reads them. Needs the recordings beside the repository.
+// Random parts of recorded clouds, scans and maps are byte by byte what the reference cuts, and Cyclone DDS
+// can read them. Needs the recordings beside the repository.
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <sensor_msgs/msg/Image.h>
 #include <sensor_msgs/msg/LaserScan.h>
@@ -17,7 +17,7 @@
 namespace sft {
 namespace {
 
-constexpr std::size_t encapsulation_bytes = 4;  ///< of the encapsulation
+constexpr std::size_t encapsulation_bytes = 4;
 
 class CutCorpusLaw : public CutLawTest {
  protected:
@@ -26,7 +26,7 @@ class CutCorpusLaw : public CutLawTest {
       GTEST_SKIP() << "there are no recordings in " << test::recorded_data();
   }
 
-  /// Bytes may follow the message, up to a multiple of 4.
+  /// Decodes the payload. Bytes up to a multiple of 4 may follow the message.
   template <class T>
   static T decoded(const test::Payload& payload) {
     const StructType& type = detail::TypeTable<T>::type;
@@ -46,7 +46,7 @@ class CutCorpusLaw : public CutLawTest {
     return decoded<PointCloud2>(test::read_recording(test::recorded_data() / file).value());
   }
 
-  /// Channels that the cloud has, and now and then one that it lacks.
+  /// Returns a part with channels that the cloud has, and now and then one that it lacks.
   Part any_part_of(const PointCloud2& cloud) {
     Part part{.leaf = leaf<PointCloud2>("data"),
               .rows = layouts.range(cloud.height),
@@ -58,7 +58,7 @@ class CutCorpusLaw : public CutLawTest {
     return part;
   }
 
-  /// The whole message but for that part, as Cyclone DDS reads it; null if it does not.
+  /// Returns the whole message with only these parts, as Cyclone DDS reads it; null if it cannot read it.
   template <class C, class T>
   static const C* read(test::CycloneReader& reader, const T& message, std::vector<Part> parts) {
     const Selection selection =

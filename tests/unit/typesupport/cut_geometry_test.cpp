@@ -1,5 +1,5 @@
-// What a part keeps of the world: points, pixels, cells and beams stay what and where they are, and a part of
-// a part is the part that both ranges name. None of this asks the reference.
+// What a part keeps: points, pixels, cells and beams keep their values and places, and a part of a part is
+// the part that both ranges name. The tests do not use the reference.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ class CutGeometry : public test::RandomTest {
 
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
 
-  /// The whole message, but for this part of one field.
+  /// Returns a selection of the whole message, with only this part of one field.
   template <class T>
   static Selection selection(std::string_view path, Part part) {
     const TypeSupport& type = type_support<T>();
@@ -56,7 +56,7 @@ class CutGeometry : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// The field that counts of those with this name; null: none can be read.
+/// Returns the first field with this name; null if it cannot be read.
 const PointField* readable_channel(const PointCloud2& cloud, std::string_view name) {
   constexpr std::array<std::uint64_t, 9> bytes{0, 1, 1, 2, 2, 4, 4, 4, 8};
   const auto field = std::ranges::find(cloud.fields, name, &PointField::name);
@@ -65,7 +65,7 @@ const PointField* readable_channel(const PointCloud2& cloud, std::string_view na
   return size == 0 || field->offset + size > cloud.point_step ? nullptr : &*field;
 }
 
-/// True if channels overlap so much that the points of the part would be larger.
+/// Returns true if channels overlap so much that the part's points would be larger than the cloud's.
 bool larger_than_the_point(const PointCloud2& cloud, const Selection::Part& part) {
   std::uint64_t bytes = 0;
   for (const std::string& name : part.channels) {
@@ -162,7 +162,7 @@ TEST_F(CutGeometry, ACloudWithoutTheChannelsHasNoBytesAndDescribesNone) {
   }
 }
 
-/// The corner of a cell, by the matrix of the rotation.
+/// Returns the corner of a cell, computed with the matrix of the rotation.
 std::array<double, 3> corner(const OccupancyGrid& grid, double row, double column) {
   const auto& q = grid.info.origin.orientation;
   const auto& p = grid.info.origin.position;
@@ -185,7 +185,7 @@ TEST_F(CutGeometry, CellsKeepTheirLowerLeftCorners) {
     ASSERT_EQ(some.info.height, part.rows.size_of(whole.info.height));
     ASSERT_EQ(some.info.width, part.columns.size_of(whole.info.width));
     const std::size_t cells = std::size_t{some.info.height} * some.info.width;
-    // The resolution is rounded to 24 bits, which counts as often as there are cells.
+    // The resolution is rounded to 24 bits, an error that each cell adds.
     const double size = double{whole.info.resolution} * (whole.info.height + whole.info.width);
     for (std::size_t cell = 0; cell < cells; ++cell) {
       const std::size_t row = cell / some.info.width, column = cell % some.info.width;
@@ -207,7 +207,7 @@ TEST_F(CutGeometry, AGridWithDifferentStepsStaysWhole) {
   EXPECT_EQ(taken(whole, "data", {.columns = {.step = 3}}), whole);
 }
 
-/// Two units in the last place of the largest angle there is, or that the beams are apart.
+/// Returns two units in the last place of the largest angle, or of the beams' span if that is larger.
 double two_ulp(const LaserScan& scan) {
   const double last = double{scan.angle_min} + double{scan.angle_increment} * double(scan.ranges.size());
   const double span = std::abs(last - double{scan.angle_min});
@@ -250,7 +250,7 @@ TEST_F(CutGeometry, BeamsKeepTheirAngles) {
   }
 }
 
-/// The letter of the colour: "bayer_" is followed by those of two rows.
+/// Returns the letter of the colour. Those of two rows follow "bayer_".
 char colour(const Image& image, std::size_t row, std::size_t column) {
   return image.encoding.at(6 + row % 2 * 2 + column % 2);
 }
@@ -274,7 +274,7 @@ TEST_F(CutGeometry, PixelsKeepTheirBytesAndTheirColours) {
     ASSERT_EQ(some.width, part.columns.size_of(whole.width));
     ASSERT_EQ(some.step, some.width * bytes);
     ASSERT_EQ(some.data.size(), std::size_t{some.height} * some.step);
-    const std::size_t letters = is_bayer ? 10 : 0;  // these may change
+    const std::size_t letters = is_bayer ? 10 : 0;  // the letters of the colours may change
     ASSERT_EQ(some.encoding.substr(letters), whole.encoding.substr(letters));
     for (std::size_t row = 0; row < some.height; ++row) {
       for (std::size_t column = 0; column < some.width; ++column) {
@@ -329,7 +329,7 @@ TEST_F(CutGeometry, ImagesOfWhichNoPartIsAnImageStayWhole) {
   EXPECT_EQ(taken(image, "data", {.columns = {.begin = 1}}).data.size(), 8U) << "a pixel has two bytes";
 }
 
-/// Parts of parts. Steps of a range that keeps one index are forgotten, so that such ones cannot be compared.
+/// Parts of parts. A range that keeps one index loses its step, so that such parts cannot be compared.
 class CutTwice : public CutGeometry {
  protected:
   struct Twice {
@@ -414,7 +414,7 @@ TEST_F(CutTwice, ScansAreThoseOfTheComposedRange) {
     };
     LaserScan two = of(of(whole, t.first), t.second);
     const LaserScan one = of(whole, t.both);
-    // One rounding of the least angle more, and one of the increment, than where it is cut once.
+    // Cutting in two steps rounds the least angle and the increment once more than cutting in one step.
     ASSERT_NEAR(two.angle_min, one.angle_min, 1.5 * two_ulp(whole));
     ASSERT_NEAR(two.angle_max, one.angle_max, 1.5 * two_ulp(whole));
     ASSERT_FLOAT_EQ(two.angle_increment, one.angle_increment);

@@ -1,5 +1,5 @@
-// Parts of messages of which the headers contradict themselves or their data: whatever they claim, the part
-// is a message that tells the truth, and takes a time that its bytes justify.
+// Parts of messages with headers that contradict themselves or their data. Whatever the header claims, the
+// part is a consistent message, and takes a time that the message's bytes justify.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ class CutHostile : public test::RandomTest {
     EXPECT_LT(seconds, 60);
   }
 
-  /// Refusals, bytes that are no message, and a message that takes a second are failures of the test.
+  /// Returns the part. The test fails if it is refused, is no message, or takes a second.
   template <class T>
   static T taken(const T& message, const Selection& selection) {
     const std::clock_t begin = std::clock();
@@ -69,7 +69,7 @@ class CutHostile : public test::RandomTest {
         0, 1, 2, 3, 7, 16, 255, 65536, 1U << 31, (1U << 31) + 1, most - 1, most};
     return values[layouts.below(values.size())];
   }
-  /// One of the number's neighbours, any of the extremes, or the number.
+  /// Replaces the number by a neighbour or by an extreme value, or keeps it.
   void distort(std::uint32_t& number) {
     if (layouts.one_in(2)) return;
     number = layouts.one_in(2) ? extreme() : number + layouts.below(5) - 2;
@@ -107,10 +107,10 @@ PointField field_of(std::string_view name, std::uint32_t offset, std::uint8_t da
   return field;
 }
 
-/// Data that has just the bytes of all cells has them row by row, whatever the length of a row is said to be.
+/// Makes the data longer than the cells. If it has exactly their size, the length of rows is ignored.
 void pad(std::vector<std::uint8_t>& data) { data.push_back(0); }
 
-/// 2 rows of 3 points with x, y and z, without padding.
+/// Returns 2 rows of 3 points with x, y and z, without padding.
 PointCloud2 honest_cloud() {
   PointCloud2 cloud;
   cloud.header.frame_id = "lidar";
@@ -130,7 +130,7 @@ AssertionResult has_no_points(const PointCloud2& cloud) {
                             << " bytes, " << cloud.data.size() << " bytes";
 }
 
-/// What holds for each cloud of which a part was taken.
+/// Checks what holds for each part of a cloud: rows are long enough, and the data is as long as the rows.
 AssertionResult tells_the_truth(const PointCloud2& cloud) {
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.height > 0 && row > cloud.row_step) return AssertionFailure() << "a row is too short";
@@ -514,7 +514,7 @@ TEST_F(CutHostile, SamplesWithAnyBitsGiveMessagesOrAreRefused) {
       body[layouts.below(header)] ^= static_cast<std::byte>(1U << layouts.below(8));
     detail::SampleState state = honest.state();
     state.body = body.data();
-    if (projection.project(state, plan)) test::gathered(projection);  // the index is that of other bytes
+    if (projection.project(state, plan)) test::gathered(projection);  // with the index of other bytes
 
     std::vector<std::uint32_t> index(honest.slots());
     if (detail::build_index(state, type.type(), index) != detail::WalkStatus::ok) continue;

@@ -1,5 +1,5 @@
-// A part that a writer sends lies in one piece of memory that is taken for it, and the message may not have
-// been copied completely when the part is taken.
+// A part that a writer sends is in one piece of memory that is taken for it. The message may still be in
+// the process of being copied when the part is taken.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -96,7 +96,7 @@ TEST_F(CutMemory, GetsPartsOfWhatHasNotBeenCopiedYet) {
     EXPECT_EQ(test::gathered(projection), test::gathered(expected)) << text;
   }
 
-  postponed.make(50'000);  // now the first row lies in the body, and the second one in both places
+  postponed.make(50'000);  // the first row is in the body now, and the second row partly
   const auto is_possible = [&](const char* text) {
     const detail::ProjectionPlan plan(type, type.closed(type.parse_selection(text).value()));
     detail::Projection projection;

@@ -1,4 +1,4 @@
-// Masked payloads against Cyclone DDS's serializer: it reads them as the projected types of proof.idl.
+// Cyclone DDS's serializer reads masked payloads as the projected types of proof.idl.
 #include <gtest/gtest.h>
 #include <proof.h>
 
@@ -18,7 +18,7 @@ using test::Encoded;
 using test::MessageType;
 using test::OwnedValue;
 
-/// A type, a mask of it, and as what Cyclone knows the projected type.
+/// A type, a mask of it, and the projected type as Cyclone knows it.
 struct ProjectedType {
   MessageType whole;
   std::string mask;
@@ -30,7 +30,7 @@ void PrintTo(const ProjectedType& type, std::ostream* out) { *out << type.projec
 class DifferentialProjection : public test::RandomTest,
                                public ::testing::WithParamInterface<ProjectedType> {};
 
-// Cyclone reads our masked payload as the type that has only those members, and writes the same bytes.
+// Cyclone reads our masked payload as the type with only those members, and writes the same bytes.
 TEST_P(DifferentialProjection, AMaskedPayloadIsTheCdrOfTheProjectedType) {
   const auto& [whole, mask, projected] = GetParam();
   const FieldMask closed = whole.support->closed(whole.support->parse_mask(mask).value());

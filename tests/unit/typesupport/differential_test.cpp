@@ -1,4 +1,4 @@
-// Against an independent implementation: Cyclone DDS's serializer, and stock idlc's C types of the same IDL.
+// Comparison with Cyclone DDS's serializer, which uses stock idlc's C types of the same IDL.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -129,9 +129,9 @@ TEST_P(Differential, BothRefuseTruncatedBodies) {
   }
 }
 
-// We are stricter in one thing, a NUL within a string, and more lenient in some: real payloads have strings
-// of length 0 (not even a NUL) and bytes left over, which shows when the value is encoded again; and values
-// of enumerations and bitmasks may be younger than we are.
+// We are stricter in one point: we refuse a NUL within a string. We are more lenient in others. Real
+// payloads have strings of length 0 (without a NUL) and trailing bytes, which shows when the value is
+// encoded again. Values of enumerations and bitmasks may be unknown to us.
 TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   test::CycloneReader reader(theirs());
   for (int round = 0; round < rounds; ++round) {
@@ -148,8 +148,8 @@ TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   }
 }
 
-// The same through writers and readers of a domain: what is said above of the serializer is what goes over
-// the wire, behind the encapsulation that we imply.
+// Checks the same through writers and readers of a domain: what holds for the serializer also holds on the
+// wire, behind the encapsulation that we imply.
 TEST_P(Differential, WhatACycloneWriterSendsIsOurEncapsulationAndOurBytes) {
   test::CycloneLoopback loopback(theirs());
   if (!loopback.ok()) GTEST_SKIP() << "no DDS participant on the loopback interface: " << loopback.error();
@@ -173,7 +173,7 @@ TEST_P(Differential, ACycloneReaderTakesOurPayload) {
   }
 }
 
-/// Tests all types, also those that Cyclone does not know, and with any integers in enumerations.
+/// Tests all types, also those that Cyclone does not know, with random integers in enumerations.
 class RoundTrip : public Differential {};
 
 TEST_P(RoundTrip, ThroughTheBytesOfThePlainestEncoderGivesTheSameValue) {

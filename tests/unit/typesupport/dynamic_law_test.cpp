@@ -1,6 +1,6 @@
-// A program that has only the description of a type reads fields by name, and prints them: for a dozen types
-// that have everything, random values and random masks. every_type_law_test.cpp shows that such a program
-// reads and projects what a program does that was compiled with the type.
+// A program that has only the description of a type reads fields by name, and prints them: for a dozen
+// types with all kinds of fields, random values and random masks. every_type_law_test.cpp shows that such a
+// program reads and projects the same as a program that was compiled with the type.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -38,7 +38,7 @@ class DynamicLaw : public test::RandomTest, public ::testing::WithParamInterface
  protected:
   static constexpr int rounds = SFT_TEST_ROUNDS;
 
-  /// law(value, mask) for random values and closed random masks.
+  /// Calls law(value, mask) with random values and closed random masks.
   template <class Law>
   void for_random_values_and_masks(Law law) {
     for (int round = 0; round < rounds; ++round) {
@@ -72,7 +72,7 @@ TEST_P(DynamicLaw, TextsHaveNoMoreElementsThanTheLimit) {
     const DynamicView view(sample.state(), parsed.type());
     const auto yaml = to_yaml(view, {.elements_max = 2, .text_bytes_max = 10});
     ASSERT_TRUE(yaml) << yaml.error().message;
-    // Three levels of at most two, with names and numbers of at most some 40 bytes.
+    // Three levels of at most two elements, with names and numbers of at most some 40 bytes.
     ASSERT_LT(yaml->size(), 2 * 2 * 2 * 80 * compiled.leaves() + 100);
     const auto json = to_json(view, {.elements_max = 2});
     ASSERT_TRUE(json) << json.error().message;
@@ -80,7 +80,7 @@ TEST_P(DynamicLaw, TextsHaveNoMoreElementsThanTheLimit) {
   });
 }
 
-// ---- JSON, there and back ----
+// ---- JSON, written and read back ----
 
 class FromJson {
  public:

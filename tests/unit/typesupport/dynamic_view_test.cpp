@@ -1,4 +1,4 @@
-// Reading by name: what can be asked, and what is said where there is nothing to read.
+// Reading by name: what can be read, and the errors if there is nothing to read.
 #include "sft/dynamic_view.h"
 
 #include <gmock/gmock.h>

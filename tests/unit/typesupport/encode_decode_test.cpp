@@ -1,4 +1,5 @@
-// These tests check what cannot be encoded, what must not be decoded, and what is written besides the leaves.
+// These tests check which values cannot be encoded, which bytes must not be decoded, and what is written
+// beside the leaves.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -108,7 +109,7 @@ TEST(EncodeTest, PaddingIsZeroWhateverWasInTheMemory) {
   EXPECT_EQ(body, expected.bytes());
 }
 
-// Collections of booleans are held as bytes, in which an application may have put anything.
+// Collections of booleans are held as bytes, which an application may have set to anything.
 TEST(EncodeTest, ABooleanThatIsNoneIsRefusedAsTheReceiverWould) {
   proof::Bounded bounded;
   bounded.flags = {0, 1, 7};
@@ -120,7 +121,7 @@ TEST(EncodeTest, ABooleanThatIsNoneIsRefusedAsTheReceiverWould) {
   EXPECT_EQ(encoding(arrays), EncodeStatus::bad_boolean);
 }
 
-/// A valid body whose bytes are changed before it is walked or decoded.
+/// A valid body with bytes that a test changes before it walks or decodes the body.
 template <class T>
 class Changed {
  public:

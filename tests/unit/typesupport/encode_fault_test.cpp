@@ -1,4 +1,4 @@
-// Why a value cannot be encoded: the field, its size and the limit, in the words that programs are told.
+// Why a value cannot be encoded: the error names the field, its size and the limit.
 #include "sft/detail/encode_fault.h"
 
 #include <gtest/gtest.h>

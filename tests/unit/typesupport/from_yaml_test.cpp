@@ -1,4 +1,4 @@
-// Messages from YAML.
+// Messages that are read from YAML.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ TEST(FromYamlTest, AScalarIsWhatItsFieldNeeds) {
   EXPECT_TRUE(means("{x: 1, y: -.5, z: -.inf}", point));
 }
 
-/// Numbers are written as in much of Europe: 1.000.000,5.
+/// Writes numbers as in much of Europe: 1.000.000,5.
 class Punctuation : public std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
   char do_thousands_sep() const override { return '.'; }

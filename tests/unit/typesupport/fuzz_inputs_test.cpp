@@ -1,5 +1,5 @@
-// This test does for a moment, and under any compiler, what a fuzzer does: it takes the kept inputs, and
-// randomly damaged ones. The fuzzer's fuzz_*.cpp, which this test is linked with, has the checks.
+// This test does for a moment, and under any compiler, what a fuzzer does: it runs the kept inputs, and
+// randomly damaged ones. The fuzzer's fuzz_*.cpp, which is linked with this test, has the checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,7 @@ class SFT_FUZZ_TEST_NAME : public RandomTest {
     for (const auto& file : std::filesystem::directory_iterator(SFT_FUZZ_CORPUS))
       inputs.push_back(read_recording(file.path()).value());
     std::ranges::sort(
-        inputs);  // the order of a directory differs, and a seed has to give the same everywhere
+        inputs);  // directories have different orders, and a seed has to give the same everywhere
   }
 
   static void try_input(const std::vector<std::byte>& input) {

@@ -1,4 +1,4 @@
-// Samples as JSON; that it holds every value is in dynamic_law_test.cpp.
+// Samples as JSON. dynamic_law_test.cpp checks that the text has every value.
 #include "sft/json.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
-// Parts of parts of maps and lists with a layout rule of the user: what two steps take is what the selection
-// takes that both make together, and lies where that lies. Numbers may be rounded once more in two steps;
-// where the numbers of a message are so few bits that nothing is ever rounded, all bytes are the same.
+// Parts of parts of maps and lists with a layout rule of the user: two steps take what one step takes with
+// the combined selection, at the same place. Two steps may round numbers once more. If the numbers of a
+// message have so few bits that nothing is ever rounded, all bytes are the same.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,7 @@ using layout_msgs::msg::HeightMap;
 using layout_msgs::msg::Spectrum;
 using nav_msgs::msg::OccupancyGrid;
 
-/// The places of the cells of a map.
+/// Where the cells of a map are.
 struct Placement {
   double scale;
   std::array<double, 3> at;
@@ -70,19 +70,19 @@ void copy_pose(Pose& to, const OtherPose& from) {
   to.orientation.w = from.orientation.w;
 }
 
-/// How much a scale is rounded, and what is computed of it with double precision, as parts of the numbers.
+/// The relative rounding errors of a scale, and of a place computed from it with double precision.
 struct Rounding {
   double scale;
   double place;
 };
 constexpr Rounding exact{0, 0};
-// A place is computed three times, in both steps and in the one, of some 20 rounded numbers each.
+// A place is computed three times, twice in two steps and once in one, from some 20 rounded numbers each.
 constexpr Rounding of_floats{0x1p-24, 64 * 0x1p-53}, of_doubles{0x1p-53, 64 * 0x1p-53};
 
 class UserMapsOfMaps : public PartOfPartTest {
  protected:
-  /// One of which the numbers are sums of few powers of two and that is turned by right angles, so that
-  /// nothing is ever rounded.
+  /// Returns a grid that is turned by right angles only, and has numbers that are sums of few powers of
+  /// two, so that nothing is ever rounded.
   OccupancyGrid any_exact_grid() {
     constexpr std::array<std::array<double, 4>, 4> turns{
         {{0, 0, 0, 1}, {0, 0, 1, 0}, {1, 0, 0, 0}, {0.5, 0.5, 0.5, 0.5}}};
@@ -122,8 +122,8 @@ class UserMapsOfMaps : public PartOfPartTest {
     return map;
   }
 
-  /// Rows and columns mostly have the same step, without which a map stays whole. Now and then fields that
-  /// share the layout are asked for with different parts.
+  /// Returns parts whose rows and columns mostly have the same step, without which a map stays whole. Now
+  /// and then fields that share the layout have different parts.
   std::vector<Part> any_parts_of_map(std::span<const std::uint32_t> leaves, std::uint32_t rows,
                                      std::uint32_t columns) {
     std::vector<Part> parts;
@@ -136,18 +136,19 @@ class UserMapsOfMaps : public PartOfPartTest {
     }
     return parts;
   }
-  /// Nothing, where rows and columns have different steps.
+  /// Returns the part that is taken: everything if rows and columns have different steps.
   static Part taken_part(const Selection& selection, std::span<const std::uint32_t> leaves) {
     const Part part = common_part(selection, leaves);
     return part.rows.step == part.columns.step ? part : Part{};
   }
-  /// True where the part is empty and the map would stay whole: either would be right.
+  /// Returns true if the part is empty and the map would also stay whole: both results are right.
   static bool is_ambiguous(const Part& part, std::uint32_t rows, std::uint32_t columns) {
     return part.rows.step != part.columns.step &&
            (part.rows.size_of(rows) == 0 || part.columns.size_of(columns) == 0);
   }
 
-  /// The numbers of `two`, which was taken in two steps, are near enough to those of `one`, and become them.
+  /// Expects the numbers of `two`, taken in two steps, to be close to those of `one`. Then sets them to
+  /// those of `one`.
   template <class T>
   static void settle(T& two, const T& one, const Placement& whole, const Steps& steps,
                      std::span<const std::uint32_t> leaves, const Rounding& rounding) {
@@ -167,7 +168,7 @@ class UserMapsOfMaps : public PartOfPartTest {
     place(two, of_one);
   }
 
-  /// Compares both ways; true if they have cells. `leaves` share the layout.
+  /// Compares both ways. Returns true if the result has cells and is a part. `leaves` share the layout.
   template <class T>
   bool expect_same_map(const T& map, const OccupancyGrid& grid, std::span<const std::uint32_t> leaves,
                        const Rounding& rounding) {
@@ -182,7 +183,7 @@ class UserMapsOfMaps : public PartOfPartTest {
           both = together(taken_part(before, leaves), taken_part(behind, leaves));
           return parts_of(behind, leaves, both);
         });
-    // A part of one row has forgotten its step, and so would be whole beside columns that have one.
+    // A part of one row loses its step, so the map would stay whole if its columns have a step.
     if (both.rows.step != both.columns.step) return false;
     if (is_ambiguous(common_part(steps.first, leaves), rows, columns)) return false;
     rows = taken_part(steps.first, leaves).rows.size_of(rows);
@@ -198,7 +199,7 @@ class UserMapsOfMaps : public PartOfPartTest {
     return has_cells(of_one) && !both.is_whole();
   }
 
-  /// Checks the law for maps that `make_map` makes of grids.
+  /// Checks the law for maps that `make_map` makes from grids.
   template <class T, class MakeMap>
   void expect_law(const std::vector<std::uint32_t>& leaves, const Rounding& rounding, MakeMap make_map) {
     int with_cells = 0;
@@ -296,8 +297,8 @@ Lists lists_of(const Echoes& echoes) { return {doubles(echoes.echoes), doubles(e
 
 class UserListsOfLists : public PartOfPartTest {
  protected:
-  /// All numbers are exact, so that all bytes are the same, but for lists that are empty or have forgotten
-  /// their step. `leaves` share the layout. True if the bytes were compared.
+  /// Compares both ways with exact numbers: all bytes are the same, except for lists that are empty or have
+  /// lost their step. `leaves` share the layout. Returns true if the bytes were compared.
   template <class T>
   bool expect_same_lists(const T& message, const std::vector<std::uint32_t>& leaves) {
     const auto count = static_cast<std::uint32_t>(lists_of(message)[0].size());
@@ -360,7 +361,7 @@ TEST_F(UserListsOfLists, OfASpectrumAreThoseOfTheSelectionOfBoth) {
     Spectrum spectrum;
     spectrum.first_frequency = 100 + layouts.below(64) / 64.0;
     spectrum.frequency_step = static_cast<float>(1 + layouts.below(16)) / 16;
-    spectrum.last_frequency = 1e9;  // what the publisher says does not count
+    spectrum.last_frequency = 1e9;  // must be ignored
     spectrum.power = numbers<double>(any_count());
     return spectrum;
   });

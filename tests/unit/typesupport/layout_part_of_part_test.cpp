@@ -1,5 +1,5 @@
-// Parts of parts of cells, records, points and pictures with a layout rule of the user: what two steps take
-// is, byte by byte, what the selection takes that both make together.
+// Parts of parts of cells, records, points and pictures with a layout rule of the user: two steps take,
+// byte by byte, what one step takes with the combined selection.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ using sensor_msgs::msg::PointField;
 
 class UserPartsOfParts : public PartOfPartTest {
  protected:
-  /// Makes now and then one of the numbers another one.
+  /// Changes one of the numbers now and then.
   void lie_about(std::span<std::uint32_t* const> members) {
     constexpr std::array lies{0U, 1U, 1U << 20, ~0U};
     if (!layouts.one_in(6)) return;
@@ -77,8 +77,7 @@ TEST_F(UserPartsOfParts, OfCellsAreThoseOfTheSelectionOfBoth) {
 
 // ---- records of bytes ----
 
-/// Whoever reads a part of the records is told their byte order, and that they are nothing where the packet
-/// contradicts itself.
+/// Expects a part of records to say their byte order, and to be empty if the packet contradicts itself.
 void expect_honest_part(const Packet& packet, const Taken<Packet>& some, const Steps& steps) {
   if (steps.both.parts().empty()) return;
   EXPECT_TRUE(some.mask().contains(*type_support<Packet>().find("is_bigendian")));
@@ -117,7 +116,7 @@ TEST_F(UserPartsOfParts, OfRecordsInIdlHaveNoGapsAfterTheFirstStep) {
   whole.lines = 4;
   whole.width = 3;
   whole.record_bytes = 2;
-  whole.line_bytes = 8;  // two bytes of each line are nothing
+  whole.line_bytes = 8;  // two bytes of each line are padding
   for (std::uint8_t i = 0; i < 32; ++i) whole.records.push_back(i);
   const Steps steps = steps_by_text<layouts::Records>(
       "records[rows 1:, columns 1:]", "records[rows ::2, columns 1]", "records[rows 1::2, columns 2]");
@@ -133,7 +132,7 @@ TEST_F(UserPartsOfParts, OfRecordsInIdlHaveNoGapsAfterTheFirstStep) {
 
 class UserPointsOfPoints : public UserPartsOfParts {
  protected:
-  /// The first row of a cloud.
+  /// Returns the first row of a cloud.
   static layouts::Points points_of(const PointCloud2& cloud) {
     layouts::Points points;
     points.width = cloud.width;
@@ -153,7 +152,7 @@ class UserPointsOfPoints : public UserPartsOfParts {
     if (!layouts.one_in(3)) part.channels = layouts.channels();
     return part;
   }
-  /// True if the first step has channels that can be read, and that are not larger than the point.
+  /// Returns true if the first step has channels that can be read and that are not larger than the point.
   static bool has_points_between(const PointCloud2& cloud, const Part& first) {
     if (first.channels.empty()) return true;
     std::uint64_t bytes = 0;
@@ -198,22 +197,22 @@ class UserPicturesOfPictures : public UserPartsOfParts {
     return picture;
   }
 
-  /// True if no such part of the format is a picture, so that it stays whole.
+  /// Returns true if such a part of the format cannot be a picture, so that the picture stays whole.
   static bool stays_whole(std::string_view format, const Part& part, std::uint32_t columns) {
     if (format.starts_with("nv")) return true;
     if (format.starts_with("bayer_")) return part.rows.step % 2 == 0 || part.columns.step % 2 == 0;
     if (!format.starts_with("yu") && format != "uyvy") return false;
     return part.columns.step != 1 || part.columns.begin % 2 != 0 || part.columns.size_of(columns) % 2 != 0;
   }
-  /// True where the part is empty, or has a step that only one index is left of, and would stay whole: two
-  /// rules could hold then.
+  /// Returns true if the part is empty, or has a step of which only one index is left, and the picture
+  /// would also stay whole: two rules could apply.
   static bool is_ambiguous(const Part& part, std::uint32_t rows, std::uint32_t columns) {
     const std::uint32_t some_rows = part.rows.size_of(rows), some_columns = part.columns.size_of(columns);
     return some_rows == 0 || some_columns == 0 || (some_rows == 1 && part.rows.step != 1) ||
            (some_columns == 1 && part.columns.step != 1);
   }
 
-  /// Compares both ways, and returns how many pixels they have; nothing where the rules say nothing.
+  /// Compares both ways. Returns the bytes of their pixels; 0 if the rules leave the result open.
   std::size_t expect_same_picture(const Picture& picture) {
     std::uint32_t rows = picture.lines, columns = picture.columns;
     Part both;
@@ -240,7 +239,8 @@ class UserPicturesOfPictures : public UserPartsOfParts {
     const Taken<Picture> two = whole.part(steps.first).part(steps.second), one = whole.part(steps.both);
     Picture of_two = two.message();
     const Picture of_one = one.message();
-    if (of_one.pixels.empty()) of_two.format = of_one.format;  // a pattern without pixels begins anywhere
+    // a pattern without pixels may begin with any colour
+    if (of_one.pixels.empty()) of_two.format = of_one.format;
     EXPECT_TRUE(is_same(Taken<Picture>(of_two, two.mask()), one))
         << words<Picture>(steps) << " of " << picture.format;
     EXPECT_EQ(of_two.is_bigendian, one.mask().contains(byte_order) && picture.is_bigendian);

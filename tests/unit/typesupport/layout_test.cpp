@@ -1,5 +1,5 @@
-// Parts of fields with a layout rule of the user: of types from .msg and IDL that were compiled, and of types
-// that come as text or as a description while the program runs.
+// Parts of fields with a layout rule of the user: of compiled types from .msg and IDL, and of types that
+// the program gets as text or as a description at run time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -39,7 +39,7 @@ Selection selected(std::string_view text) {
   return type_support<T>().parse_selection(text).value();
 }
 
-/// "[rows 1:7:2, columns :5]"
+/// Returns a text such as "[rows 1:7:2, columns :5]".
 std::string text_of(const Part& part) {
   const auto range = [](const Selection::Range& r) {
     if (r.is_empty()) return std::string("0:0");
@@ -49,7 +49,7 @@ std::string text_of(const Part& part) {
   return "[rows " + range(part.rows) + ", columns " + range(part.columns) + "]";
 }
 
-// ---- what a part is, index by index ----
+// ---- the content of a part, index by index ----
 
 template <class Cell>
 std::vector<Cell> window(const std::vector<Cell>& all, std::size_t rows, std::size_t columns,
@@ -125,7 +125,7 @@ class UserLayoutTest : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// `some` is the part of `whole`.
+/// Expects `some` to be that part of `whole`.
 void expect_part(const HeightMap& whole, const Part& part, const HeightMap& some) {
   EXPECT_EQ(some.heights, window(whole.heights, whole.rows, whole.columns, part));
   EXPECT_EQ(some.rows, indices(part.rows, whole.rows).size());
@@ -210,7 +210,7 @@ TEST_F(UserLayoutTest, APartOfASpectrumSaysOfWhichFrequenciesItIs) {
     whole.first_frequency = 100.5;
     whole.frequency_step = 0.5F;
     whole.power = cells<double>(layouts.below(40));
-    whole.last_frequency = 1e9;  // what the publisher says does not count
+    whole.last_frequency = 1e9;  // must be ignored
     const Selection::Range range = layouts.range_with_some(40);
     if (range.is_all()) continue;
     const std::vector<std::size_t> kept = indices(range, whole.power.size());
@@ -268,7 +268,7 @@ TEST_F(UserLayoutTest, APartOfRecordsHasNoGapsBetweenRows) {
   whole.lines = 3;
   whole.width = 2;
   whole.record_bytes = 3;
-  whole.line_bytes = 8;  // two bytes of each line are nothing
+  whole.line_bytes = 8;  // two bytes of each line are padding
   for (std::uint8_t i = 0; i < 24; ++i) whole.records.push_back(i);
   const Cut<layouts::Records> cut(whole, selected<layouts::Records>("records[rows ::2, columns 1:]"));
   ASSERT_TRUE(cut.ok());
@@ -317,9 +317,9 @@ TEST_F(UserLayoutTest, AMapThatContradictsItselfGivesAnEmptyPart) {
   }
 }
 
-// ---- types that are known by text or description only ----
+// ---- types that are known only by text or description ----
 
-/// The part of a compiled message, as the type takes it that is not compiled.
+/// Returns the part of a compiled message that the type takes, which is not compiled.
 template <class T>
 std::vector<std::byte> part_by(const DynamicType& type, const T& message, std::string_view text) {
   const TypeSupport& support = type.support();

@@ -26,7 +26,7 @@ using sensor_msgs::msg::BatteryState;
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;
 
-// Equality of what a getter gave and what the owned struct has, by bits, so that a NaN equals itself.
+// Compares what a getter returned with the owned struct, by bits, so that a NaN equals itself.
 template <class V>
 requires std::is_arithmetic_v<V> || std::is_enum_v<V>
 bool same(V got, V owned) { return std::memcmp(&got, &owned, sizeof got) == 0; }
@@ -54,8 +54,8 @@ bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
 
 class MaskedViewTest : public test::RandomTest {
  protected:
-  /// Calls check(view, message) for what a reader that declared R sees of a sample with those fields, and of
-  /// one that has all fields (as readers on the publisher's host get).
+  /// Calls check(view, message) with what a reader that declared R sees of a sample with only those fields,
+  /// and of a sample with all fields, as readers on the publisher's host get it.
   template <class T, Req<T> R, class Check>
   void for_samples(Check check) {
     for (int round = 0; round < 400 && !HasFailure(); ++round) {
@@ -181,8 +181,7 @@ TEST_F(MaskedViewTest, EnumerationsStringsAndBooleansInSequences) {
   });
 }
 
-/// Returns true if an optional getter has a result exactly if the leaf is in the mask, and the result is
-/// right.
+/// Returns true if the optional getter has a value exactly if that is `expected`, and the value is `owned`.
 template <class V, class Owned>
 bool there_if(bool expected, const std::optional<V>& got, const Owned& owned) {
   return got.has_value() == expected && (!expected || same(*got, owned));

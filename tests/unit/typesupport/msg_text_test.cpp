@@ -1,4 +1,4 @@
-// Types as .msg text, there and back, and from files.
+// Types as .msg text, written and read back, and read from files.
 #include "sft/msg_text.h"
 
 #include <unistd.h>
@@ -163,7 +163,7 @@ TEST(MsgFileTest, EveryMessageOfTheCommonPackagesIsFoundByItsName) {
   EXPECT_EQ(find_msg("sensor_msgs/PointCloud2", roots)->hash(), type_of<PointCloud2>().hash());
 }
 
-/// Packages of one's own in a directory, while it lives.
+/// Packages in a temporary directory, which is removed with the object.
 class OwnPackages {
  public:
   OwnPackages() { fs::create_directories(root_ / "my_msgs" / "msg"); }

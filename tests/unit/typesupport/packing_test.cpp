@@ -1,4 +1,4 @@
-// A struct is copied in one piece if CDR encodes it without padding wherever it stands.
+// A struct is copied in one piece if CDR encodes it without padding at any offset.
 #include <gtest/gtest.h>
 
 #include <geometry_msgs/msg/PoseWithCovariance.hpp>
@@ -43,7 +43,7 @@ TEST(PackingTest, PaddingWithinIsNotPacked) {
 
 constexpr StructType struct_of(std::span<const Member> members) { return {"", members}; }
 
-// {uint32, uint32, double} has padding behind 4 bytes, and none behind 8.
+// {uint32, uint32, double} has padding if it follows 4 bytes, and none if it follows 8.
 TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   const Member members[] = {member<std::uint32_t>("a", Kind::uint32, 0),
                             member<std::uint32_t>("b", Kind::uint32, 4),
@@ -51,7 +51,7 @@ TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);
 }
 
-// {double, octet} has padding behind every element of an array but the last.
+// {double, octet} has padding behind each element of an array except the last.
 TEST(PackingTest, PaddingBehindIsNotPacked) {
   const Member members[] = {member<double>("a", Kind::float64, 0), member<std::uint8_t>("b", Kind::octet, 8)};
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);
@@ -64,7 +64,7 @@ TEST(PackingTest, OtherPlacesInMemoryAreNoticed) {
   EXPECT_FALSE(struct_of(members).is_packed_in_memory);
 }
 
-// 2^64 + 1 bytes, as a hostile description may have them, are not one byte.
+// A hostile description may have 2^64 + 1 bytes, which must not count as one byte.
 TEST(PackingTest, SizesThatOverflowAreNotPacked) {
   const Member gigabytes[] = {{.name = "a", .kind = Kind::octet, .shape = Shape::array, .count = 1U << 31}};
   const StructType inner = struct_of(gigabytes);

@@ -1,5 +1,5 @@
-// Parts of parts: what is taken of a message in two steps, where the second one takes it of what the first
-// one took, and what is taken in one step by the selection that both steps make together.
+// Parts of parts. A message is cut in two steps, the second of which takes a part of the first one's
+// result. The same message is also cut in one step, by the selection that combines both.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,16 +31,16 @@
 
 namespace sft {
 
-/// A message, or what selections take of it, encoded in memory of just its size.
+/// A message, or a part of it that selections took, encoded in memory of exactly its size.
 template <class T>
 class Taken {
  public:
   explicit Taken(const T& message) : Taken(message, FieldMask::full(detail::leaf_count_of<T>)) {}
-  /// Only these fields of the message; they are a closed mask.
+  /// Encodes only these fields of the message. `mask` must be closed.
   Taken(const T& message, const FieldMask& mask)
       : mask_(mask), bytes_(test::Encoded(detail::TypeTable<T>::type, &message, mask).bytes()) {}
 
-  /// Returns the part that the selection takes of this message. The test fails if it is refused.
+  /// Returns the part of this message that the selection takes. The test fails if the selection is refused.
   Taken part(const Selection& selection) const {
     const TypeSupport& type = type_support<T>();
     const detail::ProjectionPlan plan(type, type.closed(selection));
@@ -57,7 +57,7 @@ class Taken {
 
   const FieldMask& mask() const { return mask_; }
   const std::vector<std::byte>& bytes() const { return bytes_; }
-  /// Fields that are not in the mask are as in a new message.
+  /// Returns the message. Fields that are not in the mask have their default values.
   T message() const { return test::decoded_from<T>(bytes_, mask_); }
 
  private:
@@ -67,7 +67,7 @@ class Taken {
   std::vector<std::byte> bytes_;
 };
 
-/// The same fields, byte by byte. The failure names the first field that differs.
+/// Compares the fields byte by byte. The failure message names the first field that differs.
 template <class T>
 ::testing::AssertionResult is_same(const Taken<T>& in_two_steps, const Taken<T>& in_one) {
   using ::testing::AssertionFailure;
@@ -79,15 +79,15 @@ template <class T>
                             << test::same_value(detail::TypeTable<T>::type, &two, &one).message();
 }
 
-/// Two selections, one behind the other, and the one that both make together.
+/// Two selections, applied one after the other, and the selection that combines both.
 struct Steps {
   Selection first;
   Selection second;
   Selection both;
 };
 
-/// The part of the fields that share a layout, as far as they are selected. Where they are asked for with
-/// different parts, it is the whole of them.
+/// Returns the part of the selected fields that share a layout. If they are requested with different parts,
+/// that is everything.
 inline Selection::Part common_part(const Selection& selection, std::span<const std::uint32_t> leaves) {
   std::optional<Selection::Part> common;
   for (const std::uint32_t leaf : leaves) {
@@ -100,7 +100,7 @@ inline Selection::Part common_part(const Selection& selection, std::span<const s
   return common.value_or(Selection::Part{});
 }
 
-/// The part that two steps take together. A part that has none of the channels names one that nobody has.
+/// Combines the parts of two steps. If no channel is in both, the result names one that no message has.
 inline Selection::Part together(const Selection::Part& first, const Selection::Part& second) {
   Selection::Part both{.rows = first.rows.then(second.rows), .columns = first.columns.then(second.columns)};
   both.channels = first.channels.empty() ? second.channels : first.channels;
@@ -111,7 +111,7 @@ inline Selection::Part together(const Selection::Part& first, const Selection::P
   return both;
 }
 
-/// The part for each of these fields that is selected.
+/// Returns the part for each of these fields that is selected.
 inline std::vector<Selection::Part> parts_of(const Selection& selection,
                                              std::span<const std::uint32_t> leaves, Selection::Part part) {
   std::vector<Selection::Part> parts;
@@ -122,20 +122,20 @@ inline std::vector<Selection::Part> parts_of(const Selection& selection,
   return parts;
 }
 
-/// How many times more the two steps step over than the part of both says: the part of a single index has
-/// forgotten its step.
+/// Returns how much larger the step of both steps together is than that of the combined part. The part of a
+/// single index does not keep its step.
 inline double forgotten_step(const Selection::Range& first, const Selection::Range& second,
                              const Selection::Range& both) {
   return static_cast<double>(first.step) * second.step / both.step;
 }
 
-/// True if a message that claims so many cells of such a size does not have them.
+/// Returns true if the data of a message is too short for the number and size of the cells that it claims.
 inline bool lacks_room(std::uint64_t rows, std::uint64_t columns, std::uint64_t cell_bytes,
                        std::uint64_t row_bytes, std::uint64_t data_bytes) {
   if (rows == 0 || columns == 0) return false;
   const std::uint64_t row_end = columns * cell_bytes;
   if (cell_bytes == 0 || row_end > data_bytes) return true;
-  if (data_bytes % rows == 0 && data_bytes / rows == row_end) return false;  // whatever row_bytes says
+  if (data_bytes % rows == 0 && data_bytes / rows == row_end) return false;  // row_bytes does not matter then
   return rows > 1 && (row_end > row_bytes || (rows - 1) * row_bytes > data_bytes - row_end);
 }
 
@@ -151,8 +151,8 @@ class PartOfPartTest : public test::RandomTest {
     return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
   }
 
-  /// Mostly one with some indices. Now and then it is empty or begins behind the end, or its step is larger
-  /// than all.
+  /// Returns a range that mostly has some indices. Now and then it is empty or begins behind the end, or
+  /// its step is larger than `count`.
   Range any_range(std::uint32_t count) {
     if (count > 0 && !layouts.one_in(3)) return layouts.range_with_some(count);
     Range range = layouts.range(count);
@@ -175,8 +175,8 @@ class PartOfPartTest : public test::RandomTest {
     return {.rows = any_range(rows), .columns = any_range(columns)};
   }
 
-  /// Both steps with any other fields. The first one takes what the second one needs. `make_both` says of
-  /// both selections which parts they make together.
+  /// Returns both steps, with random other fields. The first step takes what the second one needs.
+  /// `make_both` returns the combined parts of both selections.
   template <class T, class MakeBoth>
   Steps steps_of(const std::vector<Part>& first, const std::vector<Part>& second, MakeBoth make_both) {
     const TypeSupport& type = type_support<T>();
@@ -186,11 +186,11 @@ class PartOfPartTest : public test::RandomTest {
     const Selection asked = selection(values.mask(type.leaves()), second);
     const Selection before = selection(type.closed(asked).mask() | values.mask(type.leaves()), first);
     const std::vector<Part> parts = make_both(before, asked);
-    // The fields that one of the selections needs beside its part are in the others, too.
+    // Fields that one of the selections needs beside its part are in the other selections, too.
     const FieldMask mask = type.closed(asked).mask() | type.closed(selection(asked.mask(), parts)).mask();
     return {selection(before.mask() | mask, first), selection(mask, second), selection(mask, parts)};
   }
-  /// The same for one field with a layout of its own.
+  /// Does the same for one field with a layout of its own.
   template <class T>
   Steps steps_of(std::string_view path, Part first, Part second) {
     first.leaf = second.leaf = leaf<T>(path);
@@ -199,7 +199,7 @@ class PartOfPartTest : public test::RandomTest {
       return parts_of(behind, leaves, together(common_part(before, leaves), common_part(behind, leaves)));
     });
   }
-  /// Any steps of a field that has so many rows and columns.
+  /// Returns random steps for a field with that number of rows and columns.
   template <class T>
   Steps any_steps(std::string_view path, std::uint32_t rows, std::uint32_t columns) {
     const Part first = any_part(rows, columns);
@@ -217,7 +217,7 @@ class PartOfPartTest : public test::RandomTest {
     return text(steps.first) + " and then " + text(steps.second) + ", or " + text(steps.both);
   }
 
-  /// Returns what both ways take. It is a failure of the test if their bytes differ.
+  /// Returns what one step takes. The test fails if two steps give other bytes.
   template <class T>
   static Taken<T> expect_same_bytes(const T& message, const Steps& steps) {
     const Taken<T> whole(message);
@@ -226,7 +226,7 @@ class PartOfPartTest : public test::RandomTest {
     return one;
   }
 
-  /// Small natural numbers.
+  /// Returns small natural numbers.
   template <class Number>
   std::vector<Number> numbers(std::size_t count) {
     std::vector<Number> result(count);

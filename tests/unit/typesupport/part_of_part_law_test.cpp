@@ -1,5 +1,5 @@
 // Parts of parts of clouds and scans: a slice of a slice is, byte by byte, the slice that both selections
-// make together, also where channels, rows and columns are taken in both steps.
+// combined take, also if both steps take channels, rows and columns.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -35,8 +35,8 @@ class CloudsOfClouds : public PartOfPartTest {
     return steps_of<PointCloud2>("data", first, any_part_of_cloud(rows, first.columns.size_of(cloud.width)));
   }
 
-  /// True if no step can take points of what the first one leaves: channels that overlap so much that they
-  /// are larger than the point, or points of 0 bytes, which contradict themselves.
+  /// Returns true if no second step can take points from the result of the first: its channels overlap so
+  /// much that they are larger than the point, or its points have 0 bytes, which is a contradiction.
   bool is_lost_between(const PointCloud2& cloud, const Steps& steps) const {
     const Part* first = steps.first.part(data);
     if (first == nullptr || first->channels.empty()) return false;
@@ -48,7 +48,7 @@ class CloudsOfClouds : public PartOfPartTest {
     return has_points && steps.second.part(data) != nullptr;
   }
 
-  /// Returns how many bytes of points both ways have.
+  /// Compares both ways, and returns how many bytes of points they have.
   std::size_t expect_same_points(const PointCloud2& cloud, const Steps& steps) const {
     const Taken<PointCloud2> whole(cloud);
     const Taken<PointCloud2> two = whole.part(steps.first).part(steps.second), one = whole.part(steps.both);
@@ -64,7 +64,7 @@ class CloudsOfClouds : public PartOfPartTest {
   const std::uint32_t data = leaf<PointCloud2>("data");
 };
 
-/// 4 rows of 6 points with x, y, z, an intensity and a ring. Behind each row are 5 bytes more.
+/// Returns 4 rows of 6 points with x, y, z, an intensity and a ring. 5 more bytes follow each row.
 PointCloud2 cloud_of_24_points() {
   PointCloud2 cloud;
   cloud.header.frame_id = "lidar";
@@ -179,7 +179,7 @@ TEST_F(CloudsOfClouds, ThatContradictThemselvesAreEmptyInOneStepAndInTwo) {
     if (!lacks_room(cloud.height, cloud.width, cloud.point_step, cloud.row_step, cloud.data.size())) continue;
     const Part first = any_part_of_cloud(9, 9);
     const Steps steps = steps_of<PointCloud2>("data", first, any_part_of_cloud(5, 5));
-    if (steps.both.part(data) == nullptr) continue;  // nobody looks at what it claims
+    if (steps.both.part(data) == nullptr) continue;  // what the cloud claims does not matter then
     ++contradictions;
     const PointCloud2 none = expect_same_bytes(cloud, steps).message();
     EXPECT_TRUE(none.data.empty());
@@ -192,12 +192,12 @@ TEST_F(CloudsOfClouds, ThatContradictThemselvesAreEmptyInOneStepAndInTwo) {
 
 // ---- scans ----
 
-/// The largest relative error of a number that was rounded to a float.
+/// The largest relative error of a number that is rounded to a float.
 constexpr double half_ulp = 0x1p-24;
 
 class ScansOfScans : public PartOfPartTest {
  protected:
-  /// Returns a selection of one list or of both, now and then with different ranges.
+  /// Returns parts of one list or of both, now and then with different ranges.
   std::vector<Part> parts_of_lists(const Range& range, std::uint32_t beams) {
     const Part of_ranges{.leaf = lists[0], .columns = range};
     Part of_intensities{.leaf = lists[1], .columns = range};
@@ -219,13 +219,13 @@ class ScansOfScans : public PartOfPartTest {
         });
   }
 
-  /// Intensities are as many as ranges, or none, or now and then of another number.
+  /// Returns a scan with as many intensities as ranges, or none, or now and then another number.
   LaserScan any_scan() {
     LaserScan scan = layouts.scan();
     if (layouts.one_in(8)) scan.intensities.resize(layouts.below(scan.ranges.size() + 3));
     return scan;
   }
-  /// One of which the numbers are sums of few powers of two, so that nothing is ever rounded.
+  /// Returns a scan with numbers that are sums of few powers of two, so that nothing is ever rounded.
   LaserScan any_exact_scan() {
     LaserScan scan = any_scan();
     scan.angle_min = std::round(scan.angle_min * 64) / 64;
@@ -234,18 +234,18 @@ class ScansOfScans : public PartOfPartTest {
     return scan;
   }
 
-  /// How far numbers may differ that were rounded once in one of the ways, and twice in the other one.
+  /// How much numbers may differ that one way rounds once and the other way twice.
   struct Bounds {
     double angle_min;
     double angle_max;
-    double of_steps;  ///< as a part of the number
+    double of_steps;  ///< relative to the number
   };
   static Bounds bounds_of(const LaserScan& scan, const Range& first, const Range& second, std::size_t beams) {
     const double step = scan.angle_increment, step_between = step * first.step;
     const double to_first = first.begin * step, to_second = second.begin * step_between;
     const double to_last = (static_cast<double>(beams) - 1) * second.step * step_between;
     const double between = scan.angle_min + to_first, least = between + to_second;
-    // The least angle and the step between the steps are rounded, then the result of each of the ways.
+    // Two steps round the least angle and the step in between, and each way rounds its result.
     const double of_double = 0x1p-50 * (std::abs(double{scan.angle_min}) + std::abs(to_first) +
                                         std::abs(to_second) + std::abs(to_last));
     return {
@@ -256,8 +256,8 @@ class ScansOfScans : public PartOfPartTest {
         .of_steps = 3 * half_ulp};
   }
 
-  /// The numbers of `two`, which was taken in two steps, are near enough to those of `one`, and become them.
-  /// Without beams there is no first and no last angle, and a single beam has forgotten its step.
+  /// Expects the numbers of `two`, taken in two steps, to be close to those of `one`. Then sets them to
+  /// those of `one`. Without beams there is no first and no last angle, and a single beam loses its step.
   void settle_numbers(LaserScan& two, const LaserScan& one, std::size_t beams, const Bounds& bounds,
                       double forgotten) {
     constexpr double slack = 1 + 1e-6;  // a rounded number is rounded again
@@ -277,7 +277,7 @@ class ScansOfScans : public PartOfPartTest {
     two.time_increment = one.time_increment;
   }
 
-  /// True if something was taken that is more than a single beam.
+  /// Compares both ways. Returns true if the result is a part, and more than a single beam.
   bool expect_same_beams(const LaserScan& scan, const Steps& steps, bool is_exact) {
     const Taken<LaserScan> whole(scan);
     const Taken<LaserScan> two = whole.part(steps.first).part(steps.second), one = whole.part(steps.both);
@@ -289,7 +289,7 @@ class ScansOfScans : public PartOfPartTest {
     const LaserScan of_one = one.message();
     const bool has_ranges = one.mask().contains(lists[0]);
     const std::size_t beams = (has_ranges ? of_one.ranges : of_one.intensities).size();
-    // Where the lists contradict each other, the last angle is that of the first list that is selected.
+    // If the lists contradict each other, the last angle is that of the first list that is selected.
     if (!has_ranges && steps.first.mask().contains(lists[0]) && scan.ranges.size() != scan.intensities.size())
       of_two.angle_max = of_one.angle_max;
     const Bounds bounds = is_exact ? Bounds{} : bounds_of(scan, first, second, beams);

@@ -1,4 +1,4 @@
-// Clouds whose bytes are anything: no value is read from outside of the data, nor of the sample.
+// Clouds with random bytes: no value is read from outside the data or the sample.
 #include <algorithm>
 #include <array>
 #include <cstring>
@@ -22,7 +22,7 @@ class PointsHostile : public test::RandomTest {
  protected:
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
 
-  /// Often what nearly fits, and often what overflows.
+  /// Returns a number that often fits nearly, and often overflows.
   std::uint32_t number() {
     constexpr std::array<std::uint32_t, 12> odd{0,           1,           2,           3,
                                                 0x7FFF'FFFF, 0x8000'0000, 0xFFFF'FFFF, 0xFFFF'FFFE,
@@ -55,7 +55,7 @@ class PointsHostile : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// All values, which a sanitizer watches, or those of the corners if there are very many.
+/// Reads all values, or those of the corners if there are very many. A sanitizer checks the reads.
 template <class... Ts>
 void read_all(const Cells<std::tuple<Ts...>>& points) {
   if (points.size() > 10'000) {
@@ -106,7 +106,7 @@ TEST_F(PointsHostile, NoBytesLeadOutOfTheSample) {
   for (int round = 0; round < rounds(); ++round) {
     Arrived sample(cloud());
     for (std::uint32_t changes = layouts.below(4); changes > 0; --changes) {
-      const std::size_t bytes = std::min<std::size_t>(sample.body().size(), 700);  // those of the header
+      const std::size_t bytes = std::min<std::size_t>(sample.body().size(), 700);  // the bytes of the header
       const std::uint32_t value = number();
       std::memcpy(sample.body().data() + layouts.below(bytes / 4) * 4, &value, sizeof value);
     }

@@ -1,4 +1,4 @@
-// Typed columns of clouds: values of both layouts, errors, ranges, and what recorded samples note.
+// Typed columns of clouds: values in both layouts, errors, ranges, and what recorded samples record.
 #include "sft/points.h"
 
 #include <algorithm>
@@ -28,7 +28,7 @@ static_assert(std::ranges::random_access_range<Xyz> && std::ranges::sized_range<
 static_assert(std::ranges::common_range<Xyz> && std::ranges::view<Xyz> && std::ranges::borrowed_range<Xyz>);
 static_assert(std::is_trivially_copyable_v<Xyz> && sizeof(Xyz) <= 64);
 
-/// Bits, since random values may be no numbers.
+/// Returns the bits of the points, since random values may be NaN.
 template <class... Ts>
 std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits_of(const Cells<std::tuple<Ts...>>& points) {
   std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits;
@@ -49,7 +49,7 @@ class PointsTest : public test::RandomTest {
   PointCloud2 cloud(std::uint32_t height, std::uint32_t width) {
     return test::random_cloud(random, height, width);
   }
-  /// The same without padding behind the rows.
+  /// Returns the cloud without padding behind the rows.
   PointCloud2 dense_cloud(std::uint32_t height, std::uint32_t width) {
     PointCloud2 dense = cloud(height, width);
     dense.row_step = width * dense.point_step;
@@ -154,7 +154,7 @@ TEST_F(PointsTest, TheFirstOfTwoChannelsWithOneNameCounts) {
   PointCloud2 whole = cloud(1, 2);
   const Arrived sample(whole);
   EXPECT_EQ(message_of(sample.view().points<std::uint16_t>("x")), "channel 'x' is float, not uint16");
-  whole.fields[0].offset = 45;  // and it counts also if it is missing
+  whole.fields[0].offset = 45;  // the first channel counts even if its bytes are missing
   const Arrived other(whole);
   EXPECT_FALSE(other.view().points<std::uint16_t>("x"));
 }
@@ -229,7 +229,7 @@ TEST_F(PointsTest, ACloudOfNoRowsOrNoColumnsHasNoPoints) {
   }
 }
 
-// Drivers that organise a cloud leave row_step at the size of the whole cloud, or at 0.
+// Drivers that organise a cloud may leave row_step at the size of the whole cloud, or at 0.
 TEST_F(PointsTest, RowsFollowEachOtherWhereTheDataHasJustTheBytesOfThePointsWhateverRowStepSays) {
   PointCloud2 whole = dense_cloud(4, 5);
   const Arrived honest(whole);
@@ -385,7 +385,7 @@ TEST_F(PointsTest, AFieldThatWasNotSentIsAnErrorAndAllThatAreMissingAreNoted) {
   }
 }
 
-/// Notes channels one by one.
+/// Numbers channels by the first letter of their names.
 struct ChannelListener final : detail::AccessLog::Listener {
   void first_read(std::size_t) noexcept override {}
   std::optional<std::size_t> number_of_channel(std::size_t, std::string_view name) noexcept override {
@@ -416,7 +416,7 @@ TEST_F(PointsTest, ChannelsThatOverlapAreReadAsWholePointsInWhateverOrderTheyAre
   }
 }
 
-/// The data of a cloud, cut as a list and not as points: the rule of another field has its `width`.
+/// The data of a cloud, cut as a list and not as points: `width` belongs to the rule of another field.
 struct CutAsList final : detail::PartsInPlace {
   explicit CutAsList(const detail::SampleState& sample) : source(sample) {
     EXPECT_TRUE(cut.find(source, nullptr, data, part));

@@ -1,4 +1,4 @@
-// Copies that are made later: a few bytes at a time, and never more than was said.
+// Copies that are made later: a few bytes at a time, and never more than was announced.
 #include "sft/detail/postponed_copies.h"
 
 #include <gtest/gtest.h>
@@ -14,14 +14,14 @@ namespace {
 
 using namespace detail;
 
-/// The value is "abcdefghijklmnopqrstuvwxyz"; the body has its letters once they are copied, and else dots.
+/// The value is "abcdefghijklmnopqrstuvwxyz". The body has dots until its letters are copied.
 class PostponedCopiesTest : public ::testing::Test {
  protected:
   PostponedCopiesTest() { body_.fill('.'); }
 
   bool postpone(std::size_t at, std::size_t bytes) { return copies_.add(place(at), source(at), bytes); }
   std::string body() const { return {body_.data(), body_.size()}; }
-  /// Returns what somebody finds who looks for the whole body now.
+  /// Returns what a reader finds that looks up the whole body now.
   std::string located() {
     const Segment whole{place(0), body_.size()};
     std::vector<Segment> parts;

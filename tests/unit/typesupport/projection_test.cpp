@@ -1,4 +1,4 @@
-// How bytes are projected: what is copied, what is only referenced, and what the runtime refuses.
+// How bytes are projected: which ones are copied or only referenced, and what the runtime refuses.
 #include "sft/detail/project.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ class Projected {
   bool ok() const { return ok_; }
   std::size_t segments() const { return projection_.segments().size(); }
 
-  /// The bytes of the source that were not copied.
+  /// Returns how many bytes of the source were not copied.
   std::size_t referenced_bytes() const {
     std::size_t bytes = 0;
     for (const Segment& s : projection_.segments()) bytes += is_in_source(s) ? s.bytes : 0;
@@ -77,7 +77,8 @@ PointCloud2 cloud_with_data(std::size_t bytes) {
 TEST(ProjectionTest, LargeBlocksStayWhereTheyAre) {
   const Projected projected(cloud_with_data(reference_bytes_min), ~PointCloud2::Field::height);
   EXPECT_EQ(projected.referenced_bytes(), reference_bytes_min);
-  EXPECT_EQ(projected.segments(), 3U);  // what is before them, they, and what is behind them
+  // the bytes before the reference, the referenced bytes, and those behind
+  EXPECT_EQ(projected.segments(), 3U);
 }
 
 TEST(ProjectionTest, SmallBlocksAreCopiedIntoOneRun) {
@@ -106,7 +107,7 @@ TEST(ProjectionTest, OnePlanServesSourcesOfAnyMaskThatHasItsOwn) {
   }
 }
 
-// With the strings goes a number of bytes that is a multiple of 4, and of 8 only sometimes.
+// The strings that are left out have a number of bytes that is a multiple of 4, but only sometimes of 8.
 TEST(ProjectionTest, ARunThatMovesByLessThanItsAlignmentIsCopiedLeafByLeaf) {
   using F = nav_msgs::msg::Odometry::Field;
   const Mask<nav_msgs::msg::Odometry> wanted = ~(F::header | F::child_frame_id);
@@ -151,7 +152,7 @@ TEST(ProjectionTest, ElementsAtChangingDistancesAreCopiedOneByOne) {
   EXPECT_EQ(projected.decoded().pairs[999].b, 499.5);
 }
 
-/// Only a type that somebody made by hand has these. All four billion of them would take a minute.
+/// Only a type that was made by hand can have such elements. Visiting all four billion would take a minute.
 TEST(ProjectionTest, AHugeCountOfElementsWithoutBytesCostsNothing) {
   const std::vector<Member> nothing{{.name = "a", .kind = Kind::uint8, .shape = Shape::array, .count = 0},
                                     {.name = "b", .kind = Kind::uint8, .shape = Shape::array, .count = 0}};

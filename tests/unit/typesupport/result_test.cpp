@@ -1,4 +1,4 @@
-// What becomes of an error that a program does not look at.
+// What happens to an error that a program does not check.
 #include "sft/result.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A number that is written as text is read back as the same number, however the program rounds.
+// A number that is written as text is read back as the same number, in any rounding mode.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,5 +1,5 @@
-// Selections as values, with random ones of a type with all kinds of fields: the laws of joining, containing
-// and of parts of parts, and their bytes.
+// Selections as values: the laws of joining, of containing and of parts of parts, and their encoding. They
+// are tested with random selections of a type with all kinds of fields.
 #include "sft/selection.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ class SelectionTest : public testing::Test {
   std::mt19937_64 random_{test::test_seed()};
 };
 
-/// As somebody may send it.
+/// Another program may send such a selection.
 TEST(Selections, WithADeadbandThatIsNoNumberAreNotReadFromTheirBytes) {
   const double usual = 0.1234567, none = std::nan("");
   const Selection one =
@@ -191,7 +191,7 @@ TEST_F(SelectionTest, HaveAllOfWhatTheyWereJoinedTo) {
   }
 }
 
-/// The indices that a range keeps of so many.
+/// Returns the indices below `count` that a range keeps.
 std::vector<std::uint32_t> kept(const Range& range, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t i = range.begin; i < std::min(range.end, count); i += range.step) indices.push_back(i);

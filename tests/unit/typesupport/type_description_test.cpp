@@ -1,4 +1,4 @@
-// Types as bytes: what is described comes back, and nothing else is accepted.
+// Types as bytes: a description is read back as the same type, and nothing else is accepted.
 #include "sft/detail/type_description.h"
 
 #include <gmock/gmock.h>
@@ -99,7 +99,7 @@ class Handmade {
     for (const char c : text) byte(static_cast<std::uint8_t>(c));
     return *this;
   }
-  /// A struct with members of primitive kinds or earlier structs: {form, name, struct}.
+  /// A member of a struct. If it is a struct itself, `type` is the number of that earlier struct.
   struct M {
     unsigned form;
     std::string name;
@@ -122,7 +122,7 @@ class Handmade {
   Bytes bytes_;
 };
 
-/// Version 1, no enumerations, so many structs.
+/// Returns the beginning of a description: version 1, no enumerations, and `n` structs.
 Handmade with_structs(std::uint64_t n) { return Handmade().byte(1).number(0).number(n); }
 
 constexpr unsigned uint8 = 4;

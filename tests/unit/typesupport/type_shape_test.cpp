@@ -1,4 +1,4 @@
-// Types for people.
+// Types in a form for people.
 #include "sft/detail/type_shape.h"
 #include "sft/detail/type_description.h"
 
@@ -74,19 +74,19 @@ TEST(TypeShapeTest, IsThatOfTheCompiledTypeAfterParsing) {
   }
 }
 
-/// Two definitions that begin alike.
+/// Two definitions with the same first members.
 class FirstDifference : public ::testing::Test {
  protected:
   using Members = std::vector<Member>;
 
-  /// Returns the difference between the two; wherever there is one, the hashes differ, too.
+  /// Returns the difference between the two. Expects the hashes to differ exactly if there is one.
   static std::string between(const Members& here, const Members& there) {
     const StructType a("T", here), b("T", there);
     const std::string difference = first_difference(a, b);
     EXPECT_EQ(difference.empty(), structure_hash(a) == structure_hash(b)) << difference;
     return difference;
   }
-  /// Returns members that differ from this one in a single thing, and what that is.
+  /// Returns members that differ from this one in a single property, each with its name.
   static std::vector<std::pair<Member, std::string_view>> neighbours_of(const Member& original) {
     std::vector<std::pair<Member, std::string_view>> all;
     const auto add = [&](std::string_view what, const auto& change) {

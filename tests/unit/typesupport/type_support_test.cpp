@@ -1,4 +1,4 @@
-// Numbering, paths, hashes and the text form of masks.
+// The numbering, paths and hashes of types, and the text form of masks.
 #include "sft/type_support.h"
 #include "sft/detail/type_shape.h"
 
@@ -26,7 +26,7 @@ TEST(TypeSupportTest, LeavesAreNumberedDepthFirstAndALengthIsALeafOfItsOwn) {
   EXPECT_EQ(cloud_type().path(5), "fields.size");
   EXPECT_EQ(cloud_type().path(6), "fields[].name");
   EXPECT_EQ(cloud_type().path(14), "is_dense");
-  EXPECT_EQ(cloud_type().index_slots(), 11U);  // `fields` has one
+  EXPECT_EQ(cloud_type().index_slots(), 11U);  // the leaves of `fields` share one slot
 }
 
 TEST(TypeSupportTest, TheNamesOfGeneratedCodeAreThoseOfThePaths) {

@@ -1,4 +1,4 @@
-// The validating walk over hostile bytes: every malformation is named, nothing outside is read.
+// The validating walk over hostile bytes names each error, and reads nothing outside of the body.
 #include "sft/detail/walk.h"
 
 #include <gtest/gtest.h>
@@ -86,7 +86,7 @@ TEST_F(WalkTest, RandomlyChangedBytesAreRefusedOrDecodedButNeverReadOutside) {
   test::Random random(test::test_seed());
   const std::vector<std::byte> original = encoded.bytes();
   for (int round = 0; round < 50'000; ++round) {
-    // A copy of exactly that size, so that the address sanitizer sees any byte too many.
+    // A copy of exactly that size, so that the address sanitizer notices reads beyond it.
     std::vector<std::byte> bytes = original;
     for (int i = 0; i < 3; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     bytes.resize(bytes.size() - random() % 4);

@@ -1,4 +1,4 @@
-// Samples as YAML.
+// Samples that are printed as YAML.
 #include "sft/yaml.h"
 #include "sft/detail/type_description.h"
 

@@ -1,4 +1,4 @@
-// Hands datagrams to a reassembly as the demultiplexer does.
+// Passes datagrams to a reassembly as the demultiplexer does.
 #pragma once
 
 #include <cstddef>
@@ -9,7 +9,7 @@
 
 namespace sft::udp::test {
 
-/// What the datagram brings. Marks and answers are not for readers, and bring nothing.
+/// Returns what the datagram brings. Marks and answers are not for readers, and bring nothing.
 inline Arrival accept(Reassembly& reassembly, std::span<const std::byte> bytes, ArrivalTime now,
                       const SocketAddress& from = {}) {
   AnyDatagram datagram = decode(bytes);

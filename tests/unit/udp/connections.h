@@ -1,4 +1,4 @@
-// Connections to nowhere, for what only looks at who is connected to and what became of that.
+// Connections that send to nowhere, for tests that check what is connected and what is sent.
 #pragma once
 
 #include <cstddef>
@@ -23,10 +23,10 @@ class Connections {
   }
   std::size_t open() const { return open_; }
   std::size_t reconnected() const { return reconnected_; }
-  /// Counts how often the thread that sends was woken.
+  /// Returns how often the sending thread was woken.
   std::size_t woken() const { return woken_; }
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
-  /// Datagrams.
+  /// Returns the datagrams that were sent.
   const std::vector<Bytes>& sent() const { return sent_; }
   /// Returns the answer of a receiver to the last mark that was sent.
   FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
@@ -42,12 +42,12 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// Takes that number of batches. Each later one has the outcome `then`: usually the send buffers are full.
+  /// Accepts that number of batches. Later ones have the outcome `then`, by default a full send buffer.
   void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
     batches_left_ = count;
     then_ = then;
   }
-  /// Sets what is done once a batch has left.
+  /// Sets what is called after each batch has left.
   void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
 
  private:
@@ -84,7 +84,7 @@ class Connections {
   std::vector<SocketAddress> redirected_;
 };
 
-/// A sender whose connections these are, and which never has anything to do.
+/// A sender that makes these connections and does nothing else.
 class NoSender : public DatagramSender {
  public:
   explicit NoSender(Connections& connections) : connections_(connections) {}

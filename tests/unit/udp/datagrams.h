@@ -1,4 +1,4 @@
-// Datagrams as a sender would put them on the wire, one by one.
+// Single datagrams as a sender would put them on the wire.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@ namespace sft::udp::test {
 
 using Bytes = std::vector<std::byte>;
 
-/// The writer of the samples, where a test has one writer.
+/// The writer of the samples in tests with one writer.
 inline constexpr core::EndpointId lone_writer = 0xaaaa'bbbb'0000'0001;
 inline constexpr std::uint32_t short_id = static_cast<std::uint32_t>(lone_writer);
 
@@ -43,7 +43,7 @@ inline std::vector<Bytes> cut(const EncodedBody& body, std::size_t datagram_byte
   return datagrams;
 }
 
-/// All datagrams of one sample of `value` under `mask`.
+/// Returns all datagrams of one sample of `value` under `mask`.
 template <class T>
 std::vector<Bytes> datagrams_of(const T& value, const FieldMask& mask, SampleLabel label,
                                 std::size_t datagram_bytes = 1472) {

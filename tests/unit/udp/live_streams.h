@@ -1,5 +1,5 @@
-// Streams of every kind between honest writers and one process that reads them, on simulated time: the
-// writers' and the readers' end of the protocol as they are. Other datagrams can be put in between.
+// Streams of every kind between honest writers and one process that reads them, in simulated time, with the
+// real protocol code of both ends. A test can insert other datagrams.
 #pragma once
 
 #include <chrono>
@@ -54,8 +54,8 @@ class LiveStreams {
 
   Time now() const { return now_; }
 
-  /// One millisecond passes: writers publish and send, and the readers take what has come. `between` is
-  /// called before each honest datagram.
+  /// Simulates one millisecond: writers publish and send, and readers take what has come. Calls `between`
+  /// before each honest datagram.
   template <class Between>
   void pass_a_millisecond(const Between& between) {
     now_ += std::chrono::milliseconds(1);
@@ -71,7 +71,7 @@ class LiveStreams {
     if (captured_.size() > 4000) captured_.erase(captured_.begin(), captured_.begin() + 2000);
   }
 
-  /// Gives the datagram to the process, whatever it is.
+  /// Delivers any datagram to the process.
   void receive(std::span<const std::byte> datagram) {
     if (const auto mark = parse_as<FlowMark>(datagram)) {
       shares_.answer(*mark, {}, now_);
@@ -82,10 +82,10 @@ class LiveStreams {
     answer();
   }
 
-  /// Honest datagrams of before, of all kinds.
+  /// Returns earlier honest datagrams of all kinds.
   const std::vector<Bytes>& captured() const { return captured_; }
 
-  /// Returns how many samples of that stream have arrived unharmed that were published from that time on.
+  /// Returns how many samples of that stream arrived unchanged that were published at `time` or later.
   std::size_t came_since(StreamKind kind, Time time) const {
     const One& one = *streams_[static_cast<std::size_t>(kind)];
     std::size_t came = 0;
@@ -93,9 +93,9 @@ class LiveStreams {
       came += published.came && published.at >= time ? 1 : 0;
     return came;
   }
-  /// Samples of that stream whose bytes are not those that were published.
+  /// Returns how many samples of that stream had other bytes than were published.
   std::size_t harmed(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->harmed; }
-  /// Describes how far both ends are, for those who look for a fault.
+  /// Describes the state of both ends, for the message of a failure.
   std::string describe(StreamKind kind) {
     const auto i = static_cast<std::size_t>(kind);
     const One& one = *streams_[i];
@@ -110,7 +110,7 @@ class LiveStreams {
            " of channel " + std::to_string(ack.channel) + " and has " +
            std::to_string(window->samples().slots().size()) + " places";
   }
-  /// Lost samples, as the reader of that stream is told.
+  /// Returns how many samples the reader of that stream learnt were lost.
   std::uint64_t lost(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->lost; }
 
  private:
@@ -126,7 +126,7 @@ class LiveStreams {
     std::uint64_t sequence = 0;
     Time publish_at{};
     std::map<std::uint64_t, Published> published{};
-    std::vector<JobHandle> unsent{};  ///< of best effort, or of the group
+    std::vector<JobHandle> unsent{};  ///< jobs of best-effort streams and of the group
     ResendWindow window{static_cast<std::uint32_t>(writer), 1, ResendLimits{}};
     GroupMembership membership{};
     std::uint64_t group_ordinal = 0;
@@ -134,7 +134,7 @@ class LiveStreams {
     Inbox inbox{8, nullptr};
     core::SequenceAccount account{};
     std::uint64_t lost = 0;
-    std::uint64_t last = 0;  ///< sequence that it got
+    std::uint64_t last = 0;  ///< the latest sequence that the reader got
     std::size_t harmed = 0;
   };
 
@@ -230,7 +230,7 @@ class LiveStreams {
            datagrams.emplace_back(group_offer_bytes).data());
   }
 
-  /// To readers of best effort at once, and to reliable ones in order.
+  /// Delivers samples to best-effort readers at once, and to reliable ones in order.
   void deliver(const Arrival& arrival) {
     One& one = *streams_[arrival.stream];
     const bool at_once = !is_reliable(one.kind);

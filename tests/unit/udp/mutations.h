@@ -1,4 +1,4 @@
-// Datagrams as a bad network, or somebody with bad intentions, makes them out of honest ones.
+// Turns honest datagrams into damaged ones, as a bad network or an attacker may.
 #pragma once
 
 #include <algorithm>
@@ -10,8 +10,7 @@
 
 namespace sft::udp::test {
 
-/// Flips a bit, writes a value at the end of what a field can hold, or cuts the end off; mostly in the
-/// header.
+/// Flips a bit, writes an extreme value, or cuts off the end of the datagram, mostly in its header.
 template <class Random>
 void mutate_once(std::vector<std::byte>& datagram, Random& random) {
   if (datagram.empty()) return;
@@ -37,7 +36,8 @@ void mutate_once(std::vector<std::byte>& datagram, Random& random) {
                                         UINT64_MAX};
     const std::uint64_t value = values[below(std::size(values))];
     const std::size_t width = std::size_t{1} << below(4);
-    const std::size_t step = below(2) == 0 ? 1 : width;  // numbers stand at multiples in most headers
+    // most headers have their numbers at multiples of the width
+    const std::size_t step = below(2) == 0 ? 1 : width;
     const std::size_t at = below(header) / step * step;
     for (std::size_t i = 0; i < width && at + i < datagram.size(); ++i)
       datagram[at + i] = static_cast<std::byte>(value >> (8 * i));
@@ -46,7 +46,7 @@ void mutate_once(std::vector<std::byte>& datagram, Random& random) {
   }
 }
 
-/// One to three changes.
+/// Makes one to three changes.
 template <class Random>
 void mutate(std::vector<std::byte>& datagram, Random& random) {
   for (auto left = std::uniform_int_distribution<int>(1, 3)(random); left > 0; --left)

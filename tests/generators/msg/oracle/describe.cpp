@@ -1,5 +1,6 @@
-// Prints, as JSON, what the types of types.inc are like: structure, paths, units, defaults and constants.
-// Built with headers made from .msg files, from rosidl's IDL, and from the IDL that we make of messages.
+// Prints, as JSON, the properties of the types in types.inc: structure, paths, units, defaults and
+// constants. Built with headers made from .msg files, from rosidl's IDL, and from the IDL that we make from
+// messages.
 #include "types.inc"
 
 #include <iostream>

@@ -1,4 +1,4 @@
-// Type descriptions of endpoints: ours are such that others accept them, theirs are not believed.
+// Type descriptions of endpoints: other nodes accept ours, and theirs are checked before they are used.
 #include "core/control/described_type.h"
 
 #include <gmock/gmock.h>
@@ -58,7 +58,7 @@ TEST(DescribedTypeTest, ThatIsNoDescriptionIsMalformedAndThatIsNoneIsUnavailable
   EXPECT_EQ(described_type(e).error().code, Errc::unavailable);
 }
 
-/// A type of so many members, each of which takes 25 bytes of the description.
+/// A type of `members` members, each of which takes 25 bytes of the description.
 class Wide {
  public:
   explicit Wide(std::size_t members) {

@@ -1,4 +1,4 @@
-// Sets of a few endpoints, as requests have them: in the order in which they came.
+// Sets of a few endpoints, in the order in which requests list them.
 #pragma once
 
 #include <algorithm>

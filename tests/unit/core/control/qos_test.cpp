@@ -1,4 +1,4 @@
-// The offered/requested rules, exhaustively, and what is refused on entry.
+// All combinations of offered and requested QoS, and settings that are refused when an endpoint is opened.
 #include "core/control/qos.h"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
     case QosPolicy::none:
       break;
   }
-  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // leases
+  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // of leases
 }
 
 class RulesTest : public ::testing::TestWithParam<QosPolicy> {};
@@ -49,7 +49,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, RulesTest,
                            return param.param == QosPolicy::none ? "lease" : to_string(param.param);
                          });
 
-// All policies at once match exactly where each of them does.
+// All policies at once match exactly if each of them does.
 TEST(RulesTest, PoliciesDoNotMix) {
   std::vector<Qos> all;
   for (const Reliability reliability : {best_effort, reliable}) {

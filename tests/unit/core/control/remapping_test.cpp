@@ -69,9 +69,9 @@ INSTANTIATE_TEST_SUITE_P(
         // A topic with the name of the node is a topic.
         Case{{"cam:=b"}, "cam", "left/b"}, Case{{"cam:=b"}, "~/image", "left/cam/image"},
         Case{{"~:=b"}, "cam", "left/b"},
-        // A whole name fits, not its beginning.
+        // A rule must match the whole name, not its beginning.
         Case{{"image:=raw"}, "image/info", "left/image/info"}, Case{{"im:=raw"}, "image", "left/image"},
-        // The first rule that fits counts, once.
+        // The first rule that matches is applied, once.
         Case{{"a:=b", "b:=c"}, "a", "left/b"}, Case{{"a:=b", "b:=a"}, "b", "left/a"},
         Case{{"a:=b", "a:=c"}, "a", "left/b"}, Case{{"x:=y", "a:=c"}, "a", "left/c"},
         // Rules for one node.
@@ -86,7 +86,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
         Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
         Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
-        // Rules for topics look for the names that the node has then, wherever they stand.
+        // Rules for topics are matched against the names that the node has after that, in any order.
         Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},
         Case{{"/right/eye:a:=b", "__ns:=/right", "__node:=eye"}, "a", "right/b"}));
 

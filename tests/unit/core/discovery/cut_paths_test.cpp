@@ -1,4 +1,4 @@
-// By which links the way to a process is cut, while another one leads there.
+// Peers report the links on which the path to a process is cut while another link leads there.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// SFT reads a user's configuration as Cyclone DDS reads it, with its liberties about XML and names.
+// SFT reads a user's configuration as Cyclone DDS does, including what Cyclone tolerates in XML and names.
 #include "core/discovery/cyclone_settings.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ constexpr std::uint32_t our_domain = 5;
 
 CycloneSettings read(const std::string& config) { return CycloneSettings::read(config, our_domain).value(); }
 
-/// A file with a configuration, which goes with this object.
+/// A file with a configuration, deleted with this object.
 class ConfigFile {
  public:
   explicit ConfigFile(const std::string& text) : name_(directory_.write("config_of_a_test.xml", text)) {}

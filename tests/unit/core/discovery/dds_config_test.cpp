@@ -1,4 +1,5 @@
-// Ours, then the user's, then what SFT cannot do without: and what of the user's that costs is said.
+// The order of settings: SFT's defaults, then the user's, then those that SFT depends on. The log names
+// settings of the user that cost something.
 #include "core/discovery/dds_config.h"
 
 #include <gmock/gmock.h>
@@ -45,7 +46,7 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
   EXPECT_THAT(theirs.warnings, IsEmpty());
 }
 
-/// Otherwise each of N readers answers each heartbeat that is repeated for one of N newcomers.
+/// Otherwise each of N readers would answer each heartbeat that is repeated for one of N newcomers.
 TEST(DdsConfig, AReaderThatHasSaidThatItMissesNothingWaitsBeforeItSaysSoAgain) {
   EXPECT_THAT(in_force(config(""), "Internal/AckDelay"), is("1 s"));
   EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
@@ -137,7 +138,7 @@ TEST(DdsConfig, LetsCycloneAnnounceItselfSeldomAndMoreSeldomToPeers) {
   }
 }
 
-/// Linux gives a multicast datagram to all sockets that are bound to its port, whatever the interface.
+/// Linux delivers a multicast datagram to all sockets that are bound to its port, on any interface.
 TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTheOtherLinks) {
   const auto c = config("");
   EXPECT_THAT(in_force(c, "Discovery/Ports/MulticastMetaOffset", loopback), is("2"));
@@ -198,7 +199,7 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
 }
 
-/// Cyclone would look names up on the thread that makes a link.
+/// Cyclone would look up names on the thread that opens a link.
 TEST(DdsConfig, HasNumbersOnlyForPeersByNameOfTheSettingsAndOfTheUser) {
   const DiscoverySettings settings{.peers = {"robot.local:7410", "nobody.local"}};
   const char* user =

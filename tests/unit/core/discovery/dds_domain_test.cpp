@@ -1,4 +1,4 @@
-// Links of a process share a domain of Cyclone only if they may.
+// Links of a process share a domain of Cyclone only if that is allowed.
 #include "core/discovery/dds_domain.h"
 
 #include <gtest/gtest.h>

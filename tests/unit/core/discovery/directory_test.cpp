@@ -1,4 +1,4 @@
-// Nodes are told of the endpoints that may match their own, whichever process has them.
+// Nodes are informed about endpoints that may match their own, in any process.
 #include "core/discovery/directory.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ using ::testing::SizeIs;
 
 constexpr ProcessId process_one = 1, process_two = 2;
 
-/// Writes down what a node is told.
+/// Records what a node is informed about.
 class Listener final : public DiscoveryListener {
  public:
   void endpoint_seen(Endpoint endpoint) override {

@@ -1,4 +1,4 @@
-// Heartbeats go by multicast on one link, and wait in the socket until they are taken.
+// Heartbeats are sent by multicast on one link, and wait in the socket until they are taken.
 #include "core/discovery/heartbeat_socket.h"
 
 #include <arpa/inet.h>
@@ -31,7 +31,7 @@ std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
   return heartbeats;
 }
 
-/// Sends from the loopback, to the group or to an address of the host.
+/// Sends octets from the loopback to the port of heartbeats, to the group or to an address of the host.
 void send_to_heartbeats(const char* to, const std::vector<std::byte>& octets) {
   const FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   const in_addr link{htonl(INADDR_LOOPBACK)};
@@ -67,7 +67,7 @@ TEST_F(HeartbeatSocketTest, HeartbeatsWaitUntilTheyAreTaken) {
   EXPECT_THAT(heartbeats_taken(*other), SizeIs(100));
 }
 
-/// The kernel stamps what comes some moments after the first socket has asked for stamps.
+/// The kernel begins to stamp datagrams some moments after the first socket has asked for stamps.
 TEST_F(HeartbeatSocketTest, SaysHowLongAHeartbeatHasWaited) {
   using namespace std::chrono_literals;
   std::chrono::nanoseconds waited{}, since_sent{};
@@ -104,7 +104,7 @@ TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   std::size_t heard = 0;
   other->take([&](const Heartbeat&, auto) {
     ++heard;
-    one->send(heartbeat);  // so there is always another one
+    one->send(heartbeat);  // so that another heartbeat always waits
   });
   EXPECT_EQ(heard, HeartbeatSocket::taken_at_once_max);
 }

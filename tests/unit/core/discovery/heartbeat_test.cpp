@@ -1,4 +1,4 @@
-// A heartbeat is a datagram of a fixed form; anything else is none.
+// A heartbeat is a datagram of a fixed form; any other datagram is refused.
 #include "core/discovery/heartbeat.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The user data of participants say which process they belong to; those of other releases are named.
+// The user data of a participant name the process that it belongs to. Other releases are reported.
 #include "core/discovery/participant_data.h"
 
 #include <gmock/gmock.h>

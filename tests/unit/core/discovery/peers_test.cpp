@@ -1,4 +1,4 @@
-// Which processes live, and which of their records hold.
+// Which processes are alive, and which of their records are in force.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
   EXPECT_THAT(renewed, IsEmpty());
 }
 
-/// Heartbeats are read once a second.
+/// Heartbeats are read once a second, so one may be old when it is read.
 TEST_F(PeersTest, CountsTheLeaseFromWhenAHeartbeatWasReceivedUnlessThisProcessWasHeldUpMeanwhile) {
   const auto silent_after = [&](Time::duration age) {
     peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now, age);
@@ -103,7 +103,7 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
-/// The second one may have come in a moment in which a link that is cut worked.
+/// The second heartbeat may have arrived in a moment in which a link that is cut worked.
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
   writes(1, "b", {wlan});

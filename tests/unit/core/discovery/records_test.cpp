@@ -1,4 +1,4 @@
-// The digest of records tells whether two processes have the same ones.
+// The digest of records shows if two processes have the same ones.
 #include "core/discovery/records.h"
 
 #include <gtest/gtest.h>

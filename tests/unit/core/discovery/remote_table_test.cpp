@@ -1,4 +1,4 @@
-// A table is behind when two heartbeats in turn count what it has had neither before nor since.
+// A table is behind if two successive heartbeats count records that it had neither before nor after.
 #include "core/discovery/remote_table.h"
 
 #include <gtest/gtest.h>
@@ -8,12 +8,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The owner has one record, which changes; some of its changes arrive.
+/// The owner has one record, which changes; only some of its changes arrive.
 class RemoteTableTest : public ::testing::Test {
  protected:
   static constexpr Time::duration apart = 250ms;
 
-  /// Returns the digest of the owner once it has changed so often.
+  /// Returns the digest of the owner after that number of changes.
   std::uint64_t digest(std::uint64_t changes) const {
     Records own;
     if (changes > 0) own.put({}, {changes, nullptr});
@@ -54,7 +54,7 @@ TEST_F(RemoteTableTest, IsBehindSinceTheSecondHeartbeatThatCountsMore) {
 TEST_F(RemoteTableTest, IsBehindWhereHeartbeatsGoOnWithoutWhatCame) {
   arrives(1);
   heartbeat(1);
-  arrives(7);  // forged
+  arrives(7);  // a forged change
   heartbeat(1);
   heartbeat(1);
   EXPECT_TRUE(is_behind());

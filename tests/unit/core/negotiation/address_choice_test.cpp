@@ -70,7 +70,8 @@ TEST(AddressChoice, IsNotAnAddressThatWeHaveOurselves) {
   EXPECT_EQ(choose({bridge}, {our_bridge}), bridge) << "there is no other";
 }
 
-/// These look alike on every link: that it is the same one is only known where nothing else can be.
+/// Link-local addresses look alike on every link. Only if there is no other choice is it clear which link
+/// one belongs to.
 TEST(AddressChoice, IsLinkLocalOnlyForWantOfOthersAndThenByAnInterfaceOfOurs) {
   Link ours = link("fe80::4/64");
   ours.ip.scope = 3;

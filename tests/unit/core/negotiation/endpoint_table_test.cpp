@@ -1,4 +1,4 @@
-// These tests check what the table of endpoints knows, and that nothing remains noted of an endpoint that is
+// These tests check what the table of endpoints knows, and that it keeps nothing of an endpoint that has
 // gone.
 #include "core/negotiation/endpoint_table.h"
 

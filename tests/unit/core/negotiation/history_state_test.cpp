@@ -1,4 +1,4 @@
-// These tests check which retained samples a reader is owed, and when it is owed them again.
+// These tests check which retained samples are due to a reader, and when they are due again.
 #include "core/negotiation/history_state.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// These tests check what our endpoints get for their announcements, and by which address readers are reached.
+// These tests check what is announced with our endpoints, and at which address readers are reached.
 #include "core/negotiation/local_host.h"
 
 #include <gtest/gtest.h>

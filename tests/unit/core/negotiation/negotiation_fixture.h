@@ -1,4 +1,4 @@
-// One negotiation, and endpoints and requests of others for it to hear of. Our writer is 100, our reader 200.
+// A negotiation, and endpoints and requests of others that it is given. Our writer is 100, our reader 200.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,14 +11,14 @@
 
 namespace sft::core {
 
-inline constexpr AnnouncerId honest = 1;  // who announces what is true
+inline constexpr AnnouncerId honest = 1;  // announces what is true
 
 class NegotiationTest : public ::testing::Test {
  protected:
   using PointCloud2 = sensor_msgs::msg::PointCloud2;
   using F = PointCloud2::Field;
   static constexpr std::uint64_t here = 1;
-  static constexpr std::uint64_t beside = 2;  ///< in a container of the same machine
+  static constexpr std::uint64_t beside = 2;  ///< the host id of a container on the same machine
   static constexpr std::uint64_t elsewhere = std::uint64_t{1} << 32;
 
   NegotiationTest() { at_host(token(1)); }

@@ -1,4 +1,4 @@
-// Late readers: who is given what was published before, and when shared memory takes over.
+// Late readers: which of them get earlier samples, and when shared memory takes over.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
@@ -13,14 +13,14 @@ class LateReaderTest : public NegotiationTest {
     writer.qos = {.durability = transient_local, .history_depth = 5};
     negotiation.local_added(writer, type);
   }
-  /// On this host, and attached.
+  /// Returns a reader on this host that is attached in shared memory.
   Endpoint late_reader(EndpointId id = 7) {
     Endpoint reader = endpoint(Role::reader, id, here, 1);
     reader.qos = {.durability = transient_local, .history_depth = 3};
     reader.request.attached = {100};
     return reader;
   }
-  /// The request of a reader whose retained samples have begun to arrive.
+  /// Returns the request of a reader whose retained samples have begun to arrive.
   Request begun(EndpointId reader, std::uint64_t sequence) {
     Request with_history = request(reader, sequence, F::data, {100});
     with_history.begun = {100};

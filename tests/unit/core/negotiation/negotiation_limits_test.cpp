@@ -1,4 +1,4 @@
-// One participant that announces without end costs everybody else little.
+// A participant that announces endpoints without end costs all others little.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
@@ -74,7 +74,7 @@ TEST_F(Limits, AReaderHearsTheWritersThatItHasKnownLongestAndThatAnswer) {
   our_reader();
   constexpr EndpointId first = 10'000;
   for (EndpointId i = 0; i < writers_per_reader_max + 2; ++i) {
-    // The one that comes first has the greatest id.
+    // The writer that is announced first has the greatest id.
     Endpoint writer = endpoint(Role::writer, first - i);
     writer.announcer = i / 50;
     ASSERT_TRUE(negotiation.endpoint_seen(writer));
@@ -102,7 +102,7 @@ TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
     Endpoint other = endpoint(Role::reader, id);
     other.announcer = id / 50;
     other.type_hash = id;
-    other.type_description = {std::byte{1}};  // is no description, which is found out by comparing
+    other.type_description = {std::byte{1}};  // is not a description, which only a comparison finds out
     negotiation.endpoint_seen(other);
     negotiation.tick(Time{});
     const std::uint64_t before = negotiation.definitions_compared();
@@ -124,7 +124,7 @@ class Comparisons : public NegotiationTest {
     other.type_description = {std::byte{1}};
     return other;
   }
-  /// Returns true if the comparison is known already.
+  /// Returns true if the result of the comparison was kept.
   bool compare(std::uint64_t n) {
     comparisons.refill();
     const std::uint64_t before = comparisons.compared();
@@ -140,7 +140,7 @@ TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
   EXPECT_FALSE(compare(1));
 }
 
-// All comparisons together have far more bytes than may be kept at a time.
+// The bytes of all comparisons together are far more than may be kept at a time.
 TEST_F(Comparisons, WhatWasForgottenLeavesRoomForOthers) {
   constexpr std::uint64_t made = 20'000, known = 256;
   for (std::uint64_t n = 1; n <= made; ++n) compare(n);

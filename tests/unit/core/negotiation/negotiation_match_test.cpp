@@ -1,5 +1,5 @@
-// These tests check which pairs of a writer and a reader match, by which paths, and what is said of those
-// that do not.
+// These tests check which pairs of a writer and a reader match, by which paths, and what is reported of
+// pairs that do not match.
 #include <gtest/gtest.h>
 
 #include "sft/detail/type_description.h"
@@ -14,7 +14,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using namespace std::chrono_literals;
 
-/// Another definition of PointCloud2, with a wider height.
+/// Another definition of PointCloud2, with a height of 64 bits.
 struct Taller {
   std::vector<Member> members{TypeTable<PointCloud2>::members.begin(), TypeTable<PointCloud2>::members.end()};
   StructType type = (members[1].kind = Kind::uint64, StructType("sensor_msgs::msg::PointCloud2", members));

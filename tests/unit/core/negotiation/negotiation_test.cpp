@@ -1,4 +1,5 @@
-// The negotiation as pure functions of events: what each of our writers serves and each of our readers hears.
+// The negotiation as pure functions of events: what each of our writers serves, and what each of our
+// readers receives.
 #include "core/negotiation/negotiation.h"
 
 #include <gtest/gtest.h>
@@ -74,7 +75,7 @@ TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsOrConditionsAreMalformed) {
   const Selection part = type.parse_selection("data{x}").value();
   std::vector<std::byte> of_no_leaf = part.to_bytes();
   of_no_leaf[4] = std::byte{100};
-  // Conditions on a list and on a text, as no text form of a selection has them.
+  // Conditions on a list and on a string, which the text form of a selection cannot express.
   const auto on = [&](const char* field) {
     const auto leaf = static_cast<std::uint32_t>(*type.parse_mask(field).value().begin());
     const Selection::Gate gate{{{.kind = Selection::Condition::Kind::compare, .leaves = {leaf}}}, {}};
@@ -188,7 +189,7 @@ TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
   EXPECT_EQ(negotiation.local(200)->addresses, before);
   negotiation.network_changed(after, {});
   EXPECT_EQ(negotiation.local(200)->addresses, after);
-  our_writer();  // made with those of before
+  our_writer();  // made with the former addresses
   EXPECT_EQ(negotiation.local(100)->addresses, after);
 }
 

@@ -1,4 +1,4 @@
-// Deadlines and liveliness as functions of counts and times.
+// Deadlines and liveliness are computed from counts and times only.
 #include "core/negotiation/qos_monitor.h"
 
 #include <gtest/gtest.h>
@@ -39,8 +39,8 @@ TEST(ActivityMonitorTest, ACountMayTurnOverOrBeginAgain) {
   EXPECT_EQ(monitor.look(0, test_start + 189ms), 0U);
 }
 
-// Looked at at its pace, whatever happens: what is told missed was missed, and what was missed for one and a
-// half periods is told.
+// The monitor is called at its pace, at random times of signs. It reports only periods that were missed,
+// and always one after one and a half periods without a sign.
 TEST(ActivityMonitorTest, NothingIsToldThatWasNotMissedAndNothingMissedForLongIsNotTold) {
   std::mt19937_64 random(test::test_seed());
   SCOPED_TRACE(test::how_to_repeat());
@@ -109,7 +109,7 @@ TEST(OfferMonitorTest, ALeaseIsLookedAtSixTimesAndADeadlineTwiceInAPeriod) {
   EXPECT_EQ(OfferMonitor({.deadline = 80ms, .liveliness_lease = 90ms}, test_start).pace(), 15ms);
 }
 
-// Looked at at its pace an assertion is never later than that, and so never too late.
+// A monitor that is called at its pace finds an assertion in time.
 TEST(OfferMonitorTest, AnAssertionOfTheProgramIsToldWithinHalfALeaseThoughAnotherWasJustTold) {
   OfferMonitor monitor({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, test_start);
   ASSERT_TRUE(monitor.assertion_due({.asserted = 1}, true, test_start));

@@ -1,4 +1,4 @@
-// These tests check that what many readers ask for is decoded once.
+// These tests check that a selection that many readers request is decoded once.
 #include "core/negotiation/requested_selections.h"
 
 #include <string>

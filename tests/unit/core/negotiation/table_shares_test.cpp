@@ -7,7 +7,8 @@ namespace {
 
 class TableSharesTest : public ::testing::Test {
  protected:
-  /// Enters what may enter, and takes out what has to leave for it. Returns how many came in.
+  /// Enters the endpoints that are admitted, and removes those that give way. Returns how many were
+  /// entered.
   int announce(AnnouncerId announcer, int count, const std::string& topic = "") {
     int entered = 0;
     for (int i = 0; i < count; ++i) {

@@ -1,5 +1,4 @@
-// Readers that are attached in shared memory and cannot be woken there: they are served otherwise, and told
-// why.
+// Readers that are attached in shared memory but cannot be woken there use another path, and learn why.
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {

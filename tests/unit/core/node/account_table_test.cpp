@@ -1,5 +1,4 @@
-// These tests check how long accounts that others have reported are kept, and how many of them there is room
-// for.
+// These tests check how long accounts reported by other nodes are kept, and how many fit.
 #include "core/node/account_table.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The watchdog of arrivals in simulated time: it restarts what is deaf, and nothing that works.
+// The watchdog of arrivals in simulated time. It restarts connections that receive nothing, and no others.
 #include "core/node/arrival_watchdog.h"
 
 #include <gtest/gtest.h>
@@ -18,20 +18,20 @@ using std::chrono::milliseconds;
 class ArrivalWatchdogTest : public test::RandomTest {
  protected:
   struct Scene {
-    std::chrono::microseconds period = 10ms;  ///< of samples, while the writer is not quiet
+    std::chrono::microseconds period = 10ms;  ///< the time between samples, except between bursts
     std::uint64_t bytes = 1000;
-    double lost = 0;  ///< share of samples
+    double lost = 0;  ///< share of the samples that get lost
     double assertions_lost = 0;
     std::chrono::milliseconds transit = 1ms;
-    std::chrono::milliseconds jitter = 0ms;  ///< more than transit, at random
-    std::uint64_t burst = 0;                 ///< not 0: so many samples, then as long a pause
+    std::chrono::milliseconds jitter = 0ms;  ///< added to `transit`, at random up to this
+    std::uint64_t burst = 0;  ///< if not 0: the samples of a burst, which a pause of the same length follows
     ArrivalWatchdog::Pair pair{};
   };
 
   bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
 
-  /// Plays what the reader's agent sees for so long, of a pair that works as the scene says, or of one that
-  /// is deaf.
+  /// Simulates what the reader's agent sees for the time `length`. The pair works as the scene says, or
+  /// receives nothing if `deaf`.
   void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
     const Time end = now + length;
     Time publish_at = now, passes_at = now;
@@ -59,7 +59,7 @@ class ArrivalWatchdogTest : public test::RandomTest {
         if (happens(scene.assertions_lost)) continue;
         if (watchdog.look(is_news ? &sent : nullptr, arrived, scene.pair, now)) {
           restarted_at.push_back(now);
-          arrived = 0;  // a new connection counts anew
+          arrived = 0;  // a new connection counts from 0
         }
       }
     }
@@ -137,7 +137,7 @@ TEST_F(ArrivalWatchdogTest, AQuietPairIsLeftAlone) {
   EXPECT_TRUE(restarted_at.empty());
 }
 
-/// The pair works in every random scene, and is left alone.
+/// In each random scene the pair works, and must not be restarted.
 TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedItIs) {
   const auto up_to = [this](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>(0, most)(random);
@@ -147,11 +147,11 @@ TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedIt
     under_way.clear();
     Scene scene;
     scene.pair.reliable = up_to(1) == 0;
-    scene.period = std::chrono::microseconds(std::int64_t{500} << up_to(13));  // to 4 s
+    scene.period = std::chrono::microseconds(std::int64_t{500} << up_to(13));  // 0.5 ms to 4 s
     scene.bytes = std::uint64_t{100} << up_to(16);
     scene.lost = scene.pair.reliable ? 0 : 0.2;
     scene.assertions_lost = up_to(1) == 0 ? 0 : 0.2;
-    // The link is the slowest that there may be.
+    // The link is the slowest that is allowed for.
     scene.transit = milliseconds(scene.bytes * 1000 / ArrivalWatchdog::slowest_bytes_per_s + 1);
     scene.jitter = milliseconds(up_to(700));
     scene.burst = up_to(2) == 0 ? static_cast<std::uint64_t>(1 + up_to(100)) : 0;

@@ -1,4 +1,4 @@
-// The snapshot tells of all endpoints of a domain, and of pairs that belong to others.
+// The snapshot has all endpoints of a domain, also pairs of other nodes.
 #include "core/node/domain_snapshot.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,5 @@
-// Single endpoints of a node, without its loop: the table of endpoints, the transports and discovery are the
-// test's.
+// Single endpoints of a node, without its loop. The test provides the table of endpoints, the transports
+// and discovery.
 #pragma once
 
 #include "tests/unit/core/node/reconciler_fixture.h"
@@ -13,7 +13,7 @@ class LocalEndpointTest : public ::testing::Test {
     negotiation.self_changed({.host = memory.host_token(), .network = 1, .memory_state = "ready"});
   }
 
-  /// An endpoint on this host that uses shared memory only.
+  /// Returns an endpoint on this host that uses shared memory only.
   Endpoint here(Role role, EndpointId id) const {
     Endpoint e = over_network(role, id);
     e.network = 1;
@@ -23,7 +23,7 @@ class LocalEndpointTest : public ::testing::Test {
     e.host = memory.host_token();
     return e;
   }
-  /// An endpoint on another host.
+  /// Returns an endpoint on another host.
   Endpoint over_network(Role role, EndpointId id) const {
     Endpoint e;
     e.id = id;

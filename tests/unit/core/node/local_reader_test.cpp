@@ -1,4 +1,4 @@
-// One reader of a node uses its ports and makes its requests.
+// A reader of a node uses its ports and makes its requests.
 #include "core/node/local_reader.h"
 
 #include <map>

@@ -1,4 +1,4 @@
-// One writer of a node uses its ports.
+// A writer of a node uses its ports.
 #include "core/node/local_writer.h"
 
 #include "tests/support/eventually.h"
@@ -20,21 +20,21 @@ class LocalWriterTest : public LocalEndpointTest {
     negotiation.local_added(endpoint, type);
   }
   void open_in_memory() { open(here(Role::writer, 7)); }
-  /// A reader in shared memory that is attached to our writer.
+  /// Makes a reader attach to our writer in shared memory.
   void reader_attaches(EndpointId id) {
     Endpoint reader = here(Role::reader, id);
     reader.request.attached = {7};
     negotiation.endpoint_seen(reader);
     writer->reconcile();
   }
-  /// A reader on another host that listens to our writer.
+  /// Makes a reader on another host listen to our writer.
   void reader_listens(EndpointId id) {
     Endpoint reader = over_network(Role::reader, id);
     reader.request.listening = {7};
     negotiation.endpoint_seen(reader);
     writer->reconcile();
   }
-  /// Tries the port again as soon as its pause is over.
+  /// Tries the port again after each pause. Returns true once the writer is served.
   bool is_served_in_the_end() {
     return test::eventually([&] {
       if (writer->may_try_again(std::chrono::steady_clock::now())) writer->reconcile();
@@ -49,7 +49,7 @@ class LocalWriterTest : public LocalEndpointTest {
 
   const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
-  int notifications = 0;  ///< how often the node's agent was notified of an assertion
+  int notifications = 0;  ///< how often the node's agent was notified of assertions
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
 };
@@ -74,7 +74,7 @@ TEST_F(LocalWriterTest, APortThatCannotBeOpenedIsNotTriedAgainAtOnceButAfterAPau
   EXPECT_TRUE(writer->may_try_again(soon()));
 }
 
-// The daemon has made the port, so that the reader was attached to it, and answered too late.
+// The daemon made the port, so that the reader attached to it, but the daemon answered too late.
 TEST_F(LocalWriterTest, AReaderThatIsAttachedIsNotServedInMemoryBeforeThePortIsOpen) {
   memory.is_full = true;
   open_in_memory();

@@ -1,4 +1,4 @@
-// A wait for a callback is reported once it is long.
+// A wait for a callback is reported if it takes long.
 #include "core/node/long_wait.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Which topics are taken for misspelt ones, and when the log is to name them.
+// Which topics are considered misspelt, and when the log names them.
 #include "core/node/misspelt_topics.h"
 
 #include <gmock/gmock.h>
@@ -70,7 +70,7 @@ class MisspeltTopicsTest : public ::testing::Test {
   const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
   const Time now{1h};
   EndpointTable table{{.entries = 10}};
-  std::map<std::string, std::vector<Discovery::KnownPublisher>> publishers;  ///< by their type
+  std::map<std::string, std::vector<Discovery::KnownPublisher>> publishers;  ///< by the names of their types
   MisspeltTopics topics;
 };
 

@@ -1,4 +1,4 @@
-// Ports that could not be opened are tried again, and the log tells why they failed.
+// Ports that could not be opened are tried again, and the log says why they failed.
 #include "core/node/port_attempts.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// A reconciler whose ports, transports and discovery are the test's.
+// A reconciler with ports, transports and discovery that the test controls.
 #pragma once
 
 #include "core/node/reconciler.h"
@@ -30,17 +30,17 @@ class TestWriterPort final : public IdleNetworkWriter {
   std::vector<Route> routes;
   bool history_left = true;
   int changes = 0;
-  mutable int looks = 0;  ///< at the state of its publisher
+  mutable int looks = 0;  ///< how often the counters were read
 };
 
-/// The writers that the port was told to take datagrams from.
+/// What a port was told: the writers that it takes datagrams from, and more.
 struct Connections {
   std::set<EndpointId> writers;
-  std::vector<Source> announced;  ///< by writers that are connected
+  std::vector<Source> announced;  ///< sources of connected writers, as announced again
   std::string refusal;            ///< why nothing can be connected at present
-  SampleHandle sample;            ///< to be taken
+  SampleHandle sample;            ///< the sample that take() returns next
   int ports_gone = 0;
-  int looks = 0;  ///< at the state of the subscriber
+  int looks = 0;  ///< how often the counters were read
 };
 
 class TestReaderPort final : public IdleNetworkReader {
@@ -77,13 +77,13 @@ class TestDiscovery final : public Discovery {
   Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
-  std::set<Inquiry> inquired;  ///< by our node
+  std::set<Inquiry> inquired;  ///< the last set that our node asked about
   Inquiries asked;
   std::vector<NodeReport> reports;
-  Time next_look = Time::max();  ///< as look_after() says
+  Time next_look = Time::max();  ///< the time that look_after() returns
 };
 
-/// A transport as far as it has addresses.
+/// A transport with addresses and nothing else.
 class TestTransport final : public IdleNetwork {
  public:
   std::vector<UdpAddress> addresses() const override { return addresses_now; }

@@ -1,11 +1,11 @@
-// The reconciler follows shared memory as it comes and goes.
+// What the reconciler does when shared memory becomes available or is lost.
 #include "tests/unit/core/node/reconciler_fixture.h"
 #include "tests/unit/core/node/test_memory.h"
 
 namespace sft::core {
 namespace {
 
-/// Shared memory that does not come up.
+/// Shared memory that does not become available.
 class AbsentMemory final : public IdleSharedMemory {
  public:
   Availability poll(Time) override { return availability; }
@@ -107,7 +107,7 @@ TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
   EXPECT_THAT(memory.connections, ElementsAre(8));
 }
 
-// The queue is made with what the publisher does about it. A best-effort publisher waits for nobody.
+// The queue depends on whether the publisher waits for it. A best-effort publisher waits for no reader.
 TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitAndIsReliable) {
   for (const auto kind : {Reliability::best_effort, Reliability::reliable}) {
     open_reader(kind == Reliability::reliable ? 201 : 200, kind);

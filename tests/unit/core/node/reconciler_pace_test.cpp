@@ -1,4 +1,4 @@
-// How often a node looks around.
+// How often a node runs its periodic checks.
 #include "tests/unit/core/node/reconciler_fixture.h"
 
 namespace sft::core {
@@ -14,10 +14,10 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
   EXPECT_EQ(reconciler.tick(now), TickPace::pause_when_quiet);
 }
 
-/// Looks in calm are so seldom that a short deadline or lease would be noticed late.
+/// In a calm node the checks are so rare that a short deadline or lease would be noticed late.
 TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
   using std::chrono::milliseconds;
-  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more looks than anything else
+  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more checks than all else
   const auto quiet = [&](std::chrono::seconds after) {
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
   };

@@ -1,4 +1,4 @@
-// The reconciler carries out the negotiation: it connects ports, and tells others.
+// The reconciler carries out the negotiation: it connects ports, and informs other nodes.
 #include "tests/unit/core/node/reconciler_fixture.h"
 
 namespace sft::core {
@@ -22,7 +22,7 @@ TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
   EXPECT_EQ(discovery.sent[0].sequence, 2U);
 }
 
-// The writer may still be there, and only this node hears nothing of it: the writer is to stop sending.
+// The writer may still exist, and only its announcements do not reach this node. It has to stop sending.
 TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
   our_reader(200);
   writer_seen(7);
@@ -100,7 +100,7 @@ TEST_F(ReconcilerTest, AReaderWhoseProcessIsLostIsServedNoMoreUntilItIsSeenAgain
   EXPECT_TRUE(is_served());
 }
 
-// Another writer may have the same short id, until it goes.
+// Another writer may have the same short id until that writer goes.
 TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
   connections.refusal = "the same short id";
   our_reader(200);
@@ -119,7 +119,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
   }));
 }
 
-// The request says, for instance, that the reader listens to another writer, too.
+// The request may say, for instance, that the reader listens to another writer, too.
 TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
   const auto port = std::make_shared<TestWriterPort>();
   const auto core = our_writer(7, port);
@@ -146,7 +146,7 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   EXPECT_EQ(readers_changed, told + 1);
 }
 
-// A program that wants events does not pay for them while nothing happens.
+// A program that wants events causes no work while nothing happens.
 TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
   const auto port = std::make_shared<TestWriterPort>();
   our_writer(7, port);
@@ -170,7 +170,7 @@ TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) 
   EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
 }
 
-// Two threads may set it at once, and the news of the one that came first be posted last.
+// Two threads may set the rate at once, and the first one's notice may be posted last.
 TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
   const auto core = our_reader(200);
   const auto asked = [&] { return discovery.sent.back().min_period_us; };
@@ -183,7 +183,7 @@ TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheN
   EXPECT_EQ(discovery.sent.size(), 1U);
 }
 
-// The port would wait for the callback, and the agent with it.
+// The port would wait for the callback, and the agent would wait with it.
 TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   std::shared_ptr<SubscriberCore> core;
   int ports_gone_within = 0;
@@ -202,7 +202,7 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(connections.ports_gone, 1);
 }
 
-// Only from a tick after it has left on may another path overtake what is still under way.
+// Until the tick after the history has left, no other path may overtake the datagrams under way.
 TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
   const auto port = std::make_shared<TestWriterPort>();
   PublisherCore::Spec spec{7, "points", &type, 1 << 16};
@@ -326,7 +326,7 @@ TEST_F(ReconcilerTest, AReaderThatAsksForALeaseAsksForReportsAtOnce) {
   EXPECT_THAT(discovery.inquired, ElementsAre(Inquiry{.topic = "points"}));
 }
 
-/// Our publisher has a reader of another node, and one of our own.
+/// A publisher of ours with a reader in another node and a reader in our own.
 class ReportsTest : public ReconcilerTest {
  protected:
   ReportsTest() {
@@ -340,7 +340,7 @@ class ReportsTest : public ReconcilerTest {
     discovery.asked.all = std::move(inquiries);
     ++discovery.asked.made;
   }
-  /// Returns the reports of that number of looks, each of which is due.
+  /// Returns the reports of `looks` ticks. A report is due at each of them.
   std::vector<NodeReport> reports_of(int looks = 1) {
     discovery.reports.clear();
     for (int i = 0; i < looks; ++i) reconciler.tick(now += std::chrono::milliseconds(930));

@@ -1,5 +1,5 @@
 // The rules of services in simulated time: what a client does until its call is over, and which calls a
-// server carries out.
+// server executes.
 #include "sft/detail/service_calls.h"
 
 #include <gmock/gmock.h>

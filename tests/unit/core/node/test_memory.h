@@ -1,4 +1,4 @@
-// Shared memory whose ports and daemon are the test's.
+// Shared memory with ports and a daemon that the test controls.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@
 
 namespace sft::core {
 
-/// Ports in the memory of one daemon or another, as far as they come and go.
+/// Shared memory of a daemon. Counts its ports, and lets the test decide what they answer.
 class TestMemory final : public IdleSharedMemory {
  public:
   class Writer final : public IdleLendingWriter {
@@ -68,13 +68,13 @@ class TestMemory final : public IdleSharedMemory {
   HistoryProgress progress = HistoryProgress::awaited;
   int writers = 0;
   int readers = 0;
-  bool samples_wait = false;          ///< in each reader
-  std::uint64_t arrivals = 0;         ///< of each writer
-  int openings = 0;                   ///< of writers, attempts counted
-  std::vector<Route> routes;          ///< of the writer that got its own last
-  std::string why_unreachable;        ///< what writers say of each reader
-  std::set<EndpointId> connections;   ///< of readers, to these
-  std::vector<EndpointId> asked_for;  ///< in order
+  bool samples_wait = false;          ///< in the queue of each reader
+  std::uint64_t arrivals = 0;         ///< the count that each writer port reports
+  int openings = 0;                   ///< attempts to open a writer port, refused ones included
+  std::vector<Route> routes;          ///< as set last on any writer port
+  std::string why_unreachable;        ///< what writer ports report of each reader
+  std::set<EndpointId> connections;   ///< the writers that readers are connected to
+  std::vector<EndpointId> asked_for;  ///< the writers that connections were asked for, in order
   std::optional<Errc> refusal;        ///< why nothing can be connected at present
 };
 

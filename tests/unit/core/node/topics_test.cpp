@@ -1,4 +1,4 @@
-// Topics and their types are told from a table of endpoints.
+// Topics and their types are listed from a table of endpoints.
 #include "core/node/topics.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// A node notices the states of its two transports, and writes them to the log.
+// A node notices changes in the states of its two transports, and writes them to the log.
 #include "core/node/transport_monitor.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// The files of a system say whether memory lies in huge pages. A directory stands for /sys here.
+// The files of a system say if memory is in huge pages. A directory takes the place of /sys here.
 #include "core/platform/huge_pages.h"
 
 #include <gmock/gmock.h>

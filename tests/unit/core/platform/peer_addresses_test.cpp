@@ -1,5 +1,5 @@
-// Peers by name are looked up on threads of their own: no other thread waits for a name server that is
-// silent.
+// Peers given by name are looked up on threads of their own, so that no other thread waits for a silent
+// name server.
 #include "core/platform/peer_addresses.h"
 
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ class PeerAddressesTest : public ::testing::Test {
     addresses.used_on(IpFamily::ipv4);
     return addresses;
   }
-  /// Waits for the lookups that are under way, and returns what their answers have changed.
+  /// Waits for the lookups under way, and returns what their answers have changed.
   PeerAddresses::Look answered(PeerAddresses& addresses) {
     addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::hang_timeout);
     return addresses.look_after(now_);

@@ -1,4 +1,4 @@
-// The files of the system that the tests run on. Whether they are there is a matter of that system.
+// Reads the files of the system that the tests run on. Some systems do not have them.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -125,7 +125,7 @@ TEST(ThreadTest, OfALibraryGetsItsPrefixOnceItHasTakenItsName) {
   EXPECT_NE(std::ranges::find(names, "a-long-prefix-r", &ThreadNames::value_type::second), names.end());
 }
 
-/// Threads that are started meanwhile want more stack than there are addresses.
+/// While this object exists, new threads ask for more stack than there is address space, and cannot start.
 class NoRoomForThreads {
  public:
   NoRoomForThreads() {

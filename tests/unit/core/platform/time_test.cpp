@@ -1,4 +1,4 @@
-// Stamps and durations of messages as std::chrono has them, and back.
+// Conversion of timestamps and durations in messages to std::chrono, and back.
 #include "sft/time.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Everybody has a turn, however few fit in at once.
+// Everybody gets a turn, however few fit in at once.
 #include "core/platform/turns.h"
 
 #include <gmock/gmock.h>

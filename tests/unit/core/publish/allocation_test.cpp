@@ -1,4 +1,4 @@
-// In steady state a loan that shrinks allocates nothing, nor does recording what is read.
+// In steady state, neither shrinking a loan nor recording what is read allocates memory.
 #include <gtest/gtest.h>
 
 #include <views.hpp>

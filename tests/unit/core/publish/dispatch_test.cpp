@@ -1,4 +1,4 @@
-// Tests where a sample goes, and which readers count as having got it.
+// Tests where a sample is sent, and which readers count as having received it.
 #include "core/publish/dispatch.h"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ class DispatchTest : public ::testing::Test {
   void serve(Serving serving, std::shared_ptr<LendingWriter> lending = nullptr) {
     dispatch.serve(serving, std::move(lending));
     {
-      const Dispatch::Call call(dispatch);  // the first one by these outlets
+      const Dispatch::Call call(dispatch);  // the first call that uses these outlets
     }
     network->take();
   }
@@ -29,7 +29,7 @@ class DispatchTest : public ::testing::Test {
     serving.network = {network_route(1, type)};
     serve(serving);
   }
-  /// Two readers in shared memory, of which the first can be reached over the network, too.
+  /// Serves two readers in shared memory. The first one can be reached over the network, too.
   void serve_two_in_memory() {
     Serving serving;
     serving.memory = {memory_route(1, type), memory_route(2, type)};
@@ -210,7 +210,7 @@ TEST_F(DurableDispatchTest, SendsByTheOutletsThatCameIntoForceMeanwhile) {
       PublishStatus::ok);
   EXPECT_EQ(network->take().back(), "send");
   Serving nobody;
-  durable.serve(nobody, nullptr);  // waits for no call: what is in force provides for it
+  durable.serve(nobody, nullptr);  // does not wait for `call`: the outlets in force allow this change
   network->take();
   EXPECT_EQ(
       durable.send(make_sample(*pool, type), 2, durable.admit(FieldSource::of_nothing(), 2), hang_timeout),

@@ -1,4 +1,4 @@
-// Tests which readers of a publisher share a gate, and for whom a sample is the first one.
+// Tests which readers of a publisher share a gate, and for which readers a sample is the first one.
 #include "core/publish/gates.h"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ class GatesTest : public ::testing::Test {
     route.min_period_us = min_period_us;
     return route;
   }
-  /// Gives the routes their gates, and puts the routes in force.
+  /// Assigns gates to the routes, puts the routes in force, and returns them.
   std::vector<Route> serve(std::vector<Route> routes) {
     gates.give(routes);
     Serving serving;

@@ -12,7 +12,7 @@ namespace {
 
 class HistoryTest : public ::testing::Test {
  protected:
-  /// Stamped with its sequence.
+  /// Returns a sample whose stamp is its sequence.
   SampleHandle sample(std::uint64_t sequence) {
     SampleHandle s = pool->take(256);
     s->header().sequence = sequence;

@@ -1,4 +1,4 @@
-// Tests what readers that come late get of the samples that were published before.
+// Tests which of the earlier samples readers get that come late.
 #include "core/publish/late_readers.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using Calls = std::vector<std::string>;
 
-/// A publisher has published four samples and retains three of them.
+/// A publisher that has published four samples and retains three of them.
 class LateReadersTest : public ::testing::Test {
  protected:
   LateReadersTest() {

@@ -1,4 +1,4 @@
-// Loans: what is reserved, filled and given back in place, and that nothing else goes out.
+// Loans: memory is reserved, filled and given back in place, and nothing beyond the message is sent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace switches {
 enum class Flags : std::uint16_t { left = 1, right = 2, both_ways = 4 };
 
-/// A generated type, without what loans do not need.
+/// A type as the generator makes it, reduced to what loans need.
 struct Switches {
   std::uint8_t lead = 0;
   Flags flags{};
@@ -102,7 +102,7 @@ TEST_F(LoanTest, AShrunkSequenceIsPublishedAsIfOnlyThatWereReserved) {
   for (std::size_t i = 0; i < 100; ++i) stamps[i] = static_cast<std::int64_t>(i);
   EXPECT_EQ(loan.shrink(F::stamps, 3), ShrinkStatus::ok);
   EXPECT_EQ(loan->stamps().size(), 3U);
-  stamps[99] = 5;  // still memory of the loan
+  stamps[99] = 5;  // in memory that the loan still has
   EXPECT_EQ(loan.shrink(F::left.ranges, 1), ShrinkStatus::ok);
   loan->left().ranges()[0] = 0.5;
   loan->weights()[2] = 2;
@@ -222,7 +222,7 @@ TEST_F(LoanTest, ForOverwriteLeavesElementsAsTheyAreAndNothingElse) {
 
 TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
   sft::test::RandomValues values(random);
-  // Reserves some sequences, for some more elements than there are; the prototype has something else there.
+  // Reserves room for some sequences, at times more than they need. The prototype has other elements there.
   const auto reserve = [&](auto& size, auto& in_prototype, const auto& value, std::size_t most = 100'000) {
     if (random() % 3 == 0) return;
     const std::size_t more = random() % 2 == 0 ? 0 : random() % 5000;
@@ -261,7 +261,7 @@ TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
 TEST_F(LoanTest, BytesThatABrokenProgramChangedMeanwhileAreNotPublished) {
   for (int round = 0; round < 2000; ++round) {
     auto core_loan = publisher->loan({}, {.stamps = 20, .cloud = {.data = 300}}).value();
-    // The body begins in front of the first stamps; the index in front of that.
+    // The body begins in front of the first stamps, and the index in front of the body.
     auto* const body = reinterpret_cast<std::byte*>(core_loan->stamps().data()) - 8;
     core_loan.shrink(F::stamps, 3);
     for (int i = 0; i < 4; ++i) {

@@ -1,4 +1,4 @@
-// Ports of a publisher that note what it does to them, and samples to send by them.
+// Ports that record what a publisher calls, and samples to send through them.
 #pragma once
 
 #include <memory>
@@ -14,7 +14,7 @@
 
 namespace sft::core::test {
 
-/// Writes each call down as a word.
+/// Records each call as a word.
 class NetworkLog final : public IdleNetworkWriter {
  public:
   SendStatus send(const SampleHandle&) noexcept override { return note("send", answer); }
@@ -50,7 +50,7 @@ class NetworkLog final : public IdleNetworkWriter {
   std::vector<std::string> calls_;
 };
 
-/// Lends memory of a pool, and keeps what it sends.
+/// Lends memory from a pool, and keeps the samples that are sent.
 class MemoryLog final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override {
@@ -63,7 +63,7 @@ class MemoryLog final : public IdleLendingWriter {
     sent.push_back(sample);
     return answer;
   }
-  /// A late reader waits, from which a sample is held back while somebody looks at what is retained, as often
+  /// A late reader waits for its history. A sample is held back from it, and begin_with() fails, as often
   /// as `interruptions` says.
   std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
     return given ? std::nullopt : std::optional(interruptions);
@@ -88,7 +88,7 @@ class MemoryLog final : public IdleLendingWriter {
   const std::shared_ptr<BufferPool> memory_ = BufferPool::make(std::size_t{1} << 20);
 };
 
-/// A whole sample of that type with a small body.
+/// Returns a whole sample of that type, with a small body.
 inline SampleHandle make_sample(BufferPool& pool, const TypeSupport& type, std::uint64_t sequence = 0) {
   constexpr std::uint32_t body_bytes = 8;
   const detail::SampleLayout layout(type.index_slots());

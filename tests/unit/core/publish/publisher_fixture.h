@@ -1,4 +1,4 @@
-// A publisher of one type with a port that keeps what is sent, in memory that held other samples before.
+// A publisher of one type. Its port keeps the last sample, in memory that held other samples before.
 #pragma once
 
 #include <cstring>
@@ -24,7 +24,7 @@ class KeepingPort final : public IdleNetworkWriter {
   }
 };
 
-/// The byte with which memory is filled that is lent next.
+/// The byte that fills memory before it is lent.
 inline constexpr std::byte canary{0xA5};
 
 template <class T>
@@ -42,7 +42,7 @@ class PublisherOf {
 
   Publisher<T>* operator->() { return &*publisher_; }
 
-  /// Lets go of the last sample and overwrites all memory of the pool, of up to 1 MiB apiece.
+  /// Releases the last sample and overwrites all memory of the pool, in blocks of up to 1 MiB.
   void poison_memory() {
     port_->last.reset();
     std::vector<SampleHandle> all;

@@ -1,4 +1,4 @@
-// Tests how a publisher changes from one division of its readers to another.
+// Tests how a publisher changes which paths serve its readers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// Sends as long as it is made to.
+/// A port whose send call blocks until the test sets `go_on`.
 class SlowPort final : public IdleNetworkWriter {
  public:
   void set_routes(std::vector<Route>) override { ++routes_set; }
@@ -60,7 +60,7 @@ class PublisherServingTest : public ::testing::Test {
     return bytes;
   }
 
-  /// `publish` is held in the port while a reader asks for more than before.
+  /// Expects serve() with a greater mask to wait while the port holds the thread that runs `publish`.
   template <class Publish>
   void expect_waited_for(Publish publish) {
     publisher.serve(to_one(FieldMask(F::height)), nullptr);
@@ -163,13 +163,13 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   EXPECT_EQ(told, 1);
 }
 
-/// A publisher that publishes a sample whenever the routes of one of its ports are about to change and have
-/// changed, and what has come to one of its readers, by whichever port.
+/// A publisher that publishes a sample before and after each change of the routes of one of its ports.
+/// Notes which samples came to one of its readers, by either port.
 class ChangeOverTest : public ::testing::Test {
  protected:
   static constexpr EndpointId reader = 2;
 
-  /// Passes on what is sent while it has a route to the reader.
+  /// Takes samples for the reader while it has a route to it.
   template <class Idle>
   class Port : public Idle {
    public:
@@ -207,7 +207,7 @@ class ChangeOverTest : public ::testing::Test {
   void publish() {
     if (is_open_) publisher_.publish(&cloud_);
   }
-  /// The readers in memory and those over the network.
+  /// Serves the readers `here` in memory, and those `elsewhere` over the network.
   void serve(std::vector<EndpointId> here, std::vector<EndpointId> elsewhere) {
     Serving serving;
     for (const EndpointId id : here) {
@@ -243,14 +243,14 @@ TEST_F(ChangeOverTest, NoSampleFallsBetweenTheTwoPortsOfAReader) {
   EXPECT_EQ(came_.size(), publisher_.status().published);
 }
 
-/// Notes to which addresses it is given what was retained.
+/// Records the destinations to which it is told to send the history.
 class HistoryPort final : public IdleNetworkWriter {
  public:
   void send_history(const Route& to, std::vector<SampleHandle> samples) override {
     given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
   }
 
-  std::vector<std::pair<int, std::size_t>> given;  ///< to that port, so many samples
+  std::vector<std::pair<int, std::size_t>> given;  ///< ports, each with the number of samples for it
 };
 
 TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasMoved) {
@@ -276,7 +276,7 @@ TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasM
   EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
 }
 
-/// Lets the program publish while its routes change.
+/// Runs code of the test while routes change, which may publish.
 class InterruptedPort final : public IdleNetworkWriter {
  public:
   void set_routes(std::vector<Route>) override {
@@ -286,7 +286,7 @@ class InterruptedPort final : public IdleNetworkWriter {
   std::function<void()> meanwhile;
 };
 
-/// Counts what it is given.
+/// Counts the samples that are sent.
 class CountingMemory final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override { return memory_->take(bytes); }
@@ -325,7 +325,7 @@ class LateInMemoryTest : public PublisherServingTest {
         {.reader = 2, .destination = DoorbellAddress{}, .selection = type.full(), .history = 2}};
     return serving;
   }
-  /// The sequences of the samples that the reader was given. All of them have to lie in the port's memory.
+  /// Returns the sequences that the reader was given. Expects these samples in the port's memory.
   std::vector<std::uint64_t> given() const {
     std::vector<std::uint64_t> sequences;
     for (const SampleHandle& sample : memory->given.value()) {
@@ -357,7 +357,8 @@ TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThat
   EXPECT_EQ(given(), (std::vector<std::uint64_t>{1, 2}));
 }
 
-/// Shared memory in which a send waits so long for readers, and that has no chunk for a number of loans.
+/// Shared memory in which a send waits for readers for the time `waits`. It has no chunk for the first
+/// `refusals` loans.
 class FullMemoryPort final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override {

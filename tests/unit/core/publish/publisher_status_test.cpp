@@ -1,4 +1,4 @@
-// Tests what a publisher's status says of samples that did not reach everybody.
+// Tests what a publisher's status says of samples that did not reach all readers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
-  std::size_t missed = 0;  ///< samples of those that are sent together
+  std::size_t missed = 0;  ///< how many of the samples that are sent together the port drops
   int sent = 0;
 
  private:
@@ -68,7 +68,7 @@ TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken
   EXPECT_EQ(publisher.status().dropped, 3U);
 }
 
-/// A reader with a maximum rate gets the first sample of each slot, which a refused message is not.
+/// A reader with a maximum rate gets the first sample of each slot. A refused message does not count.
 TEST_F(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
   constexpr std::uint32_t an_hour_us = 3'600'000'000;  // no slot begins in the course of the test
   serve(an_hour_us);

@@ -1,4 +1,4 @@
-// A limited number of calls may wait for the thread for callbacks of events.
+// The number of calls that wait for the thread for callbacks of events is limited.
 #include "core/report/callback_thread.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Events as the difference of two states.
+// Events are derived from the difference of two states.
 #include "core/report/events.h"
 
 #include <gmock/gmock.h>
@@ -200,7 +200,7 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   EXPECT_EQ(events[0].count, 3U);
 }
 
-/// A change of a status that has counts already, and the one event that it causes.
+/// A change of a status that had counts before, and the one event that it causes.
 template <class Status>
 struct Change {
   Event::Kind kind;
@@ -225,7 +225,7 @@ void expect_one_event_for_each(const Status& base, const std::vector<Change<Stat
   }
 }
 
-/// Publishers and subscribers report these changes of a peer alike. `matches` is true while the peer matches.
+/// Returns changes that publishers and subscribers report alike. `matches` is true while the peer matches.
 template <class Status, class Peer>
 std::vector<Change<Status>> changes_of_peer(std::vector<Peer> Status::*peers, bool Peer::*matches,
                                             TransportKind other_path) {

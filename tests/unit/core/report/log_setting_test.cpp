@@ -1,4 +1,4 @@
-// Where the log of a node goes, and from which level on.
+// Where a node writes its log, and from which level on.
 #include "core/report/log_setting.h"
 
 #include <gtest/gtest.h>

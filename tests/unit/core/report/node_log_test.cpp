@@ -1,4 +1,4 @@
-// These tests check what reaches a program's log sink, and how little of what is repeated.
+// These tests check what reaches a program's log sink, and that repetitions are summed up.
 #include "core/report/node_log.h"
 
 #include <gtest/gtest.h>

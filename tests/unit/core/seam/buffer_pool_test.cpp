@@ -36,7 +36,7 @@ TEST(BufferPoolTest, AReleasedBufferIsUsedAgain) {
 
 constexpr std::size_t large_bytes = 4'000'000;
 
-/// True if the system has given memory for all of it.
+/// Returns true if the system has given memory for the whole buffer.
 bool is_resident(const SampleHandle& buffer) {
   const std::size_t page_bytes = test::page_bytes();
   const auto begin = reinterpret_cast<std::uintptr_t>(buffer->data) / page_bytes * page_bytes;
@@ -63,7 +63,7 @@ std::size_t kept_by(BufferPool& pool, std::size_t bytes) {
   return kept.size();
 }
 
-/// All of the size that are taken at once.
+/// Takes `count` buffers at the same time, and returns them.
 std::vector<SampleHandle> take(BufferPool& pool, std::size_t count, std::size_t bytes = large_bytes) {
   std::vector<SampleHandle> taken(count);
   for (SampleHandle& one : taken) one = pool.take(bytes);
@@ -75,7 +75,7 @@ TEST(BufferPoolTest, WhatWasNotNeededForAWholePeriodGoesBackToTheSystem) {
   const Time begin = std::chrono::steady_clock::now();
   constexpr auto period = BufferPool::period;
   pool->give_back(begin);
-  take(*pool, 10);  // a peak
+  take(*pool, 10);  // a peak of 10 buffers
   EXPECT_EQ(kept_by(*pool, large_bytes), 10U);
   pool->give_back(begin + period);
   EXPECT_EQ(kept_by(*pool, large_bytes), 10U) << "they were needed in this period";
@@ -175,7 +175,7 @@ TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
   EXPECT_TRUE(first);
   EXPECT_FALSE(pool->take(1));
   first.reset();
-  EXPECT_TRUE(pool->take(1));  // the large one that was kept is freed for it
+  EXPECT_TRUE(pool->take(1));  // the large buffer that was kept is freed for this one
 }
 
 TEST(BufferPoolTest, ARoundBodyWithItsHeaderAndIndexTakesLittleMoreThanItself) {
@@ -238,10 +238,10 @@ TEST(BufferPoolTest, LeavesSomeOfTheKeptBuffersToOthers) {
   EXPECT_TRUE(pool->take(1000, limit - capacity)) << "all are back";
 }
 
-// The sanitizers end a process that has no memory.
+// The sanitizers end a process that gets no memory.
 #ifndef SFT_TEST_SANITIZED
 TEST(BufferPoolTest, WhatTheSystemHasNoMemoryForDoesNotCount) {
-  // The C library asks the system for each block of this size, and has none left from what was freed before.
+  // The C library asks the system for each block of this size, and keeps none from earlier tests.
   constexpr std::size_t large = 64U << 20;
   const auto pool = BufferPool::make(large + large / 8);
   rlimit before{};

@@ -1,4 +1,4 @@
-// Counts of readers while what is counted for whom changes.
+// Counts of readers, while the readers that share a count change.
 #include "core/seam/delivery.h"
 
 #include <gtest/gtest.h>
@@ -72,7 +72,7 @@ TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
 TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {
   const auto gate = std::make_shared<Gate>(1'000'000);
   const auto withhold = [&gate = *gate] { gate.consider(detail::FieldSource::of_nothing(), 1); };
-  withhold();  // passes
+  withhold();  // the first sample passes
   withhold();
   turn_to({{first_reader, {.gate = gate}}}, Origin::publisher);
   withhold();
@@ -131,7 +131,7 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   group->sent(1, 2);
   book.retained(first_reader, 5);
   book.keep({neighbour});
-  group->sent(1, 2);  // the page is still open
+  group->sent(1, 2);  // counts for both readers, because the page is still open
   EXPECT_EQ(book.total().sent, 4U);
   turn_to({{neighbour, {.tally = group}}});
   book.keep({neighbour});
@@ -139,7 +139,7 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   EXPECT_EQ(book.total(), (Delivered{.sent = 4, .retained = 5, .bytes = 4, .bytes_saved = 4}));
 }
 
-// The agent enters pages, some of which the publisher never turns to; a third thread reads.
+// The agent enters pages, some of which the publisher never turns to. A third thread reads the counts.
 TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCountedTwice) {
   test::Random random{test::test_seed()};
   SCOPED_TRACE(test::how_to_repeat());

@@ -1,4 +1,4 @@
-// Ports and transports that do nothing: tests derive from them what they look at.
+// Ports and transports that do nothing. Tests derive from them, and override what they check.
 #pragma once
 
 #include <cstddef>
@@ -49,7 +49,7 @@ class IdleNetworkWriter : public NetworkWriter {
   std::size_t flush() noexcept override { return 0; }
 };
 
-/// The part that both kinds of readers have in common.
+/// What both kinds of readers have in common.
 template <class Port>
 class IdleReader : public Port {
  public:
@@ -78,7 +78,7 @@ class IdleNetworkReader : public IdleReader<NetworkReader> {
   void accept(std::vector<Accepted>) override {}
 };
 
-/// The part that both kinds of transports have in common. It opens nothing.
+/// What both kinds of transports have in common. It opens nothing.
 template <class Kind, class Writer, class Reader>
 class IdleTransport : public Kind {
  public:

@@ -1,4 +1,4 @@
-// Readers' ports that hand out what the test put into them.
+// Reader ports that hand out the samples that the test put into them.
 #pragma once
 
 #include <algorithm>
@@ -54,10 +54,10 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
   std::uint64_t held_too_many() const noexcept override { return at_limit; }
 
   std::uint64_t at_limit = 0;  ///< how often the limit was reached
-  bool is_at_limit = false;    ///< as many samples are held as may be
+  bool is_at_limit = false;    ///< the subscriber holds as many samples as it may
 };
 
-/// A port that another thread fills.
+/// A port that another thread may fill while a thread takes from it.
 template <class Idle>
 class SharedQueueOf final : public Idle {
  public:

@@ -1,4 +1,4 @@
-// Maximum rates: what passes, and how a reader tells what was withheld from what was lost.
+// Maximum rates: which samples pass, and how a reader distinguishes withheld samples from lost ones.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t now_ns = 1'700'000'000'123'456'789;
 
-/// Samples that pass in 10 s of a source with that period and jitter, both in ms.
+/// Returns how many samples pass in 10 s, of a source with that period and jitter, both in ms.
 int passed_in_10_s(RateBudget budget, double source_ms, double jitter_ms, std::mt19937_64& random) {
   std::uniform_real_distribution<> jitter(-jitter_ms, jitter_ms);
   int passed = 0;
@@ -75,7 +75,7 @@ TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   EXPECT_TRUE(budget.take(now_ns - 3'600'000 * ms + 100 * ms));
 }
 
-// This rule lets a reader in shared memory follow its writer without a word between them.
+// By this rule a reader in shared memory follows its writer although they exchange nothing about it.
 TEST_F(RateBudgetTest, WhoSeesNoMoreThanTheWriterLetPassTakesAllOfIt) {
   for (int round = 0; round < 200; ++round) {
     RateBudget writer(10'000);
@@ -129,7 +129,7 @@ class SequenceAccountTest : public ::testing::Test {
   static Arrival by_memory(std::uint64_t sequence) {
     return {{.sequence = sequence, .source_stamp_ns = stamp(sequence)}, RateKeeper::reader};
   }
-  /// Returns the stamp of a sample of a source of 100 Hz.
+  /// Returns the timestamp of a sample of a source of 100 Hz.
   static std::int64_t stamp(std::uint64_t sequence) {
     return now_ns / (100 * ms) * (100 * ms) + static_cast<std::int64_t>(sequence) * 10 * ms;
   }
@@ -173,8 +173,7 @@ TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherP
   EXPECT_FALSE(is_new(by_memory(8))) << "the same sample again confirms nothing";
 }
 
-// Over UDP lost and withheld samples are told apart exactly, whatever is lost and whatever pauses the source
-// makes.
+// Over UDP, lost and withheld samples are counted exactly, in spite of any losses and pauses.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -224,9 +223,9 @@ TEST_F(SequenceAccountTest, InSharedMemoryTheReaderSkipsAndCountsThatAsWithheld)
 TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEntitledToIt) {
   account.ask(100'000);
   for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) enter(by_memory(sequence));
-  enter(by_memory(38));  // within the period
+  enter(by_memory(38));  // within the same period
   EXPECT_EQ(lost, 0U);
-  enter(by_memory(138));  // ten periods later, of which two are saved
+  enter(by_memory(138));  // ten periods later, two of which the budget saves
   EXPECT_EQ(lost, 8U);
   EXPECT_EQ(delivered + lost + withheld, 138U);
 }
@@ -237,12 +236,12 @@ TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlower
   enter(over_network(18));  // the limit is lifted
   enter(over_network(19));
   EXPECT_EQ(lost, 0U);
-  enter(over_network(25, 100'000, 9));  // and comes again
+  enter(over_network(25, 100'000, 9));  // the limit applies again
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 20U);
 }
 
-// A period that was saved can still be used, so what was pushed out in it is not lost.
+// A saved period can still be used, so a sample that was pushed out in it is not lost.
 TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());

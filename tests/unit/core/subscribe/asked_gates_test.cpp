@@ -1,4 +1,4 @@
-// Which of a reader's requests a writer can have had in force between two samples.
+// Which of a reader's requests a writer may have had in force between two samples.
 #include "core/subscribe/asked_gates.h"
 
 #include <gmock/gmock.h>
@@ -71,7 +71,7 @@ TEST(AskedGatesTest, FindsTheFirstRequestWithoutConditions) {
   EXPECT_EQ(asked({near, far}).open_since(1), 1U) << "there is none";
 }
 
-// A sample may lie in memory that no table says of whether it has passed the first gates.
+// The memory of a sample may have no table that says if the sample has passed the first gates.
 TEST(AskedGatesTest, FindsNoRequestBehindGatesThatSamplesNeedNotName) {
   AskedGates gates;
   for (std::uint64_t gate = 1; gate <= 9; ++gate) gates.ask(gate);
@@ -82,7 +82,7 @@ TEST(AskedGatesTest, FindsNoRequestBehindGatesThatSamplesNeedNotName) {
   EXPECT_EQ(gates.open_since(1), 1U) << "it was forgotten";
 }
 
-// A rate alone is told by numbers of its own, but it withholds what others let pass.
+// A rate without conditions has numbers of its own, but withholds samples that other gates let pass.
 TEST(AskedGatesTest, AMaximumRateBetweenConditionsCanHaveWithheldWhatPassedThem) {
   AskedGates gates = asked({near});
   gates.ask(0, true);

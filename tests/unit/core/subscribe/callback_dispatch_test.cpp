@@ -1,4 +1,4 @@
-// Which thread calls a subscriber's callback, and when nobody calls it any more.
+// Which thread runs a subscriber's callback, and from when on no thread runs it.
 #include "core/subscribe/callback_dispatch.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ using Caller = CallbackDispatch::Caller;
 
 class CallbackDispatchTest : public ::testing::Test {
  protected:
-  /// As many samples as have come and were not taken.
+  /// A source of `count` samples that have arrived and were not taken.
   struct Samples {
     untyped::Sample take() {
       if (count == 0) return {};
@@ -38,14 +38,14 @@ class CallbackDispatchTest : public ::testing::Test {
     const TypeSupport type{TypeTable<PointCloud2>::type};
     const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
     int count = 0;
-    std::function<void()> on_look;  ///< once, before the next look
+    std::function<void()> on_look;  ///< called once, when available() is called next
   };
 
   bool dispatch(Caller caller) { return callbacks.dispatch(caller, samples); }
   static void take_long() { now += std::chrono::milliseconds(1); }
   static Time read_now() { return now; }
 
-  static inline Time now{};  ///< passes only where a test says so
+  static inline Time now{};  ///< advances only if a test says so
 
   Samples samples;
   int calls = 0;
@@ -89,7 +89,7 @@ TEST_F(CallbackDispatchTest, ASampleThatArrivesWithinACallbackIsCalledBackForAft
   EXPECT_EQ(calls, 2);
 }
 
-// A thread that looks while the last callback ends leaves the sample to the thread that dispatches.
+// A thread that finds a sample while the last callback ends leaves it to the thread that dispatches.
 TEST_F(CallbackDispatchTest, ASampleThatArrivesJustAfterTheLastCallbackIsNotForgotten) {
   samples.on_look = [&] { ++samples.count; };
   EXPECT_TRUE(dispatch(Caller::transport));
@@ -162,7 +162,7 @@ TEST_F(CallbackDispatchTest, ItIsKnownWhetherTheThreadThatReceivesIsHeldUp) {
 
 TEST_F(CallbackDispatchTest, OnceItIsClosedNobodyIsCalledBack) {
   in_callback = [&] {
-    callbacks.close();  // returns at once, since this is the callback
+    callbacks.close();  // returns at once, since it is called within the callback
   };
   samples.count = 2;
   dispatch(Caller::transport);

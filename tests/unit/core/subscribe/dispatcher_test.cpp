@@ -1,4 +1,4 @@
-// Callbacks between the thread that receives and the dispatcher.
+// Callbacks on the receiving thread and on the dispatcher.
 #include "core/subscribe/dispatcher.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
     port->put(std::move(sample));
     subscriber->arrived();
   };
-  receive(1);  // before the dispatcher can, which might keep up with the rest from the first sample on
+  receive(1);  // before the dispatcher runs: it might keep up with all others if it got the first sample
   ASSERT_TRUE(dispatcher.start());
   dispatcher.add(subscriber);
   std::thread receiver([&] {

@@ -1,5 +1,5 @@
-// A sample that is read although take() had nothing to give: what assertions say, and what is read without
-// them. It is built both ways.
+// A sample that is read although take() returned none: what assertions report, and what is read without
+// assertions. The file is built both ways.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/CameraInfo.hpp>

@@ -1,4 +1,4 @@
-// The intake of a subscriber between two queues, without ports, clocks or threads.
+// A fixture for the intake of a subscriber behind two queues, without ports, clocks or threads.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -23,19 +23,19 @@ using Inlet = Intake::Inlet;
 struct Sent {
   std::uint64_t sequence = 0;
   EndpointId writer = 9;
-  std::int64_t stamp_ns = 0;  ///< 0: as the sequence
+  std::int64_t stamp_ns = 0;  ///< 0: the stamp equals the sequence
   std::uint64_t diverted = 0;
   std::int64_t diverted_ns = 0;
   std::uint32_t numbering = 0;
 };
 
-/// Two queues that the test fills stand for the two ports. The test sets the time.
+/// Two queues that the test fills take the place of the two ports. The test sets the time.
 class IntakeTest : public sft::test::RandomTest {
  protected:
   void in_memory(const Sent& sent) { memory.push_back(sample(sent)); }
   void over_network(const Sent& sent) { network.push_back(sample(sent)); }
 
-  /// One decision about the samples that have come, without answers to what it asks.
+  /// Returns one decision about the samples that have come, without answering its question.
   Decision decide() {
     fill();
     LazyRealtime now(now_ns);
@@ -49,7 +49,7 @@ class IntakeTest : public sft::test::RandomTest {
     LazyRealtime now(now_ns);
     return intake->overtaken(std::move(found), now);
   }
-  /// Answers questions until a sample can be taken; empty if none can.
+  /// Answers questions until a sample can be taken, and returns it; empty if none can be taken.
   Taken take() {
     Decision decision = decide();
     for (;; decision = follow_up(decision)) {
@@ -98,7 +98,7 @@ class IntakeTest : public sft::test::RandomTest {
   static constexpr Intake::Options usual{.timeout = std::chrono::nanoseconds(timeout_ns)};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
   std::deque<SampleHandle> memory, network;
-  bool is_connected = true;  ///< by UDP, to all writers
+  bool is_connected = true;  ///< by UDP to all writers
   std::int64_t now_ns = 0;
   std::optional<Intake> intake{std::in_place, usual};
 

@@ -1,4 +1,4 @@
-// Tests what counts as lost and what as withheld, if the subscriber has conditions.
+// Tests which samples count as lost and which as withheld if the subscriber has conditions.
 #include <gmock/gmock.h>
 
 #include "core/seam/gate_table.h"
@@ -13,7 +13,7 @@ class GatedIntakeTest : public IntakeTest {
  protected:
   static constexpr std::uint64_t conditions = 77;
 
-  /// A sample that names its number among those that passed the gate; 0: it does not name one.
+  /// Returns a sample that names its number among those that passed the gate; `ordinal` 0: it names none.
   SampleHandle passed(const Sent& sent, std::uint32_t ordinal, std::uint64_t of_conditions = conditions) {
     const auto gate = std::make_shared<Gate>(0, detail::Conditions(), of_conditions);
     SampleHandle made = sample(sent);
@@ -23,7 +23,7 @@ class GatedIntakeTest : public IntakeTest {
     return made;
   }
   void ask(std::uint64_t hash) { intake->accounts().ask_conditions(hash); }
-  /// Nothing of earlier requests is under way any more.
+  /// Makes all samples of earlier requests count as no longer under way.
   void settle() {
     WriterAccounts& accounts = intake->accounts();
     accounts.forget_conditions_before(accounts.asked_gates().latest());
@@ -104,7 +104,7 @@ TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
   EXPECT_EQ(status().lost, 0U) << "nobody knows which gate has withheld the others";
 }
 
-// The reader asked for others in between, under which nothing came.
+// In between the reader asked for other conditions, under which no sample came.
 TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOneGateIsNotLost) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));
@@ -122,7 +122,7 @@ TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOne
   EXPECT_EQ(status().lost, 1U) << "number 6";
 }
 
-// The writer hears late of what a reader asks for: the first two samples were sent before.
+// The request reaches the writer late: the first two samples were sent before.
 TEST_F(GatedIntakeTest, ConditionsThatAreTakenBackBeforeAnythingComesUnderThemLoseNothing) {
   ask(0);
   in_memory({.sequence = 1});
@@ -142,7 +142,7 @@ TEST_F(GatedIntakeTest, ConditionsThatAreTakenBackBeforeAnythingComesUnderThemLo
   EXPECT_EQ(status().lost, 2U);
 }
 
-// What has passed the conditions is for the reader before its writer hears of them, and thereafter.
+// Samples that passed the conditions are for the reader, before and after its request reaches the writer.
 TEST_F(GatedIntakeTest, WhatHasPassedTheFirstConditionsIsLostWhetherTheyWereInForceOrNot) {
   ask(0);
   in_memory({.sequence = 1});
@@ -154,7 +154,8 @@ TEST_F(GatedIntakeTest, WhatHasPassedTheFirstConditionsIsLostWhetherTheyWereInFo
   EXPECT_EQ(status().withheld, 2U);
 }
 
-// What its former conditions let pass comes to it also where it is sent for another reader of the process.
+// Samples that passed the reader's former conditions reach it even if they are sent for another reader of
+// the process.
 TEST_F(GatedIntakeTest, WhoAsksForAllLosesWhatIsMissingBetweenSamplesThatPassedTheConditionsOfOthers) {
   ask(conditions);
   ask(0);
@@ -188,7 +189,7 @@ TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay
   EXPECT_THAT(taken(), ElementsAre(1));
   ask(0);
   settle();
-  memory.push_back(passed({.sequence = 2}, 2));  // for other readers it passed the same gate
+  memory.push_back(passed({.sequence = 2}, 2));  // passed the same gate, which other readers have
   memory.push_back(passed({.sequence = 5}, 3));
   EXPECT_THAT(taken(), ElementsAre(2, 5));
   EXPECT_EQ(status().lost, 2U);
@@ -227,7 +228,7 @@ TEST_F(GatedIntakeTest, RetainedSamplesPassNoGateAndHaveNoNumbers) {
   EXPECT_EQ(status().withheld, 2U + 1U);
 }
 
-/// Retained samples have no numbers by which it could be told.
+/// Retained samples have no numbers that would show if one was lost or withheld.
 TEST_F(GatedIntakeTest, ARetainedSampleThatIsMissingMayHaveBeenWithheldByConditions) {
   ask(conditions);
   for (const std::uint64_t retained : {4U, 6U}) {

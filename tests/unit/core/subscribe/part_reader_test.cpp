@@ -1,4 +1,4 @@
-// Parts that stay in the whole sample are read as if they had been copied out of it.
+// Parts that stay in the whole sample are read as if they had been copied from it.
 #include "core/subscribe/part_reader.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ class PartReaderTest : public sft::test::RandomTest {
   std::shared_ptr<RemoteCopy> copier() const {
     return RemoteCopy::make(type_support<T>(), pool);
   }
-  /// The part of that field, and any other fields.
+  /// Returns a selection of a part of that field and of random other fields.
   template <class T>
   Selection selection(std::string_view field, std::uint32_t rows, std::uint32_t columns, bool has_channels) {
     const TypeSupport& type = type_support<T>();
@@ -79,7 +79,7 @@ class PartReaderTest : public sft::test::RandomTest {
   static std::vector<std::byte> body(const detail::SampleState& state) {
     return {state.body, state.body + state.body_bytes};
   }
-  /// Getters read it as they read a copy, and its encoding is that of the copy.
+  /// Expects that getters read the part in place as they read a copy, and that both have the same encoding.
   template <class T>
   void expect_same(const T& message, const Selection& wanted) {
     SCOPED_TRACE(type_support<T>().format_selection(wanted));
@@ -122,7 +122,7 @@ std::vector<std::byte> bytes(const Span& span) {
   return {raw.begin(), raw.end()};
 }
 
-/// The bytes of all cells, however they are gone through.
+/// Returns the bytes of all cells. Expects that all ways to iterate give the same ones.
 template <class Cell>
 std::vector<std::byte> bytes_of_cells(const Cells<Cell>& cells) {
   std::vector<Cell> each(cells.begin(), cells.end());
@@ -154,7 +154,8 @@ void expect_same_cells(const Result<Cells<Cell>>& seen, const Result<Cells<Cell>
   }
 }
 
-/// Cells in place are those of the copy, with the compiled type and without it. Returns those of the copy.
+/// Expects cells in place to equal those of the copy, with and without the compiled type. Returns the
+/// latter.
 template <class Cell, class T>
 Result<Cells<Cell>> expect_same_data(const detail::SampleState& state, const detail::SampleState& expected) {
   const Result<Cells<Cell>> right = view<T>(expected).template data<Cell>();
@@ -278,7 +279,7 @@ TEST_F(PartReaderTest, PartsOfScansAreThoseOfACopy) {
   }
 }
 
-/// One sample with its part in place, for as long as this lives.
+/// A sample with its part in place, during the lifetime of this object.
 template <class T>
 struct Reduced {
   Reduced(RemoteCopy& copies, const SampleHandle& sample, std::shared_ptr<const Asked> asked)
@@ -334,7 +335,8 @@ TEST_F(PartReaderTest, ASampleOutlivesWhatMadeIt) {
   EXPECT_EQ(view<LaserScan>(some.state).ranges()[3], 12.F);
 }
 
-/// A scan of which there is no memory for a copy of every second beam, and one other field.
+/// A sample with every second beam of a scan, and another field. The memory does not suffice for a copy of
+/// these.
 class WithoutMemory : public PartReaderTest {
  protected:
   static LaserScan long_scan() {
@@ -440,7 +442,7 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
     for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
       *at = static_cast<std::byte>(random());
     if (some.around.parts == nullptr) continue;
-    std::size_t sum = 0;  // a sanitizer sees what is read beyond the sample
+    std::size_t sum = 0;  // so that a sanitizer notices reads beyond the sample
     const auto seen = view<PointCloud2>(some.state);
     for (const auto byte : seen.data()) sum += byte;
     if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
@@ -464,7 +466,7 @@ TEST_F(PartReaderTest, CellsStayWithinTheSampleAlsoIfItsHeaderChangesAfterwards)
     for (const auto& cells : {pixels, view<Image>(some.state).data<std::uint16_t>()}) {
       if (!cells) continue;
       for (const std::uint16_t pixel : *cells)
-        asm volatile("" : : "r"(pixel));  // a sanitizer sees what is read
+        asm volatile("" : : "r"(pixel));  // so that a sanitizer notices the read
       for (std::size_t row = 0; row < cells->rows(); ++row) {
         const auto span = cells->row(row);
         if (span && !span->empty()) asm volatile("" : : "r"(span->back()));

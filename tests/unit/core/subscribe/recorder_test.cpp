@@ -1,4 +1,4 @@
-// Automatic requirement recording: what is read becomes what is asked for.
+// Automatic recording of requirements: fields that are read become fields that are requested.
 #include "core/subscribe/recorder.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ Leaves leaves_of(const FieldMask& mask) { return {mask.begin(), mask.end()}; }
 
 class RecorderTest : public ::testing::Test {
  protected:
-  /// One sample of which these leaves are read, all of them present.
+  /// Records one sample from which these leaves are read. All of them are present.
   void sample(std::initializer_list<std::size_t> leaves) {
     RecordedSample* s = recorder->begin();
     for (const std::size_t leaf : leaves) s->log().touch(leaf, true);
@@ -208,7 +208,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
     while (started == 0) std::this_thread::yield();
     recorder->detach();
     gone->store(true);
-    gone.reset();  // the sanitizers see who is told now
+    gone.reset();  // so that the sanitizers notice a later notification
     a.join();
     b.join();
   }
@@ -216,7 +216,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
 
 // ---- any pattern of reads ----
 
-/// What the recorder promises, said again for all leaves and without haste.
+/// The rules of the recorder in their simplest form, which computes all leaves each time.
 class Promise {
  public:
   Promise(std::size_t leaves, const SubscriberOptions::Recording& settings)
@@ -319,7 +319,7 @@ TEST_F(AnyReads, NeverFlap) {
     const std::size_t leaves = 1 + below(100);
     const std::size_t hang_timeout = 1 + below(20);
     open(leaves, {.learn_samples = 1, .narrow_after_samples = static_cast<std::uint32_t>(hang_timeout)});
-    std::vector<std::size_t> periods;  // in samples, of the reads of each leaf
+    std::vector<std::size_t> periods;  // the period, in samples, in which each leaf is read
     for (std::size_t leaf = 0; leaf < leaves; ++leaf) periods.push_back(1 + below(3 * hang_timeout));
     std::vector<std::uint64_t> given_up_at(leaves, 0), read_at(leaves, 0);
     int times_given_up = 0;

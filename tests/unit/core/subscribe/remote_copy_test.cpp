@@ -1,4 +1,4 @@
-// What a reader with as_remote gets of samples in shared memory: what it would get on another host.
+// A reader with as_remote gets samples in shared memory as it would get them on another host.
 #include "core/subscribe/remote_copy.h"
 
 #include <gtest/gtest.h>
@@ -162,7 +162,7 @@ TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
   EXPECT_EQ(subscriber.feed().status().received, samples);
 }
 
-/// A subscriber on another host than its publishers, which gets what they send there.
+/// A subscriber on another host than its publishers, which gets what they send to that host.
 class PartSubscriberTest : public RemoteCopyTest {
  protected:
   PartSubscriberTest() { subscriber.ports().set_network(port); }
@@ -193,7 +193,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     arrives(text);
     port->samples.back()->merged = true;
   }
-  /// The next sample is what it says: that selection of the cloud.
+  /// Expects the next sample to be that selection of the cloud.
   void expect_next(const char* text) {
     const untyped::Sample sample = subscriber.take();
     ASSERT_TRUE(sample);
@@ -245,7 +245,7 @@ TEST_F(PartSubscriberTest, TakesItsPartOutOfAMergedSample) {
   EXPECT_EQ(subscriber.feed().status().received, 2U);
 }
 
-/// Samples of the request before are under way when a request has just changed.
+/// When a request has just changed, samples of the former request are still under way.
 TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
   arrives("*");
   arrives("*");
@@ -259,7 +259,7 @@ TEST_F(PartSubscriberTest, GetsWholeSamplesOfItsFormerRequestAsTheyAre) {
   EXPECT_EQ(subscriber.feed().status().lost, 0U);
 }
 
-/// A merged sample has the mask of a former request now and then, and yet is for the present one.
+/// A merged sample may have the mask of a former request although it is for the present one.
 TEST_F(PartSubscriberTest, PrefersThePresentRequestForAMergedSample) {
   const char* const same_fields = "data, fields, height, width, point_step, row_step, is_bigendian";
   subscriber.feed().requests(selection(same_fields), 2);

@@ -1,5 +1,5 @@
-// A subscriber with its two ports, its waiting threads and its callback. The order between the ports is
-// tested in intake_test.cpp.
+// A subscriber with its two ports, its waiting threads and its callback. intake_test.cpp tests the order
+// between the ports.
 #include "core/subscribe/subscriber_core.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ class SubscriberCoreTest : public ::testing::Test {
     port.samples.push_back(std::move(sample));
   }
 
-  /// Through shared memory, after one that went by UDP.
+  /// Delivers a sample through shared memory, after one that went by UDP.
   void arrives_after_diverted(std::uint64_t sequence, std::uint64_t diverted, std::int64_t diverted_at_ns) {
     arrives(*memory, sequence);
     memory->samples.back()->diverted_sequence = diverted;
@@ -67,7 +67,7 @@ class SubscriberCoreTest : public ::testing::Test {
   static Time read_callback_time() { return callback_time; }
 
   using Sequences = std::vector<std::uint64_t>;
-  static inline Time callback_time{};  ///< passes only where a test says so
+  static inline Time callback_time{};  ///< advances only if a test says so
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
@@ -88,7 +88,7 @@ TEST_F(SubscriberCoreTest, ASampleInSharedMemoryWaitsForOneBeforeItThatWentByUdp
   arrives_after_diverted(3, 2, realtime_ns());
   EXPECT_EQ(taken(), (Sequences{1}));
   EXPECT_FALSE(subscriber->available());
-  arrives(*network, 7, 8);  // of another writer
+  arrives(*network, 7, 8);  // a sample of another writer
   EXPECT_EQ(taken(), (Sequences{7}));
   arrives(*network, 2);
   EXPECT_EQ(taken(), (Sequences{2, 3}));
@@ -314,7 +314,7 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
   int calls = 0;
   reopen([&](untyped::Sample&&) {
     ++calls;
-    subscriber->close();  // from within: returns at once
+    subscriber->close();  // returns at once, since it is called within the callback
   });
   arrives(*network, 1);
   arrives(*network, 2);
@@ -322,7 +322,7 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
   EXPECT_EQ(calls, 1);
 }
 
-// The transport's thread is not to be held up again.
+// The transport's thread must not be delayed again.
 TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWereQuick) {
   int calls = 0;
   reopen([&](untyped::Sample&&) {
@@ -345,7 +345,7 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
 class TwoFeedsTest : public SubscriberCoreTest {
  protected:
   using Came =
-      std::vector<std::pair<std::uint32_t, std::uint64_t>>;  ///< by which selection, and the sequence
+      std::vector<std::pair<std::uint32_t, std::uint64_t>>;  ///< the number of a selection, and a sequence
 
   TwoFeedsTest() {
     subscriber = std::make_unique<SubscriberCore>(
@@ -422,7 +422,7 @@ TEST_F(TwoFeedsTest, AThreadThatWaitsIsWokenBySamplesOfEither) {
   }
 }
 
-// The publisher's clock is set back meanwhile.
+// The publisher's clock was set back between the two samples.
 TEST_F(TwoFeedsTest, TheSamplesOfAWriterComeInTheOrderOfTheirNumbers) {
   arrives(*memory, 1, 9, 1000);
   arrives(*memory_of_second, 2, 9, 500);

@@ -1,5 +1,5 @@
-// No wake-up is ever lost: in each round one side publishes while the other begins to wait, at moments that
-// are drawn. Whoever is not woken waits until a deadline that only a lost wake-up reaches.
+// No wake-up is ever lost. In each round one side publishes while the other side begins to wait, at random
+// moments. A thread that is not woken waits until a deadline that only a lost wake-up reaches.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -33,12 +33,12 @@ constexpr auto much_later = 10s;
 #ifndef SFT_TEST_SHARE
 #define SFT_TEST_SHARE 1
 #endif
-/// Under the sanitizers only a share of them.
+/// Returns the rounds to run: under the sanitizers only a share of the usual number.
 std::uint64_t rounds_of(std::uint64_t usual) { return test::test_rounds(usual / SFT_TEST_SHARE); }
 
 class WakeUp : public test::RandomTest {};
 
-/// False if it was not woken for that round.
+/// Waits for the round. Returns false if no ring has woken this thread for it in time.
 bool is_woken_for(Doorbell& bell, const std::atomic<std::uint32_t>& published, std::uint32_t round) {
   while (published < round) {
     const auto begun = Clock::now();
@@ -80,7 +80,7 @@ TEST_F(WakeUp, ByAnotherProcessIsNeverLost) {
   if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";
   const auto rounds = static_cast<std::uint32_t>(rounds_of(10'000));
   Doorbell& bell = page->at(0);
-  std::atomic<std::uint32_t>& published = page->at(1).rings;  // any words that both can see
+  std::atomic<std::uint32_t>& published = page->at(1).rings;  // any words that both processes can access
   std::atomic<std::uint32_t>& woken = page->at(2).rings;
   const pid_t child = fork();
   if (child == 0) {
@@ -105,7 +105,7 @@ TEST_F(WakeUp, ByAnotherProcessIsNeverLost) {
   EXPECT_EQ(status, 0);
 }
 
-/// A whole subscriber, to which samples come as they do by both transports.
+/// A whole subscriber, which gets samples by both transports as in use.
 class SubscriberWakeUp : public WakeUp {
  protected:
   void open(std::chrono::nanoseconds spin, std::unique_ptr<PollHandle> poll_handle = nullptr) {
@@ -119,7 +119,7 @@ class SubscriberWakeUp : public WakeUp {
     subscriber_->ports().set_network(network_);
   }
 
-  /// One sample a round, on a thread of its own, while `receive` takes them on this one.
+  /// Publishes one sample a round on another thread, while `receive` takes the samples on this one.
   template <class Receive>
   void exchange(std::uint64_t rounds, Receive receive) {
     std::thread publisher([&] {
@@ -140,7 +140,7 @@ class SubscriberWakeUp : public WakeUp {
     publisher.join();
   }
 
-  /// The next sample may come from now on.
+  /// Lets the other thread publish the next sample.
   void end_round() { taken_ = round_; }
 
   SubscriberCore& subscriber() { return *subscriber_; }
@@ -193,13 +193,12 @@ TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileTher
   };
   exchange(rounds_of(10'000), [&] {
     while (becomes_readable(much_later)) {
-      end_round();  // so that the next one comes while this is taken, and the descriptor settled
+      end_round();  // so that the next sample comes while this one is taken and the descriptor is updated
       if (subscriber().take()) return true;
     }
     return false;
   });
-  poller.reset();  // which may still raise it for what was just taken: then take() finds nothing, and that
-                   // was it
+  poller.reset();  // may still make the descriptor readable for that sample; then take() finds none
   EXPECT_FALSE(subscriber().take());
   EXPECT_FALSE(becomes_readable(0ms));
 }

@@ -1,5 +1,4 @@
-// Tests that a callback is not called any more once it was taken away, whichever threads call it and take it
-// away.
+// Tests that a callback is not called any more after it was removed, whichever threads call and remove it.
 #include "core/sync/guarded_call.h"
 
 #include <gtest/gtest.h>
@@ -74,8 +73,8 @@ TEST(GuardedCallTest, ACallThatThrowsIsOver) {
   call.clear();
 }
 
-/// A call that another thread is inside of, and that ends only after release(), when clear() had the time to
-/// return too early.
+/// A call that another thread is executing. It ends only after release(), and late enough that a clear()
+/// that does not wait would return before.
 class GuardedCallOfAnotherThread : public testing::Test {
  protected:
   GuardedCallOfAnotherThread() { wait_for(inside_); }
@@ -84,7 +83,7 @@ class GuardedCallOfAnotherThread : public testing::Test {
   void release() { set(released_); }
 
   std::function<void()> on_this_thread = [] {};
-  bool ended = false;  // not atomic: it is clear() that orders the threads
+  bool ended = false;  // not atomic: clear() must order the threads
   const std::thread::id this_thread_ = std::this_thread::get_id();
   GuardedCall<> call{[this] {
     if (std::this_thread::get_id() == this_thread_) return on_this_thread();
@@ -202,7 +201,8 @@ TEST_F(GuardedCallOfAnotherThread, KeepsOneThatClearsItFromWithinAndThatOneIsWai
 TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
   constexpr int callers = 4;
   for (int round = 0; round < 50; ++round) {
-    auto used = std::make_unique<std::array<int, callers>>();  // the sanitizers see who uses it too late
+    // so that the sanitizers notice a use that comes too late
+    auto used = std::make_unique<std::array<int, callers>>();
     GuardedCall<std::size_t> call([used = used.get()](std::size_t who) { ++(*used)[who]; });
     std::latch begun(callers);
     std::atomic<bool> stop{false};

@@ -1,5 +1,5 @@
-// Mutexes, their locks, and waiting for a condition. That Clang finds accesses without a lock is checked
-// where the project is compiled with Clang.
+// Mutexes, their locks, and waiting for a condition. Clang itself checks accesses without a lock where it
+// compiles the project.
 #include "core/sync/mutex.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// True if another thread can lock the mutex at present.
+/// Returns true if another thread can lock the mutex at present.
 bool is_free(Mutex& mutex) {
   bool locked = false;
   std::thread other([&] {
@@ -59,7 +59,7 @@ TEST(ConditionTest, AWaitTellsThatTheTimeIsOverAndHoldsTheMutexAgain) {
   EXPECT_FALSE(is_free(mutex));
 }
 
-/// A number that one thread counts up and another one waits for.
+/// A number that one thread increments and another one waits for.
 class Count {
  public:
   void raise() {

@@ -1,4 +1,5 @@
-// A value that is replaced while another thread reads it, and who still uses the former value.
+// A value that one thread replaces while another one reads it, and the wait for readers of the former
+// value.
 #include "core/sync/published.h"
 
 #include <gtest/gtest.h>
@@ -55,14 +56,15 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
   Published<int> value;
   value.replace(std::make_shared<int>(1));
   std::atomic<bool> reads{false}, replaced{false};
-  bool ended = false;  // not atomic: it is wait_for_reader() that orders the threads
+  bool ended = false;  // not atomic: wait_for_reader() must order the threads
   std::thread reader([&] {
     const Published<int>::Reading reading(value);
     const int* former = value.load();
     reads = true;
     reads.notify_all();
     replaced.wait(false);
-    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // the other could return too early
+    // gives the other thread time to return too early
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     EXPECT_EQ(*former, 1);
     ended = true;
   });
@@ -75,8 +77,8 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
   reader.join();
 }
 
-// The other thread cannot tell when it has begun to wait. So there is a further reading again and again, and
-// always one that lasts: whoever waited for these, too, would wait for ever.
+// The waiting thread cannot report when it has begun to wait. So this thread begins a new reading again and
+// again, and one is always open. A thread that waited for the new ones, too, would wait for ever.
 TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   Published<int> value;
   std::optional<Published<int>::Reading> reading(std::in_place, value);
@@ -89,8 +91,8 @@ TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   reading.reset();
 }
 
-// A Reading must be visible before the value is loaded. Threads meet the wrong order too seldom for this
-// test; tests/model/routes.pml finds it (announced_late).
+// A Reading must be visible before the value is loaded. Threads rarely meet the wrong order, so this test
+// may miss it; tests/model/routes.pml finds it (announced_late).
 TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
   using Alive = std::atomic<bool>;
   Published<Alive> latest;
@@ -117,7 +119,7 @@ TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
 }
 
 TEST(PublishedTest, SeveralThreadsMayReplaceItAndEachWaitsUntilItsFormerValueIsNotUsed) {
-  using Plain = std::unique_ptr<int>;  // the sanitizers see who uses it too late
+  using Plain = std::unique_ptr<int>;  // so that the sanitizers notice a use that comes too late
   Published<Plain> latest;
   latest.replace(std::make_shared<Plain>(std::make_unique<int>(0)));
   std::atomic<bool> stop{false};

@@ -1,4 +1,4 @@
-// The search for the file of sftd, and the message if it is not found.
+// The search for the executable of sftd, and the message if it is not found.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>

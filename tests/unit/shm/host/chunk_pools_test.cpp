@@ -1,4 +1,4 @@
-// The choice of the pool from which a writer takes a chunk. The pools lie in the memory of this process.
+// The choice of the pool from which a writer takes a chunk. The pools are in the memory of this process.
 #include "shm_transport/host/chunk_pools.h"
 
 #include <gtest/gtest.h>
@@ -70,7 +70,7 @@ TEST_F(ChunkPoolsTest, AUsedUpPoolIsReplacedByTheNextLargerOneAndByNoOther) {
   EXPECT_EQ(chosen(large_bytes), 2);
 }
 
-// A process that was killed took chunks with it: these chunks count as free, and cannot be had.
+// A killed process has left chunks that count as free although no writer can take them.
 TEST_F(ChunkPoolsTest, APoolThatOnlySeemsToHaveFreeChunksIsNotAskedAgainAtOnce) {
   const auto first = *pools_.choose(100);
   pools_.note_empty(first);

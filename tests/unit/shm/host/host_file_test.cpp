@@ -1,4 +1,4 @@
-// The host file, the daemon's lock and the names of processes, as a process reads them from another process.
+// The host file, the daemon's lock and the names of processes, as another process reads them.
 #include "shm_transport/host/host_file.h"
 
 #include <gtest/gtest.h>

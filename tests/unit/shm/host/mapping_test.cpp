@@ -1,5 +1,5 @@
-// Mapping::contains() tells which addresses lie in a segment. A reader checks each address that another
-// process wrote with it.
+// Mapping::contains() says which addresses are in a segment. A reader uses it to check each address that
+// another process wrote.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t segment_bytes = 3 * 4096;
 
-/// A file in /dev/shm, which is removed with the object.
+/// A file in /dev/shm that is removed together with the object.
 class Segment {
  public:
   explicit Segment(std::size_t size) {

@@ -1,4 +1,4 @@
-// Which memory is mapped ahead. The pools lie in the memory of this process, of which nothing was used yet.
+// Which memory is mapped ahead of its use. The pools are in memory of this process that was never used.
 #include "shm_transport/host/prepared_chunks.h"
 
 #include <gtest/gtest.h>
@@ -37,14 +37,15 @@ class PreparedChunksTest : public ::testing::Test {
 
   std::span<const std::byte> samples() const { return {samples_, bytes_}; }
   std::span<const std::byte> management() const { return std::as_bytes(std::span(management_)); }
-  /// The pages of the samples that are mapped.
+  /// Returns how many pages of the samples are mapped.
   std::size_t mapped() const {
     std::vector<unsigned char> pages((bytes_ + page - 1) / page);
     EXPECT_EQ(::mincore(samples_, bytes_, pages.data()), 0);
     return static_cast<std::size_t>(
         std::ranges::count_if(pages, [](unsigned char p) { return (p & 1) != 0; }));
   }
-  /// The pages that are mapped once a sample was taken, where the segments lie there.
+  /// Notes a sample and prepares chunks, with the segments at these places. Returns how many pages are
+  /// mapped then.
   std::size_t mapped_within(std::span<const std::byte> samples, std::span<const std::byte> management) {
     PreparedChunks prepared(memory_, samples, management);
     prepared.note(0, sample_bytes);

@@ -1,4 +1,4 @@
-// A reader and its requests in the name of its port, as they are written and read back.
+// A reader's id and requests are written into the name of its port, and read back from there.
 #include "shm_transport/host/queue_wishes.h"
 
 #include <gtest/gtest.h>

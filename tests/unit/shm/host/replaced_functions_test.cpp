@@ -1,5 +1,5 @@
-// The functions of iceoryx that SFT replaces, called by many threads at once. tests/model searches all orders
-// of their steps.
+// The functions of iceoryx that SFT replaces, called by many threads at once. The models in tests/model try
+// all orders of their steps.
 #include "shm_transport/host/replaced_functions.h"
 
 #include <dlfcn.h>
@@ -42,7 +42,7 @@ TEST(ReplacedFunctions, AreFoundFirstByTheDynamicLinker) {
   }
 }
 
-/// A list of few chunks, which many threads take and give back.
+/// A list of a few chunks that many threads take and give back.
 class FreeListTest : public RandomTest {
  protected:
   static constexpr std::uint32_t chunks = 4;
@@ -100,8 +100,8 @@ TEST_F(FreeListTest, LendsTheChunkThatWasGivenBackLastAndNoneTwice) {
 
 class QueueTest : public RandomTest {
  protected:
-  /// Returns the numbers that come out of the queue while another thread pushes 0, 1, ...; `push` returns a
-  /// number that it pushed out.
+  /// Returns the numbers that come out of the queue while another thread pushes 0, 1, ... `push` returns
+  /// the number that it pushed out.
   template <class Push>
   std::vector<std::uint64_t> numbers_through(Queue& queue, const Push& push) {
     std::vector<std::uint64_t> popped, pushed_out;

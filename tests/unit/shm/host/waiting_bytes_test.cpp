@@ -1,4 +1,4 @@
-// How many samples may wait where their bytes are limited.
+// How many samples may wait if their bytes are limited.
 #include "shm_transport/host/waiting_bytes.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ TEST(WaitingBytesTest, TheNumberIsThatOfTheNewestThatFitWhateverTheirSizes) {
   constexpr std::uint64_t most = 1000;
   std::mt19937 random(7);
   WaitingBytes waiting(most, kept);
-  std::deque<std::uint64_t> newest;  // the newest one first
+  std::deque<std::uint64_t> newest;  // the newest sample first
   for (int i = 0; i < 2000; ++i) {
     const std::uint64_t next = random() % 400;
     std::uint64_t sum = next, fit = 0;

@@ -1,4 +1,4 @@
-// These tests check which chunks a reader may borrow from its queue. The port and the pool of chunks lie in
+// These tests check which chunks a reader may borrow from its queue. The port and the pool of chunks are in
 // the memory of this process.
 #include "shm_transport/ports/chunk_queue.h"
 
@@ -35,7 +35,7 @@ class ChunkQueueTest : public ::testing::Test {
   }
   void open_queue() { queue_ = std::make_unique<ChunkQueue>(*port_, 2, FieldMask{}); }
 
-  /// Chunks arrive as a writer delivers them.
+  /// Delivers chunks to the queue as a writer does.
   void arrive(int count) {
     iox::popo::ChunkQueuePusher<iox::popo::SubscriberPortData::ChunkQueueData_t> writer(
         &port_->m_chunkReceiverData);
@@ -51,7 +51,7 @@ class ChunkQueueTest : public ::testing::Test {
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
 
   /// Finds the word of the queue that `read` returns, and writes another value there, as a hostile program
-  /// can do.
+  /// could.
   template <class Read>
   void forge(std::uint64_t value, const Read& read) {
     auto& queue = port_->m_chunkReceiverData.m_queue;
@@ -77,7 +77,7 @@ class ChunkQueueTest : public ::testing::Test {
     forge(size, [](auto& queue) { return queue.size(); });
     ASSERT_EQ(port_->m_chunkReceiverData.m_queue.size(), size);
   }
-  /// Returns how many samples can be taken, each of which is given back before the next one.
+  /// Returns how many samples can be taken. Each sample is given back before the next one is taken.
   std::uint64_t take_all() {
     std::uint64_t taken = 0;
     for (ChunkSlot* slot = queue_->take().slot; slot != nullptr; slot = queue_->take().slot, ++taken)
@@ -250,7 +250,7 @@ TEST_F(ChunkQueueTest, BytesPushNothingOutWhereNoMoreWaitsThanMay) {
   EXPECT_FALSE(queue_->take().overflowed);
 }
 
-/// Nobody could give so much memory as these capacities claim to need.
+/// No system has as much memory as these capacities claim.
 TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
   for (const std::uint64_t forged : {UINT64_MAX, UINT64_MAX / 8, std::uint64_t{1} << 56}) {
     forge_capacity(forged);
@@ -263,7 +263,7 @@ TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
   }
 }
 
-/// Memory is reserved when the queue is opened, since nothing may be allocated while a session is lost.
+/// The queue reserves memory when it is opened, since nothing may be allocated while a session is lost.
 TEST_F(ChunkQueueTest, NoMoreIsKeptThanTheQueueHadRoomForWhenItWasOpened) {
   constexpr int more = 6;
   ASSERT_TRUE(port_->m_chunkReceiverData.m_queue.setCapacity(more)) << "as another program can do";

@@ -13,7 +13,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A temporary file, which is removed with the object.
+/// A temporary file that is removed together with the object.
 class File {
  public:
   explicit File(const std::string& text) {
@@ -35,7 +35,7 @@ Config read(const std::string& text) {
   return config.value_or(Config{});
 }
 
-/// Returns the error message for this file, without the name of the file.
+/// Returns the error message for a file with this text, without the name of the file.
 std::string refusal(const std::string& text) {
   const File file(text);
   const auto config = read_config(file.path());

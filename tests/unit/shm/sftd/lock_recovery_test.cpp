@@ -1,4 +1,4 @@
-// The locks that sftd opens by force. The ports lie in the memory of this process.
+// The locks that sftd opens by force. The ports are in the memory of this process.
 #include "shm_transport/sftd/lock_recovery.h"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 namespace sft::test {
 namespace {
 
-/// Has a port of a process that is not registered, and so counts as dead.
+/// A port of a process that is not registered, and so counts as dead.
 class LockRecoveryTest : public ::testing::Test {
  protected:
   LockRecoveryTest() { lock_recovery_.note_ports(); }
@@ -51,11 +51,11 @@ TEST_F(LockRecoveryTest, LeavesALockAloneThatAThreadOfTheDaemonHoldsAgainAndAgai
     lock_recovery_.recover();
     ASSERT_TRUE(shm::is_closed(lock())) << i;
     lock().unlock();
-    lock_recovery_.recover();  // most looks of a healer that looks every 20 ms find the lock open
+    lock_recovery_.recover();  // a check every 20 ms finds the lock open most times
   }
 }
 
-// A program of which the daemon knows no port yet may have begun to deliver into this queue.
+// A program may have begun to deliver into this queue before the daemon has noted a port of it.
 TEST_F(LockRecoveryTest, LeavesTheLockOfAQueueWithoutAKnownWriterTimeToBeReleased) {
   auto& queue = *pool_.addSubscriberPort({"sft", "late", "1"}, "sft_dead", {}).value();
   lock_recovery_.note_ports();

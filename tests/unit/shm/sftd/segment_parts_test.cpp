@@ -1,4 +1,4 @@
-// Which parts of a segment have memory from the beginning, and that only these are cleared.
+// Which parts of a segment have memory from the beginning. Only these are cleared.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -46,7 +46,7 @@ TEST(SegmentPartsTest, OnDemandTakeNoMemoryAndAreNotCleared) {
   const auto taken = [&] {
     struct stat status {};
     EXPECT_EQ(fstat(file.get(), &status), 0);
-    return static_cast<std::size_t>(status.st_blocks) * 512;  // stat(2): st_blocks counts these
+    return static_cast<std::size_t>(status.st_blocks) * 512;  // stat(2): st_blocks counts blocks of 512 bytes
   };
   EXPECT_EQ(taken(), 32 * page);
   void* const memory = mmap(nullptr, segment.bytes, PROT_READ, MAP_SHARED, file.get(), 0);

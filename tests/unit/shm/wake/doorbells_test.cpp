@@ -69,7 +69,7 @@ TEST_F(SeveralSleepers, NobodyIsWokenIfNobodySleeps) {
 }
 
 TEST_F(SeveralSleepers, AreToldOnlyOfSamplesThatTheyWant) {
-  const auto closed = std::make_shared<core::Gate>(1'000'000);  // no sample has passed it
+  const auto closed = std::make_shared<core::Gate>(1'000'000);  // no sample has passed the gate yet
   const auto open = std::make_shared<core::Gate>(0);
   open->consider(detail::FieldSource::of_nothing(), 0);
   ASSERT_TRUE(open->passes());

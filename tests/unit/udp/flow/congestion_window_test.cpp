@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 class CongestionWindowTest : public testing::Test {
  protected:
-  /// A report of that position, after so long a queue; the sender is 1000 bytes ahead.
+  /// Takes a report of that position, after a queue of `queueing`. The sender is 1000 bytes ahead.
   void hear(std::uint64_t position, std::chrono::milliseconds queueing, std::uint64_t reported = 0,
             std::size_t taken = 0) {
     FlowReport report{};

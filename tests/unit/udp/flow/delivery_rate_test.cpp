@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Times are those since the beginning.
+/// Times count from the beginning of the test.
 class DeliveryRateTest : public testing::Test {
  protected:
   using Duration = DeliveryRate::Time::duration;

@@ -1,4 +1,4 @@
-// A flow window whose sender always has more to send, and the receiver that answers its marks.
+// A flow window with a sender that always has more to send, and the receiver that answers its marks.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ inline constexpr std::size_t batch_datagrams = 10, batch_bytes = 14'720;
 
 class FlowWindowTest : public testing::Test {
  protected:
-  /// Sends as the sending thread does; returns socket bytes.
+  /// Sends as the sending thread does. Returns the bytes that were sent to the socket.
   std::size_t send_while_there_is_room(Size size = Size::large, std::size_t at_most = SIZE_MAX) {
     const std::uint64_t before = window.position();
     while (window.position() - before < at_most && window.room(size, now) > 0) {
@@ -34,12 +34,12 @@ class FlowWindowTest : public testing::Test {
   void take_mark() {
     if (const auto mark = window.mark(now)) marks.push_back(*mark);
   }
-  /// The receiver answers for the first time.
+  /// Sends, and has the receiver answer for the first time.
   void get_to_know(std::size_t share) {
     send_while_there_is_room();
     ASSERT_TRUE(answer(share));
   }
-  /// Socket bytes that are sent until then, by somebody who always has more. Marks are not answered.
+  /// Sends whenever there is room, until `end`. Returns the bytes that were sent. No mark is answered.
   std::size_t send_until(FlowWindow::Time end, Size size = Size::large) {
     std::size_t sent = 0;
     for (; now < end; now = window.next_ready(now) + 1us) sent += send_while_there_is_room(size);
@@ -53,7 +53,7 @@ class FlowWindowTest : public testing::Test {
             .came = mark.datagrams,
             .sent_at_ns = mark.sent_at_ns};
   }
-  /// All marks are answered, so long after they were sent.
+  /// Answers all marks, after the time `after`. Returns true if a sender that waited may go on.
   bool answer(std::size_t share, std::chrono::microseconds after = 100us) {
     now += after;
     bool goes_on = false;
@@ -62,7 +62,7 @@ class FlowWindowTest : public testing::Test {
     return goes_on;
   }
 
-  /// The receiver takes so many bytes in a millisecond, and answers each mark as soon as it comes to it.
+  /// Sends for that time. The receiver takes `bytes_per_ms`, and answers each mark when it reaches it.
   void take_for(FlowWindow::Time::duration time, std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
     for (const auto end = now + time; now < end;) {
       send_while_there_is_room();

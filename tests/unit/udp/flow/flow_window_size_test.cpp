@@ -1,4 +1,4 @@
-// How large a flow window is: it grows where it is the limit, and shrinks where a queue is long.
+// The size of a flow window: it grows if it limits what is sent, and shrinks if a queue is long.
 #include "tests/unit/udp/flow/flow_window_fixture.h"
 
 namespace sft::udp::test {
@@ -8,7 +8,7 @@ TEST_F(FlowWindowTest, GrowsAgainWhereOneTrainFillsItAndIsReportedBeforeTheNextO
   get_to_know(32 << 20);
   for (int i = 0; i < 100 && window.window() > FlowLimits{}.least_bytes; ++i) {
     send_while_there_is_room();
-    answer(32 << 20, 300ms);  // a long queue, and little comes
+    answer(32 << 20, 300ms);  // a long queue, and few bytes arrive
   }
   ASSERT_EQ(window.window(), FlowLimits{}.least_bytes);
   constexpr std::size_t train_bytes = 64'000;

@@ -143,7 +143,7 @@ TEST_F(FlowWindowTest, AsksAHostThatNeverAnswersSeldomHoweverManySocketsItIsSaid
   ask_for(20s);
   EXPECT_LE(asked, 21U) << "one in a second";
   EXPECT_GE(asked, 19U);
-  host->answered(now);  // some other socket there
+  host->answered(now);  // another socket of the host has answered
   ask_for(5s);
   EXPECT_GE(asked, 400U) << "the host is there";
 }
@@ -224,7 +224,7 @@ TEST_F(FlowWindowTest, MarksAgainWhereReportsGetLost) {
 
 class MarkPauseTest : public FlowWindowTest {
  protected:
-  /// The longest of the pauses between eight marks that nobody answers, in milliseconds.
+  /// Returns the longest pause between eight marks that nobody answers, in milliseconds.
   std::chrono::milliseconds::rep longest_pause(std::chrono::microseconds there_and_back) {
     send_while_there_is_room();
     answer(200'000, there_and_back);
@@ -285,7 +285,7 @@ TEST_F(FlowWindowTest, DoesNotMarkASlowFlowWhoseAcksComeEveryFourSeconds) {
   EXPECT_EQ(marked, 0U);
 }
 
-/// Less than a megabyte per second is not waited for, but has to be answered now and then.
+/// A stream of less than a megabyte per second is not held back, but has to be answered now and then.
 TEST_F(FlowWindowTest, NoticesThatTheReceiverOfASlowStreamIsGone) {
   get_to_know(200'000);
   std::size_t sent = 0;

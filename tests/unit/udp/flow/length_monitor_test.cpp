@@ -18,7 +18,7 @@ class LengthMonitorTest : public testing::Test {
     monitor_.sent(length, now_);
     if (length <= takes_) longest_ = std::max(longest_, length);
   }
-  /// What a report says of a mark that is sent now.
+  /// What a report says about a mark that is sent now.
   struct Mark {
     std::uint64_t position;
     std::size_t longest;

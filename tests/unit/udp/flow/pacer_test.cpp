@@ -7,12 +7,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Sends as the sending thread does, on a clock of its own.
+/// Sends as the sending thread does, in simulated time.
 class PacerTest : public testing::Test {
  protected:
   static constexpr std::size_t batch_bytes = 64'000;
 
-  /// Bytes that go before the pacer makes it wait.
+  /// Returns how many bytes are sent before the pacer makes the sender wait.
   std::size_t send_while_ready(Pacer& pacer, std::size_t at_most) {
     std::size_t sent = 0;
     while (sent < at_most && pacer.ready(now_)) {

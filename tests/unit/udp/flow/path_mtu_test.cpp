@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t headers = 28, shortest = 548;
 constexpr std::size_t payload(std::size_t mtu) { return mtu - headers; }
 
-/// A path that takes so much, used by a writer that hears of it every 50 ms, and looks after it.
+/// A path that takes datagrams up to `takes`, and its writer, which gets a report every 50 ms.
 class Path {
  public:
   explicit Path(std::size_t kernel_says, std::size_t takes)
@@ -98,7 +98,7 @@ TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
 }
 
-/// A reader with a long way asks several times before the first answer can have come.
+/// A reader with a long round trip asks several times before the first answer can arrive.
 TEST(PathMtuTest, WaitsForAtLeastARoundTrip) {
   PathMtu mtu(headers, shortest, payload(1500));
   const PathMtu::Time now{1h};

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 class ReceiverMonitorTest : public testing::Test {
  protected:
-  /// Time from a mark until the next one, when so many were not answered.
+  /// Returns the time from a mark to the next one, if the present number of marks was not answered.
   ReceiverMonitor::Time::duration pause() { return monitor.next_retry(round_trips) - now; }
 
   const ReceiverMonitor::Time now{1h};

@@ -1,4 +1,4 @@
-// All made-up destinations on one host together are sent no more than a budget.
+// All destinations on one host that somebody made up together are sent no more than a budget.
 #include "udp_transport/flow/unproven_budget.h"
 
 #include <gtest/gtest.h>

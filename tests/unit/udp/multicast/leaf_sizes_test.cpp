@@ -1,4 +1,4 @@
-// These tests compare the bytes that follow from the sizes of fields with those of real projections.
+// These tests compare sizes estimated from the sizes of fields with those of real projections.
 #include "udp_transport/multicast/leaf_sizes.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,7 @@ namespace sft::udp {
 
 namespace test {
 
-/// An element with holes between its members, a string and a sequence.
+/// An element with padding between its members, a string and a sequence.
 struct Thing {
   std::uint8_t small = 0;
   double large = 0;
@@ -24,7 +24,7 @@ struct Thing {
   std::vector<std::uint16_t> numbers;
   std::uint8_t last = 0;
 };
-/// An element of one length.
+/// An element of fixed length.
 struct Point {
   std::uint8_t ring = 0;
   double x = 0;
@@ -83,7 +83,7 @@ using test::Image;
 using test::Scene;
 using test::Wide;
 
-/// A sample in memory of its own.
+/// An encoded value as a sample, in memory of its own.
 template <class T>
 class Sample {
  public:
@@ -137,7 +137,7 @@ class LeafSizesTest : public sft::test::RandomTest {
     for (std::size_t i = 0; i < words; ++i) scene.words.push_back(text(10));
     return scene;
   }
-  /// `error_max`: in bytes.
+  /// Compares estimates for random fields of `value` with projections. `error_max` is in bytes.
   template <class T>
   void expect_close(const T& value, double error_max) {
     const Sample<T> sample(value);
@@ -152,7 +152,7 @@ class LeafSizesTest : public sft::test::RandomTest {
       projected += bytes;
     }
   }
-  double computed = 0, projected = 0;  ///< bytes of all that were compared
+  double computed = 0, projected = 0;  ///< bytes of all comparisons
 };
 
 TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
@@ -161,9 +161,9 @@ TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
   for (const std::size_t points : {0U, 1U, 2U, 7U, 100U, 5001U}) expect_close(scene(0, points, 0), 0);
 }
 
-/// Padding of up to 7 bytes before a member that follows something that varies has a standard deviation of
-/// up to 2.3 bytes. An element has three such members at most, and each word is followed by one. They are not
-/// quite independent of one another.
+/// Up to 7 bytes of padding precede a member that follows a field of variable length, with a standard
+/// deviation of up to 2.3 bytes. An element has at most three such members, and one follows each word.
+/// Their lengths are not quite independent of one another.
 TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) {
   for (int i = 0; i < 200; ++i) {
     const std::size_t things = random() % 33, words = random() % 33;
@@ -173,7 +173,7 @@ TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) 
   EXPECT_NEAR(computed, projected, 0.02 * projected);
 }
 
-/// The average of 32 names of up to 20 bytes is off by a byte or so, and that of the numbers, too.
+/// The average of 32 names of up to 20 bytes is off by about a byte, and so is that of the numbers.
 TEST_F(LeafSizesTest, FollowFromTheFirstElementsOfALongSequence) {
   for (int i = 0; i < 6; ++i) expect_close(scene(2000, 10'000, 3000), 2000 * 10 + 3000 * 3);
   EXPECT_NEAR(computed, projected, 0.05 * projected);
@@ -201,12 +201,12 @@ TEST_F(LeafSizesTest, StayAsTheyAreIfASampleIsMalformed) {
   LeafSizes sizes(test::type_support<Image>().type());
   const Sample<Image> sample(test::make_image(100));
   detail::SampleState cut = sample.state();
-  cut.body_bytes = 9;  // the name's length is not in it
+  cut.body_bytes = 9;  // without the length of the name
   sizes.measure(cut);
   EXPECT_FALSE(sizes.known(test::fields<Image>("name")));
 }
 
-/// The parts of a list of texts follow from the first ones.
+/// The size of a part of a list of strings is estimated from the first strings.
 TEST_F(LeafSizesTest, TellWhatAPartOfAListOfTextsHas) {
   const TypeSupport& type = test::type_support<Scene>();
   for (const char* asked : {"words[::3]", "words[10:20]", "words[3000:]", "third, words[:2000]"}) {

@@ -15,7 +15,7 @@
 namespace sft::udp {
 namespace {
 
-constexpr double often = 1e6;  // samples per second: whatever is saved is worth it
+constexpr double often = 1e6;  // samples per second: so many that every saving pays
 constexpr std::size_t datagram_bytes = 1472;
 
 FieldMask some(std::uint64_t bits) { return FieldMask::from_words(64, std::array{bits}); }
@@ -23,7 +23,7 @@ const FieldMask A = some(1), B = some(2);
 /// The masks that the readers of one process ask for.
 using Masks = std::vector<FieldMask>;
 
-/// Bodies of fields with these sizes.
+/// Returns the size of bodies from the sizes of their fields.
 BodyBytes apart(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;
@@ -47,7 +47,7 @@ std::vector<PlanDestination> destinations(const std::vector<FieldMask>& masks, c
   return all;
 }
 
-/// The cost by the definition of multicast.md, which says what a change of plans gains.
+/// Returns the cost as multicast.md defines it, which says what a change of plans gains.
 PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes,
                    const MulticastPlan& plan) {
   PlanCost all;
@@ -67,8 +67,8 @@ PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyB
   return all;
 }
 
-/// The bytes that a plan may put on the link of these: PlanLimits::wire_max times the lesser of one group of
-/// all and no group.
+/// Returns the bytes that a plan may put on the link: PlanLimits::wire_max times those of one group of all
+/// destinations or of no group, whichever is less.
 double wire_bytes_max(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes) {
   PlannedGroup all{FieldMask(64), {}};
   for (std::size_t i = 0; i < destinations.size(); ++i) {
@@ -173,7 +173,7 @@ TEST(MulticastPlan, FollowsAMaskThatChanges) {
 }
 
 TEST(MulticastPlan, StaysAsItIsForASmallGain) {
-  // 16 * 100 bytes less for one of many is nothing to change the groups for.
+  // A saving of 16 * 100 bytes is too small a part of the cost to change the groups.
   const std::vector<FieldMask> masks{A, A, A, A, B, B};
   const MulticastPlan present{{A, {0, 1, 2, 3}}};
   EXPECT_EQ(plan(masks, apart({100'000, 100}), present), present);
@@ -184,7 +184,7 @@ TEST(MulticastPlan, DoesNotFlapWhileSizesVary) {
   std::mt19937 random(1);
   MulticastPlan present;
   int changes = 0;
-  for (int i = 0; i < 1000; ++i) {  // around where a group of both begins to pay
+  for (int i = 0; i < 1000; ++i) {  // sizes around the one from which a group of both pays
     const double b = 28 + static_cast<double>(random() % 9);
     MulticastPlan next = plan({A, B}, apart({30, b}), present);
     changes += next == present ? 0 : 1;
@@ -199,8 +199,9 @@ TEST(MulticastPlan, IsKeptWhileItCostsAtMostATwentiethMoreThanTheBest) {
   PlanLimits usual, eager;
   usual.wire_max = eager.wire_max = 2;
   eager.gain_min = 0;
-  double dearest_kept = 1, cheapest_left = 2;  // of the present plan, by the best one
-  for (double a = 1000; a < 5000; a += 2) {  // the larger, the dearer it is that the last one gets that, too
+  double dearest_kept = 1, cheapest_left = 2;  // the cost of the present plan, relative to the best one's
+  // the larger `a`, the more it costs that the last one gets it, too
+  for (double a = 1000; a < 5000; a += 2) {
     const BodyBytes bytes = apart({a, 1000, 500});
     const std::vector<PlanDestination> all = destinations({A | C, A | C, B | C, B | C, C}, bytes);
     const double least = plan_cost(all, bytes, plan_multicast(all, bytes, often, present, eager)).cost;
@@ -222,7 +223,7 @@ TEST(MulticastPlan, HasNoGroupForATopicThatIsSeldomSent) {
 }
 
 TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor) {
-  // A group of all puts 20 % less on the wire than two groups, and brings two members what they do not want.
+  // A group of all saves 20 % of the bytes of two groups, but sends two members what they did not ask for.
   PlanLimits indifferent;
   indifferent.unwanted_weight = 0;
   indifferent.wire_max = 2;
@@ -238,7 +239,7 @@ TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor
 }
 
 TEST(MulticastPlan, HasNoGroupForOneCopyThatIsMoreThanAllThatItsReadersAskFor) {
-  // Two processes have two readers each, of small parts of one field; one copy for both has the whole field.
+  // Two processes have two readers each, of small parts of a field. One copy for both has the whole field.
   std::vector<PlanDestination> all = destinations({A, A}, apart({10'000}));
   for (PlanDestination& to : all) to.alone_bytes = 2 * wire_bytes(500, datagram_bytes, PlaceMark::none);
   EXPECT_TRUE(plan_multicast(all, apart({10'000}), often, {}, {}).empty());

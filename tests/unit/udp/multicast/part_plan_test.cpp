@@ -21,7 +21,7 @@ constexpr std::size_t leaves_in_all = 8;
 FieldMask leaf(std::uint64_t number) {
   return FieldMask::from_words(leaves_in_all, std::array{std::uint64_t{1} << number});
 }
-/// Each step-th element of the fields of the mask.
+/// Selects every `step`th element of each field in the mask.
 Selection each(std::uint32_t step, const FieldMask& mask) {
   std::vector<Selection::Part> parts;
   for (const std::size_t number : mask)
@@ -31,7 +31,7 @@ Selection each(std::uint32_t step, const FieldMask& mask) {
 const Selection whole_cloud = leaf(0);
 const Selection scalars = leaf(1) | leaf(2);
 
-/// A part of each step-th element has so much less of its field.
+/// Returns the size of bodies. A part with a step has that fraction of its field.
 BodyBytes sized(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;

@@ -49,7 +49,7 @@ class PartSizeTest : public sft::test::RandomTest {
   }
 };
 
-/// The names of channels that a part does not have are no more than some bytes, and neither is padding.
+/// The names of channels that the part lacks take only some bytes, and so does padding.
 TEST_F(PartSizeTest, IsThatOfTheProjectionButForAFewBytesOfACloud) {
   const PointCloud2 cloud = sft::test::random_cloud(random, 20, 100);
   for (const char* text :
@@ -107,7 +107,7 @@ TEST_F(PartSizeTest, IsForgottenOnceNobodyAsksForThePart) {
   EXPECT_EQ(sizes.part_size(selections[1]), nullptr);
 }
 
-/// The bytes of a sample may be anything.
+/// The bytes of a sample may be random.
 TEST_F(PartSizeTest, IgnoresBytesThatAreNotWhatTheyClaimToBe) {
   const Selection some = asked_of<PointCloud2>("data{x,y,z}[::2]");
   for (int i = 0; i < 2000; ++i) {

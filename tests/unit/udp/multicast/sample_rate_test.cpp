@@ -1,4 +1,4 @@
-// These tests check how fast samples are sent, and pass gates.
+// These tests check the measured rates at which samples are sent and pass gates.
 #include "udp_transport/multicast/sample_rate.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The memory of jobs that any mask may use next, and the memory that jobs borrow.
+// The memory of jobs, which any mask may use next, and the memory that jobs borrow.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using Memory = detail::Projection::Memory;
 
 constexpr Memory wide{.staging_bytes = 5000, .segments = 9};
 
-/// As a mask with much to stage leaves it.
+/// Leaves the job as a mask with large memory needs does.
 void widen(const JobHandle& job, const Memory& memory = wide) { job->projection.reserve(memory); }
 
 bool is_wide(const JobHandle& job) { return job->projection.memory().suffices_for(wide); }

@@ -1,4 +1,4 @@
-// Small samples in shared datagrams: from a pack to datagrams and back.
+// Small samples that share datagrams: a pack is cut into datagrams and read from them again.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -19,7 +19,7 @@ using Lengths = std::vector<std::size_t>;
 
 class PackTest : public testing::Test {
  protected:
-  static constexpr std::uint64_t first_sequence = 0x1'ffff'fffe;  // the low half turns over behind it
+  static constexpr std::uint64_t first_sequence = 0x1'ffff'fffe;  // the low half wraps around after it
 
   void pack(const Lengths& lengths) {
     job_ = JobPool::make()->take();
@@ -32,7 +32,7 @@ class PackTest : public testing::Test {
     job_->seal();
   }
 
-  /// The samples in a datagram, of which each must follow the one before.
+  /// Takes the samples from a datagram. Expects each to follow the one before.
   void take(const Bytes& bytes) {
     auto d = parse(bytes);
     ASSERT_TRUE(d);

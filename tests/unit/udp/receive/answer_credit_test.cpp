@@ -1,4 +1,4 @@
-// How much may be answered to whom nobody has seen at its address.
+// How many bytes may be answered to a sender whose address is not confirmed.
 #include "udp_transport/receive/answer_credit.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Each datagram is decoded once and handed to whoever it is for, whatever it claims to be.
+// Each datagram is decoded once and handed to the component that it is for, even if it is forged.
 #include "udp_transport/receive/demultiplexer.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ Bytes encoded(const Control& control, std::size_t bytes) {
   return datagram;
 }
 
-/// One writer is read here, reliably. receive() notes to whom each datagram was handed.
+/// One writer is read here, reliably. receive() records where each datagram was handed.
 class DemultiplexerTest : public sft::test::RandomTest {
  protected:
   DemultiplexerTest() {
@@ -58,7 +58,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
     handed_ = {};
   }
 
-  /// An honest datagram of that kind. The following one is the last part of the sample of the first one.
+  /// Returns an honest datagram of that kind. The following one is the last part of the first one's sample.
   static Bytes datagram_of(DatagramKind kind, std::uint32_t of_writer = short_id) {
     switch (kind) {
       case DatagramKind::first:
@@ -94,7 +94,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
     return {};
   }
 
-  /// Of a datagram of a sample: what stands before its payload.
+  /// Returns the bytes before the payload in a datagram of a sample.
   static std::size_t header_bytes(const Bytes& datagram) {
     return static_cast<std::size_t>(parse(datagram)->payload.data() - datagram.data());
   }
@@ -107,7 +107,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
 
   struct Handed {
     std::size_t samples = 0;
-    std::size_t in_channel = 0;  ///< datagrams after which reliable readers may have something
+    std::size_t in_channel = 0;  ///< datagrams after which reliable readers may have something to take
     std::vector<Answer> answers{};
     std::vector<std::pair<SocketAddress, FlowReport>> reports{};
     std::vector<std::uint32_t> joined{};
@@ -136,7 +136,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
       std::size_t{1} << 20};
 
  private:
-  /// The datagrams of the first sample in the channel.
+  /// Returns the datagrams of the first sample in the channel.
   static std::vector<Bytes> sample_of(std::uint32_t of_writer, std::size_t bytes = 2000,
                                       bool in_short = false) {
     const Bytes body = test::encoded_body(make_image(bytes), fields<Image>("*"));
@@ -242,14 +242,14 @@ TEST_F(DemultiplexerTest, KnowsAnAddressByTheSamplesThatCameFromThere) {
 }
 
 TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
-  receive(datagram_of(DatagramKind::mark));  // the sender is known from now on
+  receive(datagram_of(DatagramKind::mark));  // from now on the sender is known
   for (const DatagramKind kind : all_kinds) {
     if (kind != DatagramKind::mark) receive(datagram_of(kind));
   }
   receive(Bytes(20));  // counts as a datagram of a sample, since it may have been one
   for (const DatagramKind kind : all_kinds) {
     Bytes malformed = datagram_of(kind);
-    malformed.resize(following_header_bytes);  // no kind has a datagram that is so short
+    malformed.resize(following_header_bytes);  // shorter than any kind of datagram
     receive(malformed);
   }
   receive(encoded(FlowMark{77, 4000, 3000, 100, 56}, mark_bytes));

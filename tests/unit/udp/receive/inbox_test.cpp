@@ -82,8 +82,8 @@ TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   EXPECT_EQ(inbox_.room(7), 3U);
 }
 
-/// A subscriber counts the gaps in a writer's sequences; it sees none behind the last sample, nor before the
-/// first.
+/// A subscriber counts the gaps in a writer's sequences. It cannot see losses behind the last sample or
+/// before the first one.
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({1});
   deliver(1, 1, 3);
@@ -91,12 +91,12 @@ TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({2});
   deliver(2, 1, 3);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 5 samples: 2 and 3 of the first writer go
+  inbox_.disconnect(2);  // 5 samples: 2 and 3 of the first writer are dropped
   EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
 
   inbox_.connect({3});
   deliver(3, 1, 1);
-  inbox_.disconnect(3);  // 1 of the second goes, of which nothing was taken yet
+  inbox_.disconnect(3);  // sample 1 of the second writer is dropped, before anything of that writer was taken
   EXPECT_EQ(take_all(), (Taken{{2, 2}, {2, 3}, {3, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 3U);
 }
@@ -165,11 +165,11 @@ TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {
   inbox_.connect({1});
   deliver(1, 1, 1);
   EXPECT_EQ(take_all(), (Taken{{1, 1}}));
-  deliver(1, 2, 6);  // 2 and 3 go
+  deliver(1, 2, 6);  // 2 and 3 are dropped
   inbox_.disconnect(1);
   inbox_.connect({2});
   deliver(2, 1, 3);
-  inbox_.disconnect(2);  // and the rest
+  inbox_.disconnect(2);  // the rest of the first writer's are dropped
   EXPECT_EQ(take_all(), (Taken{{2, 1}, {2, 2}, {2, 3}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 5U);
 }
@@ -181,19 +181,19 @@ TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
   inbox_.connect({2});
   deliver(2, 1, 2);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 4 samples: 2 of the first writer goes
+  inbox_.disconnect(2);  // 4 samples: 2 of the first writer is dropped
   EXPECT_EQ(take_all(), (Taken{{1, 3}, {2, 1}, {2, 2}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
 }
 
-/// What was sent first of a writer's history is known from each sample of it.
+/// Each sample of a writer's history names the first one that was sent.
 TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
   inbox_.connect({1});
   deliver(1, 11, 13, 11);
   inbox_.connect({2});
   deliver(2, 1, 1);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 4 samples: 11 of the first writer goes
+  inbox_.disconnect(2);  // 4 samples: 11 of the first writer is dropped
   EXPECT_EQ(take_all(), (Taken{{1, 12}, {1, 13}, {2, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
 }

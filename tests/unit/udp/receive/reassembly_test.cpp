@@ -27,8 +27,7 @@ using test::lone_writer;
 using test::make_image;
 using test::Wide;
 
-/// Speaks of images of one writer: sent() makes their datagrams,
-/// receive() takes them, taken() tells what came out.
+/// Images of one writer: sent() makes their datagrams, receive() takes them, taken() returns the samples.
 class ReassemblyTest : public testing::Test {
  protected:
   ReassemblyTest() { restart({}); }
@@ -295,11 +294,11 @@ TEST_F(ReassemblyTest, FreesWhatWasParkedWithItsSample) {
   EXPECT_EQ(counted().over_limit, 0U);
 }
 
-// Far more samples end in each way than the memory and the parked bytes suffice for at a time.
+// Far more samples end in each way than memory and parked bytes suffice for at the same time.
 TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
   constexpr std::size_t bytes = 6'000;
   std::uint32_t sequence = 0;
-  std::vector<Bytes> datagrams;  // of the present sample
+  std::vector<Bytes> datagrams;  // those of the present sample
   const auto begin_without_first = [&] { receive_without_first(datagrams); };
   const auto begin_with_first = [&] { receive(datagrams.front()); };
   const std::map<std::string, std::function<void()>> endings{
@@ -563,8 +562,7 @@ TEST_F(ReassemblyTest, SurvivesLossRepetitionAndDisorder) {
   EXPECT_GT(taken_.size(), 100U);
 }
 
-/// Whatever comes, nothing is read or written out of bounds (run under
-/// the sanitizers), and memory stays limited.
+/// Nothing is read or written out of bounds (run under the sanitizers), and memory stays limited.
 TEST_F(ReassemblyTest, SurvivesHostileBytes) {
   const std::uint64_t seed = sft::test::test_seed();
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -578,7 +576,7 @@ TEST_F(ReassemblyTest, SurvivesHostileBytes) {
     Bytes datagram = honest[random() % honest.size()];
     const std::size_t at_sequence = kind_of(datagram) == DatagramKind::following ? 6 : 8;
     if (random() % 2 == 0)
-      datagram[at_sequence] = static_cast<std::byte>(round / 40);  // of a sample that is not finished yet
+      datagram[at_sequence] = static_cast<std::byte>(round / 40);  // a sample that is not finished yet
     for (unsigned changes = random() % 4; changes > 0; --changes) {
       const std::size_t reach =
           random() % 2 == 0 ? std::min<std::size_t>(datagram.size(), 40) : datagram.size();

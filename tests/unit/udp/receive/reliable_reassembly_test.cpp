@@ -1,5 +1,5 @@
-// These tests check how samples that come in channels are put together: those of one writer that some
-// reader wants reliably.
+// These tests check how samples in channels are put together. They are samples of one writer that some
+// reader receives reliably.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -89,7 +89,7 @@ class ReliableReassemblyTest : public testing::Test {
   Sequences at_once_;
 
  private:
-  /// The number of bytes of data in such an image.
+  /// Returns the number of bytes of data in an image.
   static std::size_t bytes_of(const core::SampleBuffer& sample) {
     return sample.header().body_bytes - test::encoded_body(make_image(0), fields<Image>("*")).size();
   }
@@ -182,7 +182,7 @@ TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleWhenLaterOnesToo
   EXPECT_EQ(taken_, all) << "the one that there was no memory for comes later, and is not lost";
 }
 
-/// One sample of which every second datagram was lost has more gaps than one answer may ask for.
+/// One sample that lost every second datagram has more gaps than one answer may ask for.
 TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   constexpr std::size_t parts_max = 8 * missing_max;
   const std::vector<Bytes> datagrams = sent(1, 3 * parts_max * 1456);
@@ -198,8 +198,8 @@ TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   EXPECT_EQ(acks, 8U);
 }
 
-/// The reader asks for three parts. One comes several times, so the reader asked too early. It asks for the
-/// next gap later.
+/// The reader asks for three parts. One of them comes several times, so the reader asked too early. From
+/// then on it waits longer before it asks.
 TEST_F(ReliableReassemblyTest, WaitsLongerIfPartsThatItAskedForComeTwice) {
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   hear(1, 2);

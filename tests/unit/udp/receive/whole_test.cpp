@@ -1,4 +1,4 @@
-// Samples in a channel that one datagram carries: cut in short, and put together however they come.
+// Samples in a channel that fit into one datagram: sent with short headers, and put together in any order.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -145,7 +145,7 @@ TEST_F(WholeCutTest, IsTheFormOfWhatAWindowKeepsUntilItsOrdinalsTurnOver) {
       << "before the first ack the other end may not know the channel";
 }
 
-/// One writer's images, as they come to a process by a channel.
+/// Images of one writer, which come to a process through a channel.
 class WholeTest : public testing::Test {
  protected:
   WholeTest() {
@@ -187,13 +187,13 @@ class WholeTest : public testing::Test {
   }
 
   using Sequences = std::vector<std::uint64_t>;
-  /// By readers that do not mind the order.
+  /// Returns the sequences that readers without order got.
   Sequences taken() const {
     Sequences sequences;
     for (const core::SampleHandle& sample : taken_) sequences.push_back(sample->header().sequence);
     return sequences;
   }
-  /// By the reliable one.
+  /// Returns the sequences that the reliable reader gets.
   Sequences in_order() {
     Sequences sequences;
     const auto any = [](const core::SampleBuffer&, std::uint64_t) { return true; };
@@ -202,7 +202,7 @@ class WholeTest : public testing::Test {
     reassembly_.window(0)->release();
     return sequences;
   }
-  /// Once whatever was begun has been given up.
+  /// Returns how many samples count as lost after all unfinished ones were given up.
   std::uint64_t counted_as_lost() {
     now_ += 10s;
     reassembly_.expire(now_);

@@ -1,4 +1,4 @@
-// Whatever datagrams came: a second after the last one every honest stream flows again.
+// Whatever datagrams came, all honest streams flow again a second after the last one.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -24,7 +24,7 @@ class WorksAgainTest : public sft::test::RandomTest {
   }
   Bytes any_captured() { return streams.captured()[random() % streams.captured().size()]; }
 
-  /// Within a second there was a new sample of each, and then nearly all come.
+  /// Expects a new sample of each stream within a second, and nearly all samples after that.
   void expect_that_all_flow_again() {
     const Time quiet = streams.now();
     run_for(1s);
@@ -63,7 +63,7 @@ TEST_F(WorksAgainTest, EveryStreamAfterAHundredThousandMutatedDatagrams) {
   expect_that_all_flow_again();
 }
 
-/// Only a few, so that whatever they did is not undone by others.
+/// Only a few datagrams, so that others do not undo their effect.
 TEST_F(WorksAgainTest, EveryStreamAfterAFewMutatedDatagrams) {
   for (int round = 0; round < 10 && !HasFailure(); ++round) {
     run_for(100ms);
@@ -92,8 +92,7 @@ TEST_F(WorksAgainTest, EveryStreamAfterHeartbeatsWithAWrongBitInTheirChannel) {
   }
 }
 
-/// Each value that is at the end of what a field can hold, at each place of each kind, twice: so they confirm
-/// each other.
+/// Writes each extreme value at each place of each kind, twice, so that two datagrams confirm each other.
 TEST_F(WorksAgainTest, EveryStreamAfterLargeNumbersInAnyFieldOfAnyKind) {
   run_for(500ms);
   for (const std::uint64_t value :

@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t beyond_caches = 5'000'000;  // two of them are more than stays in caches
+constexpr std::size_t beyond_caches = 5'000'000;  // two of them are more than caches hold
 
 class ChannelTest : public testing::Test {
  protected:
@@ -84,7 +84,7 @@ TEST_F(ChannelTest, UsesUpTheTimeoutBeforeSamplesAreLost) {
 
 class ChannelHeartbeatTest : public testing::Test {
  protected:
-  /// Sent by its publisher, at that time.
+  /// Sends a sample from its publisher's thread, at that time.
   void send(std::uint64_t sequence, Channel::Time at) {
     const JobHandle job = test::make_job(*jobs_, sequence);
     const Channel::Posted posted = channel_.post(job, job->first, true);

@@ -11,7 +11,7 @@ using Time = HeartbeatSchedule::Time;
 
 class HeartbeatScheduleTest : public testing::Test {
  protected:
-  /// A sample is sent, with it the first heartbeat, and the other end answers.
+  /// Sends a sample and with it the first heartbeat, which the other end answers.
   void begin() {
     schedule.sent(true, Kept::at_most_half, now);
     EXPECT_TRUE(schedule.take(Kept::at_most_half, now));

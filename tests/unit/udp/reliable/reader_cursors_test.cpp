@@ -31,7 +31,7 @@ TEST(ReaderCursorsTest, GoOverToTheNextRequestBehindWhatWasPublishedBefore) {
   cursors.heard(1, 2);
   cursors.end_requests(5);
   cursors.heard(1, 3);
-  cursors.end_requests(6);  // the request before is waited for first
+  cursors.end_requests(6);  // the former request has to end first
   ReaderCursors::Cursor& cursor = *cursors.find(1);
   cursor.place = 4;
   cursor.turn();

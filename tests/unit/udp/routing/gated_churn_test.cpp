@@ -1,6 +1,6 @@
-// Readers with conditions on many hosts join, leave and ask for something else some thousand times while
-// samples are published. These tests check who shares a group with whom meanwhile, and that in the end no
-// group and no gate is kept that nobody needs.
+// Readers with conditions on many hosts join, leave and change their requests some thousand times while
+// samples are published. These tests check which readers share a group meanwhile, and that in the end no
+// group or gate is kept that nobody needs.
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -16,7 +16,7 @@
 namespace sft::udp::test {
 namespace {
 
-/// Several have the same conditions and different fields, or the same fields under different conditions. The
+/// Several have the same conditions and different fields, or the same fields and different conditions. The
 /// last three have no conditions.
 const std::vector<std::string> wishes{"data @ height > 500",
                                       "data @ height <= 500",
@@ -37,9 +37,9 @@ const std::vector<std::string> wishes{"data @ height > 500",
 
 class GatedChurnTest : public GroupKeeperTest {
  protected:
-  GatedChurnTest() { anything_passes_ = false; }  // evaluate() does it
+  GatedChurnTest() { anything_passes_ = false; }  // evaluate() lets samples pass
 
-  /// A reader on one of so many hosts. Some share a process.
+  /// The number of hosts. join() adds a reader on one of them; some readers share a process.
   static constexpr std::uint32_t hosts = 200;
   void join(const std::string& wish, std::uint32_t host) {
     const std::uint32_t link = host % 4 == 0 ? second_link : first_link;
@@ -48,7 +48,7 @@ class GatedChurnTest : public GroupKeeperTest {
     route.reliable = random_() % 2 == 0;
     routes_.push_back(std::move(route));
   }
-  /// Now and then one that hardly anybody else has.
+  /// Returns one of the wishes, or now and then one that hardly any other reader has.
   std::string any_wish() {
     if (random_() % 8 == 0) return "data @ height > " + std::to_string(random_() % 1000);
     return wishes[random_() % wishes.size()];
@@ -64,13 +64,13 @@ class GatedChurnTest : public GroupKeeperTest {
       routes_.erase(routes_.begin() + static_cast<std::ptrdiff_t>(place));
     }
   }
-  /// Puts into force what the readers ask for. Readers that ask for the same conditions share a gate.
+  /// Puts the readers' requests into force. Readers with the same conditions share a gate.
   void put_in_force() {
     for (core::Route& route : routes_) route.gate = gate_of(route.selection);
     serve();
     note_groups();
   }
-  /// Publishes a sample each millisecond, and does all that the agent does.
+  /// Publishes a sample each millisecond, and does what the agent does.
   void publish_for(std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       Image image = make_image(2000);
@@ -86,8 +86,8 @@ class GatedChurnTest : public GroupKeeperTest {
     }
   }
 
-  /// Each reader is served once. Those in a group of some samples want the same of the same samples, and
-  /// those in any other group want every sample.
+  /// Expects each reader to be served once. Readers in a group with a gate want the same part of the same
+  /// samples, and those in another group want every sample.
   void expect_right_groups() {
     std::map<core::EndpointId, const core::Route*> routes;
     for (const core::Route& route : routes_) routes.emplace(route.reader, &route);
@@ -175,7 +175,7 @@ TEST_F(GatedChurnTest, ReadersShareAGroupOnlyIfTheyWantTheSameSamplesHoweverOfte
   EXPECT_GT(groups, 100U) << "there were some to look at";
 }
 
-/// The farewells of former groups and the counts of former gates are let go of in the end.
+/// Farewells of former groups and counts of former gates are discarded in the end.
 TEST_F(GatedChurnTest, NoGroupAndNoGateIsKeptThatNobodyNeedsAnyMore) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   for (std::uint32_t host = 0; host < 64; ++host) join(wishes[host / 4], host);

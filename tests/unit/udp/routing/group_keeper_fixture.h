@@ -1,4 +1,4 @@
-// A keeper of groups with readers on several links, and time that a test lets pass.
+// A keeper of groups, with readers on several links, in time that the test controls.
 #pragma once
 
 #include "udp_transport/routing/group_keeper.h"
@@ -26,7 +26,8 @@ using namespace std::chrono_literals;
 inline constexpr const char* unsettled =
     "alone: it asks for that only since just now, or often for something else";
 
-/// This host has 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a wireless interface.
+/// The networks of this host. Its addresses are 10.0.0.1 and 10.0.1.1 on two cables, and 10.0.2.1 on a
+/// wireless interface.
 inline constexpr std::uint32_t first_link = 0x0a000000, second_link = 0x0a000100, wireless = 0x0a000200;
 inline constexpr std::uint32_t netmask = 0xffffff00;
 
@@ -71,7 +72,7 @@ class GroupKeeperTest : public testing::Test {
     for (std::uint32_t i = 0; i < count; ++i) reader(first_link + 10 + next_host_++, mask);
   }
 
-  /// Serves the routes as a table of routes is made.
+  /// Serves the routes as if a table of routes was made.
   void serve() {
     merged_ = bundle_routes(routes_, destinations_);
     keeper_->merge(merged_, now_);
@@ -101,7 +102,7 @@ class GroupKeeperTest : public testing::Test {
     fill(*sample, image, all, 7, 1);
     keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().index_slots()), now_, together);
   }
-  /// Each gate judges each sample once. Conditions judge a sample of which nothing is known.
+  /// Lets each gate judge each sample once. Conditions judge a sample without known fields.
   void pass_gates() {
     if (!anything_passes_) return;
     std::set<const core::Gate*> gates;
@@ -113,7 +114,7 @@ class GroupKeeperTest : public testing::Test {
       gate->made(detail::FieldSource::of_nothing(), stamp);
     }
   }
-  /// Publishes at 1 kHz and makes routes anew whenever the keeper wants that. Returns how often it did.
+  /// Publishes at 1 kHz, and makes new routes whenever the keeper asks for it. Returns how often it did.
   int go_on(std::chrono::milliseconds time) {
     int times = 0;
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
@@ -124,21 +125,21 @@ class GroupKeeperTest : public testing::Test {
     }
     return times;
   }
-  /// Publishes small samples so often, and makes routes anew whenever the keeper wants that.
+  /// Publishes a small sample each `period`, and makes new routes whenever the keeper asks for it.
   void go_on_every(std::chrono::milliseconds period, std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += period) {
       publish(0);
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// Goes on until the next plan. Returns for how long the keeper did not plan.
+  /// Goes on until the next plan. Returns the time without a plan.
   std::chrono::milliseconds time_until_plan() {
     const auto since = now_;
     while (go_on(1ms) == 0 && now_ - since < 10s) {
     }
     return std::chrono::floor<std::chrono::milliseconds>(now_ - since) - 1ms;
   }
-  /// All readers go. Returns the group that there was.
+  /// Removes all readers. Returns the group that they had.
   std::shared_ptr<MulticastGroup> end_of_group() {
     const std::shared_ptr<MulticastGroup> group = groups_.at(0);
     routes_.clear();
@@ -151,7 +152,7 @@ class GroupKeeperTest : public testing::Test {
     return count;
   }
   std::string why(core::EndpointId reader) const { return keeper_->why(reader); }
-  /// The members that were told that the group is over, in ascending order; twice, if they were told twice.
+  /// Returns the members that got a farewell of the group, in ascending order; twice, if they got two.
   std::vector<std::size_t> withdrawn(const MulticastGroup& group) const {
     std::vector<std::size_t> told;
     for (const auto& datagram : connections_.sent()) {
@@ -169,7 +170,7 @@ class GroupKeeperTest : public testing::Test {
     std::size_t datagram_bytes;
   };
   GroupKeeper::Time now_{1h};
-  bool anything_passes_ = true;  ///< a gate lets samples pass
+  bool anything_passes_ = true;  ///< publish() lets samples pass the gates
   std::vector<core::Route> routes_;
   std::vector<RouteBundle> merged_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_;

@@ -23,7 +23,7 @@ TEST_F(GroupKeeperTest, PutsReadersOfAnyNumberOfMasksIntoOneGroup) {
   EXPECT_EQ(why(32).find(", which adds "), std::string::npos) << "it asks for everything: " << why(32);
 }
 
-/// If the keeper always had a duty, the agent would look a thousand times a second.
+/// If the keeper always had a duty, the agent would run it a thousand times a second.
 TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   const auto is_in_a_hurry = [&] { return keeper_->next_duty(now_) != GroupKeeper::Time::max(); };
   EXPECT_FALSE(is_in_a_hurry());
@@ -36,7 +36,7 @@ TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   EXPECT_EQ(keeper_->next_duty(now_), now_ + SettlingTimes::gathering);
   go_on(SettlingTimes::gathering + 1ms);
   ASSERT_EQ(members(), 2U);
-  for (const auto& group : groups_) {  // reliable members are offered the group once they have their places
+  for (const auto& group : groups_) {  // the group is offered to reliable members once they have their places
     const std::uint64_t ordinal = group->next_ordinal(now_);
     for (std::size_t i = 0; i < 2; ++i) group->placed(i, ordinal, ordinal);
   }
@@ -213,8 +213,8 @@ TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
   }
 }
 
-/// A switch forgets who is in a group of which nothing is heard, and each sample would be the first one after
-/// that.
+/// A switch removes the members of a group without traffic, so that each rare sample would be like the
+/// first one.
 TEST_F(GroupKeeperTest, MakesNoGroupForConditionsThatLetHardlyAnythingPass) {
   for (const bool often : {true, false}) {
     restart(Multicast::automatic);

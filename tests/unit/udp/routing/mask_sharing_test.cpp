@@ -1,4 +1,4 @@
-// These tests check which processes are sent one copy for all their readers where no group is.
+// These tests check which processes without a group get one copy for all their readers.
 #include "udp_transport/routing/mask_sharing.h"
 
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
@@ -6,7 +6,7 @@
 namespace sft::udp::test {
 namespace {
 
-/// All readers of one test are in one process unless it says otherwise.
+/// All readers of a test are in one process unless the test says otherwise.
 class MaskSharingTest : public GroupKeeperTest {
  protected:
   MaskSharingTest() { restart(Multicast::off); }
@@ -109,7 +109,7 @@ TEST_F(MaskSharingTest, DoesNotChangeToAndFroWithSizes) {
   int changes = 0;
   for (int i = 0; i < 100; ++i, now_ += 100ms) {
     Image image = make_image(1000);
-    image.name.assign(i / 10 % 2 == 0 ? 19'000 : 21'000, 'n');  // close to 1.05 times one copy
+    image.name.assign(i / 10 % 2 == 0 ? 19'000 : 21'000, 'n');  // sizes close to 1.05 times that of one copy
     publish(image);
     if (!keeper_->replan(now_)) continue;
     ++changes;
@@ -161,7 +161,7 @@ TEST_F(MaskSharingTest, LeavesTheReadersOfAProcessApartOfWhichOneHasConditions) 
   EXPECT_EQ(merged_.size(), 2U);
 }
 
-/// Whoever is in a multicast group is sent the union of all its masks by that group.
+/// A group sends each of its members the union of all masks of the member's readers.
 TEST_F(MaskSharingTest, LeavesMembersOfGroupsToThese) {
   restart(Multicast::automatic);
   for (const std::uint32_t host : {10U, 11U, 12U}) {

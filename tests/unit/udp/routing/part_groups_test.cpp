@@ -15,7 +15,7 @@ class PartGroupsTest : public GroupKeeperTest {
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// The selection of the first bundle that has so many readers; nothing if there is none.
+  /// Returns the selection of the first bundle with that number of readers; nothing if there is none.
   Selection sent_to(std::size_t readers) const {
     const auto found = std::ranges::find_if(
         merged_, [&](const RouteBundle& bundle) { return bundle.readers.size() == readers; });
@@ -56,8 +56,8 @@ TEST_F(PartGroupsTest, ManyPartsOfOneFieldAreServedByTheWholeField) {
   EXPECT_EQ(why(1).find(", which adds "), std::string::npos) << "it asks for the whole field: " << why(1);
 }
 
-/// A scan of a robot, for two recorders, three dashboards and a watchdog: the bound for the link counts,
-/// too. A twentieth of the field would be too much beside the whole of it, and a fiftieth is not.
+/// The data of a robot, for two recorders, three dashboards and a watchdog. The limit for the link counts,
+/// too. A twentieth of the field beside the whole of it would exceed that limit, and a fiftieth does not.
 TEST_F(PartGroupsTest, APartBesideTheWholeFieldHasAGroupOfItsOwnOnlyIfItIsSmall) {
   for (const char* part : {"data[::20]", "data[::50]"}) {
     restart(Multicast::automatic);
@@ -112,7 +112,7 @@ TEST_F(PartGroupsTest, AWindowThatMovesAllTheTimeIsServedAloneAndTheOthersNotice
   }
 }
 
-/// A reader of parts gets samples that are too large to be sent as a whole.
+/// A reader of parts may get samples that are too large to be sent whole.
 TEST_F(PartGroupsTest, NobodyIsSentMoreThanItAskedForIfThatMightBeTooMuchForASample) {
   const auto restart_with_limit = [this](Multicast use) {
     GroupKeeper::Setup limited = setup(type_support<Image>(), use, 7);
@@ -179,7 +179,7 @@ TEST_F(PartGroupsTest, AReaderThatAsksForAnotherPartLeavesItsGroupAtOnceAndJoins
   EXPECT_EQ(sent_to(3), selection_of<Image>("data[::4]"));
 }
 
-/// A sample with the whole field says which fields it has. One with a part says who asked for the part.
+/// A sample with the whole field names its fields. One with a part names the selection that was asked for.
 TEST_F(PartGroupsTest, OnlyCopiesOfWholeFieldsAreForWhoeverAskedForLess) {
   DestinationDirectory destinations{DestinationLimits{}, connections_.connect()};
   VariantDirectory variants{8, std::make_shared<WriterTally>()};

@@ -1,5 +1,5 @@
-// These tests check when readers are put into multicast groups: soon after they have come, and once they are
-// calm again after they have asked for something else.
+// These tests check when readers are put into multicast groups: soon after they have come, or once they
+// have not changed their requests for some time.
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
@@ -56,7 +56,7 @@ TEST_F(GroupKeeperTest, MakesAGroupForTheSecondReaderAHundredthOfASecondAfterTha
   EXPECT_EQ(members(), 2U);
 }
 
-/// The readers of one process ask one after another.
+/// The readers of one process send their requests one after another.
 TEST_F(GroupKeeperTest, TakesWhatAllReadersOfANewProcessAskForAsOneEvent) {
   readers(2, "height");
   serve();
@@ -104,7 +104,7 @@ TEST_F(GroupKeeperTest, TakesInAsNewWhoWasAwayForLong) {
   }
 }
 
-/// Each plan makes other groups, and until their members have reported they are sent everything alone, too.
+/// Each plan makes other groups. Until the members have reported, they are sent everything alone, too.
 TEST_F(GroupKeeperTest, TakesThoseInTogetherThatComeWithinATwentiethOfASecond) {
   readers(2);
   serve();
@@ -188,7 +188,7 @@ TEST_F(GroupKeeperTest, LeavesReadersAloneThatComeAndLeaveWithEachSample) {
   }
 }
 
-/// Ten milliseconds, then an offer to each member, and its report of the first sample behind that.
+/// It takes ten milliseconds, then an offer to each member, and each member's report of the next sample.
 TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame) {
   readers(64);
   serve();
@@ -214,7 +214,7 @@ TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame
   for (std::size_t i = 0; i < members(); ++i) EXPECT_TRUE(group->hears(i));
 }
 
-/// To come back is a change.
+/// A reader that comes back counts as a change.
 TEST_F(GroupKeeperTest, KnowsWhoComesBack) {
   readers(3);
   serve();

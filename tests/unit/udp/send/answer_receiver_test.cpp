@@ -9,7 +9,7 @@
 namespace sft::udp {
 namespace {
 
-/// A sender to which answers of one byte come, counted from 0.
+/// A sender that receives `answers` answers of one byte, with the values 0, 1, ...
 class AnsweredSender final : public test::NoSender {
  public:
   using NoSender::NoSender;

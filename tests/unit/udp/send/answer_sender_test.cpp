@@ -7,7 +7,7 @@
 namespace sft::udp {
 namespace {
 
-/// Counts what is connected to, and what is sent without that.
+/// Counts connections, and datagrams that are sent without one.
 class CountingIo final : public DatagramSender {
  public:
   struct Counts {

@@ -1,4 +1,4 @@
-// What leaves on the thread that publishes.
+// What is sent on the thread that publishes.
 #include "udp_transport/send/direct_path.h"
 
 #include <gtest/gtest.h>

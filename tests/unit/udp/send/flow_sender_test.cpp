@@ -21,7 +21,7 @@ class FlowSenderTest : public testing::Test, protected test::Sending {
     made.fragments.emplace(sent_job->body(), to->path().datagram_bytes());
     return made;
   }
-  /// Goes on until the flow has to wait, or ends.
+  /// Sends until the flow has to wait or ends. Returns the last progress.
   Progress send(SendFlow& flow) {
     Progress progress = Progress::some;
     while (progress == Progress::some) progress = sender.send_a_few(flow, now);
@@ -64,7 +64,7 @@ TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
 }
 
 TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
-  to->note(SendOutcome::no_segments);  // several batches in each call
+  to->note(SendOutcome::no_segments);  // so that each call sends several batches
   SendFlow one = flow(large_bytes);
   connections.take_batches(3);
   EXPECT_EQ(send(one), Progress::none);
@@ -106,7 +106,7 @@ TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
 }
 
 TEST_F(FlowSenderTest, AsksForARoundAtOnceIfATurnWasNotEnough) {
-  to->note(SendOutcome::no_segments);  // one datagram in each batch
+  to->note(SendOutcome::no_segments);  // so that each batch has one datagram
   SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_some(one), Progress::some);
   EXPECT_LT(bytes_left(), large_bytes);

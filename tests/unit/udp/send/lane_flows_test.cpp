@@ -89,7 +89,7 @@ TEST_F(LaneFlowsTest, LetSmallSamplesPassALargeOneThatIsUnderWayUnderAnotherMask
   EXPECT_FALSE(large->idle());
 }
 
-/// The members of a group.
+/// A listener of a group's lane, which names the members.
 struct GroupOf final : LaneListener {
   explicit GroupOf(std::vector<const Destination*> to) : members(std::move(to)) {}
   void departed(const Job&, bool) noexcept override {}
@@ -97,7 +97,7 @@ struct GroupOf final : LaneListener {
   std::vector<const Destination*> members;
 };
 
-/// Each of these tests has two lanes, by which samples may come to the same receiver.
+/// Each of these tests has two lanes that may bring samples to the same receiver.
 class LaneFlowsOfGroupsTest : public LaneFlowsTest {
  protected:
   std::shared_ptr<Destination> destination(std::uint16_t port) {
@@ -111,7 +111,7 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     result->end().notify(groups.back());
     return result;
   }
-  /// The first of them is older, and its turn comes last.
+  /// Posts a sample to both lanes. That in `first` is older, but its turn comes last.
   void post(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then, std::size_t bytes) {
     first->post(job(bytes));
     then->post(job(bytes));
@@ -129,7 +129,7 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     EXPECT_GT(bytes_left(), 2 * large_bytes);
   }
 
-  /// The flow waits now, and goes on when the sending thread looks again.
+  /// Expects the flow to wait now, and to go on when the sending thread checks again.
   void expect_to_go_on_soon(std::size_t which) {
     flows.send_large(which);
     EXPECT_EQ(bytes_left(), 0U);
@@ -199,7 +199,7 @@ TEST_F(LaneFlowsOfGroupsTest, WaitForNoGroupWithoutACommonMember) {
   EXPECT_GT(bytes_left(), large_bytes);
 }
 
-/// The member may take 75 ms for each sample, and the others do not have to.
+/// The blocked member may take 75 ms for each sample. The other members must not wait for it.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   post(lane(), lane_to_group(2, {to.get()}), large_bytes);
   serve_small();
@@ -209,7 +209,7 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   expect_to_go_on_soon(0);
 }
 
-/// A lane that waits for one that stands still stands still as well.
+/// A lane that waits for a blocked lane is blocked, too.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherThatStandsStill) {
   const auto shared = lane(), own = lane(), to_group = lane_to_group(2, {to.get()});
   shared->end().set_shared(true);
@@ -225,7 +225,7 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherT
   expect_to_go_on_soon(2);
 }
 
-/// Readers that begin to share a copy, or cease to, change from one lane to another without asking for it.
+/// Readers that begin or cease to share a copy change from one lane to another without asking for it.
 TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallInASharedCopyBeforeWhatIsOlder) {
   const auto own = lane(), shared = lane();
   shared->end().set_shared(true);

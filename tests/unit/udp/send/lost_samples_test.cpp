@@ -1,4 +1,4 @@
-// Samples that are lost on the way to a destination do not count as sent to its readers, nor do their bytes.
+// Samples that get lost before a destination do not count as sent to its readers, nor do their bytes.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -45,7 +45,7 @@ class LostSamplesTest : public testing::Test {
   core::SampleHandle make() {
     core::SampleHandle sample = memory_->take(test::sample_bytes(image_, all_));
     test::fill(*sample, image_, all_, 7, ++sequence_);
-    sample->source_stamp_ns = 5;  // samples that are published together have one stamp
+    sample->source_stamp_ns = 5;  // samples that are published together have the same stamp
     sample->whole_bytes = sample->header().body_bytes;
     whole_bytes_ = sample->whole_bytes;
     return sample;
@@ -84,7 +84,7 @@ class LostSamplesTest : public testing::Test {
   std::uint64_t whole_bytes_ = 0;
 };
 
-constexpr std::size_t height_bytes = 4;  // of a body with that field alone
+constexpr std::size_t height_bytes = 4;  // the size of a body with that field alone
 
 TEST_F(LostSamplesTest, SmallOnesThatAFullQueueDrops) {
   serve(Delivery::best_effort, "height");
@@ -146,7 +146,7 @@ TEST_F(LostSamplesTest, ThoseThatTheSendingThreadLoses) {
 TEST_F(LostSamplesTest, ThoseThatAFullChannelDrops) {
   serve(Delivery::reliable, "height");
   constexpr std::size_t dropped = 20;
-  // The first sample was begun. It may have arrived, so it counts as sent.
+  // A part of the first sample was sent. It may have arrived, so it counts as sent.
   publish(1 + dropped + ResendLimits{}.samples);
   EXPECT_EQ(counted(), counts(1 + ResendLimits{}.samples, dropped, height_bytes));
   EXPECT_EQ(side_->over_limit, dropped);

@@ -1,4 +1,4 @@
-// The parts of the sending thread, without the thread: tests send by them, to nowhere.
+// The parts of the sending thread, without the thread. Tests send with them, to nowhere.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 
 namespace sft::udp::test {
 
-inline constexpr std::size_t small_bytes = 100, large_bytes = 300'000;  // of a sample
+inline constexpr std::size_t small_bytes = 100, large_bytes = 300'000;  // sizes of samples
 
 struct Sending {
   Sending() { to->set_receive_buffer(roomy); }
@@ -29,7 +29,7 @@ struct Sending {
     return bytes;
   }
 
-  /// The window of the destination has room for all that a test sends, however fast that is.
+  /// A window of the destination with room for all that a test sends, at any speed.
   static constexpr std::uint32_t roomy = 256 << 20;
 
   std::shared_ptr<JobPool> jobs = JobPool::make();

@@ -1,4 +1,4 @@
-// Large samples that leave from where the program has them, before they are copied.
+// Large samples that are sent from the program's memory before they are copied.
 #include "udp_transport/send/variant_sender.h"
 
 #include <gtest/gtest.h>
@@ -28,13 +28,13 @@ class SendsAhead : public testing::Test {
 
   enum class Delivery : std::uint8_t { best_effort, reliable };
   void route(Delivery delivery) {
-    to_->bulk();  // as one that was sent large samples before
+    to_->bulk();  // makes the connection that earlier large samples would have made
     to_->set_receive_buffer(8 << 20);
     audience_.lanes.push_back(std::make_shared<Lane>(to_, 1000, tally_));
     if (delivery == Delivery::reliable) channel_ = std::make_shared<Channel>(7, 1, to_, tally_, 9);
     audience_.channels.push_back(channel_);
   }
-  /// As publish() does, up to where it forgets the value.
+  /// Does what publish() does until it no longer uses the value. Returns the missed samples.
   std::size_t publish() {
     const Image image = test::make_image(sent_image_bytes);
     sample_ = memory_->take(test::sample_bytes(image, all_));
@@ -54,7 +54,7 @@ class SendsAhead : public testing::Test {
   void acknowledge_all() {
     static_cast<void>(channel_->hear({.writer = 7, .channel = 1, .next = sequence_ + 1}));
   }
-  /// Put together from what has left so far; the rest is zero.
+  /// Returns the body, put together from the datagrams that have left. The rest is zero.
   Bytes sent_body() const {
     Bytes body(expected_.size());
     for (const Bytes& bytes : connections_.sent()) {
@@ -99,7 +99,7 @@ TEST_F(SendsAhead, IsNotCopiedWhereAllOfItHasLeftAndNobodyAsksAgain) {
 TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {
   route(Delivery::best_effort);
   EXPECT_EQ(publish(), 0U);
-  route(Delivery::best_effort);  // two cannot be served ahead of the copy
+  route(Delivery::best_effort);  // a second lane: two cannot be served ahead of the copy
   EXPECT_EQ(publish(), 0U);
   EXPECT_TRUE(is_copied());
   for (const std::shared_ptr<Lane>& lane : audience_.lanes) {

@@ -14,7 +14,7 @@ namespace {
 
 using test::numbers_of;
 
-constexpr std::uint64_t wide_mask = 0x1'0000;  // the least one that takes eight bytes
+constexpr std::uint64_t wide_mask = 0x1'0000;  // the smallest mask that takes eight bytes
 constexpr SampleLabel label{.writer = 0x04030201, .sequence = 0x14131211, .variant = 0x0605};
 
 TEST(Datagram, LaysOutTheFirstHeaderAsDocumented) {

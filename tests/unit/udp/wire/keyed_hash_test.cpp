@@ -5,7 +5,8 @@
 namespace sft::udp {
 namespace {
 
-/// The key and the messages of the paper's reference implementation, read as little-endian words.
+/// The key and the messages are those of the SipHash paper's reference implementation, read as
+/// little-endian words.
 TEST(KeyedHashTest, IsSipHash) {
   constexpr HashKey key{0x0706050403020100, 0x0f0e0d0c0b0a0908};
   constexpr std::array<std::uint64_t, 1> eight_bytes{0x0706050403020100};

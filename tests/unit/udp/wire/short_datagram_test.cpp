@@ -76,11 +76,12 @@ TEST(SingleDatagram, HasNoMarksAndIsRefusedIfItClaimsToHaveSome) {
   for (unsigned flag = 1; flag < merged_masks; flag *= 2) {
     EXPECT_FALSE(fits_in_single({.label = single_label, .flags = static_cast<std::uint8_t>(flag)})) << flag;
     bytes[1] = static_cast<std::byte>(flag);
-    EXPECT_EQ(parse(bytes).has_value(), flag == narrow_mask) << flag;  // which says how long the mask is
+    // narrow_mask says how long the mask is
+    EXPECT_EQ(parse(bytes).has_value(), flag == narrow_mask) << flag;
   }
 }
 
-/// Returns the header of a sample that a whole datagram has room for.
+/// Returns the header of a sample that fits into a whole datagram.
 FirstHeader whole_header() {
   return {.label = {.writer = 0x04030201, .sequence = 0x14131211, .variant = 0x155},
           .flags = channel_follows,
