@@ -21,7 +21,7 @@ def git(root, *arguments):
 
 
 def check_out(root, name):
-    """Returns the tree of a commit, which stays for the next time. If its folder is deleted, git keeps an entry only."""
+    """Returns the tree of a commit, which stays for the next time. If its folder is deleted, git keeps an entry."""
     try:
         commit = git(root, "rev-parse", "--verify", "--quiet", "--end-of-options", name + "^{commit}")
     except Refusal:
