@@ -206,7 +206,7 @@ def _more_declarators(texts):
 
 
 def _outside_angles(head):
-    """Returns the words of a head without template arguments, attributes and alignas."""
+    """Returns the words of a head without template arguments, attributes, alignas(), decltype() and explicit()."""
     texts, depth, skip_group = [], 0, False
     assigned = False
     for index, token in enumerate(head):
