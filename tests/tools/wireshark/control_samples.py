@@ -154,7 +154,7 @@ def member(name, kind=11, shape=0, struct_number=None, attributes=b""):
 
 
 def description(*structs, enumerations=()):
-    """Returns a type description. A struct is a list of members, and the last one is the type. An enumeration is names."""
+    """Returns a type description. Structs are lists of members; the last one is the type. Enumerations are names."""
     out = b"\x01" + leb(len(enumerations))
     for names in enumerations:
         out += short_text("pkg::msg::E") + b"\x00" + leb(len(names))
