@@ -1,6 +1,6 @@
-# awk -v folder=FOLDER [-v heading=TEXT] [-v sources=FOLDER] -f code_blocks.awk DOCUMENT... Writes the code blocks of
-# documents into files, in a folder for each document with its name (README, guide). Prints the names of these files:
-# "README/first.cpp", or for a block that is not a whole file "guide/5.block functions".
+# awk -v folder=FOLDER [-v heading=TEXT] [-v sources=FOLDER] -f code_blocks.awk DOCUMENT...
+# Writes the code blocks of documents into files, in a folder for each document with its name (README, guide). Prints
+# the names of these files: "README/first.cpp", or for a block that is not a whole file "guide/5.block functions".
 #
 # A block of C++ or CMake whose first line is a comment with a file name ("// lidar.cpp") is a whole file of that name.
 # Any other block of C++ is part of a file: the word behind "```cpp" names its surroundings

@@ -1,7 +1,7 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
-# outside.cmake Installs SFT from its build into a folder, and moves that folder. Builds a project and a program of one
-# file with the SFT in it, and runs them on an isolated host. "Five minutes" of docs/guide.md does the same there, as it
-# is printed.
+# outside.cmake
+# Installs SFT from its build into a folder, and moves that folder. Builds a project and a program of one file with the
+# SFT in it, and runs them on an isolated host. "Five minutes" of docs/guide.md does the same there, as it is printed.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)

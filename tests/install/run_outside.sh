@@ -1,5 +1,6 @@
-# Usage: sh run_outside.sh PREFIX BUILD ONE_FILE FIVE_MINUTES Runs the programs that were built with the SFT in PREFIX.
-# It has to run on an isolated host. Prints their output, and the path of the daemon's program.
+# Usage: sh run_outside.sh PREFIX BUILD ONE_FILE FIVE_MINUTES
+# Runs the programs that were built with the SFT in PREFIX. Prints their output, and the path of the daemon's program.
+# Has to run on an isolated host.
 [ $PPID = 1 ] || { # otherwise it would find and stop the daemon of this machine
   echo "skipped: needs root or user namespaces"
   exit 1

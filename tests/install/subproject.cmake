@@ -1,5 +1,6 @@
-# cmake -D SOURCE=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -P subproject.cmake Configures a project that
-# SFT is a part of. The variables of that project must not change, and only what it needs may be built.
+# cmake -D SOURCE=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -P subproject.cmake
+# Configures a project that SFT is a part of. The variables of that project must not change, and only what it needs may
+# be built.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 

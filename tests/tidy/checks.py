@@ -201,7 +201,7 @@ def words_are_plain(tree, settings):
 
 
 def comments_begin_with_their_subject(tree, settings):
-    """MID_SENTENCE_PERCENT_MAX of the blocks may begin in mid-sentence, since the heuristic is sometimes wrong."""
+    """Up to MID_SENTENCE_PERCENT_MAX % of the blocks may seem to begin in mid-sentence: the heuristic may be wrong."""
     all_blocks, found = 0, []
     for path, block, is_fragment in comment_blocks(tree, settings):
         all_blocks += 1

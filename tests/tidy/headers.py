@@ -1,4 +1,4 @@
-"""The public headers: what they include, and the types that they define in namespaces of users."""
+"""The public headers: their includes, and the types that they define in namespaces for users."""
 
 import structure
 

@@ -62,7 +62,7 @@ class Rooms:
 
     def may_include(self, room):
         if room not in self._reach:
-            self._reach[room] = {room}  # before the search, since rooms.toml may by mistake have a circle
+            self._reach[room] = {room}  # before the recursion, since rooms.toml may have a circle by mistake
             for other in self.table[room]["includes"]:
                 self._reach[room] |= self.may_include(other) if other in self.table else set()
         return self._reach[room]

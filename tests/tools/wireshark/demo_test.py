@@ -18,7 +18,7 @@ import captures
 DEMO = sys.argv.pop()
 PUBLISHER = "10.77.0.5"
 UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # SFT's datagrams never have IP fragments; those of Cyclone DDS may
-DATAGRAMS = 10000  # the first ones, with the negotiation and two clouds
+DATAGRAMS = 10000  # limit of the capture: enough for the negotiation and two clouds
 
 
 def networks_of(process):

@@ -62,8 +62,8 @@ add_library(sft_cyclone_test_support STATIC
   ${support}/c_struct.cpp ${support}/cyclone_cdr.cpp ${support}/cyclone_loopback.cpp)
 target_link_libraries(sft_cyclone_test_support PUBLIC sft_test_values cyclone_test_types PRIVATE sft_warnings)
 
-# sft_differential_test(NAME PARTS n SHARDS n INTERFACES target... [OURS_ONLY header...] [SOURCES file...]) Adds a test
-# that compares all types which sft_generate makes for INTERFACES. The types of OURS_ONLY have no C types.
+# sft_differential_test(NAME PARTS n SHARDS n INTERFACES target... [OURS_ONLY header...] [SOURCES file...])
+# Adds a test that compares all types which sft_generate makes for INTERFACES. The types of OURS_ONLY have no C types.
 function(sft_differential_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "PARTS;SHARDS" "INTERFACES;OURS_ONLY;SOURCES")
   sft_list_types(parts ${name} PARTS ${arg_PARTS} INTERFACES ${arg_INTERFACES} DEPENDS ${cyclone_c}

@@ -1,7 +1,7 @@
 # Lists of generated types, and the list of all types.
 
-# sft_list_types(VARIABLE NAME PARTS n INTERFACES target... [OPTIONS option...] [DEPENDS file...]) Makes C++ files that
-# list, in parts, all types which sft_generate makes for INTERFACES. Sets VARIABLE to the files.
+# sft_list_types(VARIABLE NAME PARTS n INTERFACES target... [OPTIONS option...] [DEPENDS file...])
+# Makes C++ files that list, in parts, all types which sft_generate makes for INTERFACES. Sets VARIABLE to the files.
 function(sft_list_types variable name)
   cmake_parse_arguments(PARSE_ARGV 2 arg "" "PARTS" "INTERFACES;OPTIONS;DEPENDS")
   set(headers)
