@@ -154,7 +154,7 @@ inline adopt(r, q) {
 #endif
 }
 
-/* Directory::show and Negotiation::endpoint_seen */
+/* An announcement arrives: Directory::show and Negotiation::endpoint_seen. */
 inline seen(r, a) {
 #ifdef ANNOUNCEMENTS_TAKE_BACK
   table[r] = a;
@@ -183,7 +183,7 @@ inline seen(r, a) {
 #define IS_THERE(r) (state[r] == KNOWN)
 #endif
 
-/* Directory keeps a request whose endpoint is not known yet. Negotiation::request_received */
+/* A request arrives: Negotiation::request_received. Directory keeps it if its endpoint is not known yet. */
 inline received(r, q) {
   if
   :: IS_THERE(r) -> adopt(r, q)
@@ -203,7 +203,7 @@ inline erase(r) {
   stale = true
 }
 
-/* Negotiation::serve, and Reconciler::reconcile_writer, which opens the port. */
+/* serving_of(), and LocalWriter::reconcile, which opens the port. */
 #define IS_SERVED(r) (state[r] == KNOWN)
 #ifdef LOST_READERS_SERVED
 #undef IS_SERVED
@@ -239,7 +239,7 @@ active proctype writer_agent() {
   od
 }
 
-/* The connections that Reconciler::reconcile_reader wants, and those that look_after_connections reports to writers. */
+/* What LocalReader::reconcile connects, and what LocalReader::look_after_connections reports to writers. */
 #define SHARING (reader_memory -> heard & shares : 0)
 #define LISTENING (heard & connected)
 #define ATTACHED (SHARING & fed)
@@ -278,7 +278,7 @@ active proctype reader_agent() {
       note_request();
       send_request()
     }
-  /* Two seconds later: Reconciler::forget_what_was_in_flight */
+  /* Some time later: LocalReader::forget_what_was_in_flight */
   :: d_step { reader_up && (accepted & ~BIT(wanted)) != 0 -> accepted = BIT(wanted) }
   :: d_step { reader_up && (connected & ~heard) != 0 -> let_go = let_go | (connected & ~heard); connected = connected & heard }
   od
@@ -464,7 +464,7 @@ active proctype writer_process() {
 #endif
 
 #if MEMORY_LOSSES & 1
-/* Negotiation::self_changed, Reconciler::look_after_shm */
+/* Shared memory is lost, and found again: Negotiation::self_changed, Reconciler::look_after_memory. */
 active proctype memory_of_reader() {
   atomic {
     reader_up && reader_memory ->

@@ -12,8 +12,8 @@ chan udp = [2] of { byte };
 chan shm = [2] of { byte };
 
 bool done;
-byte last; /* Heard::last_sequence */
-byte lost; /* Heard::lost */
+byte last; /* the last sequence in SequenceAccount */
+byte lost; /* the losses that it counts */
 byte received;
 
 /* Only the properties use these: the first sample that was taken, all that were taken, and those counted as lost. */
@@ -78,7 +78,7 @@ inline take(sequence) {
   fi
 }
 
-/* fill_inlets and oldest_inlet: the reader looks at one sample of each port, and takes the lower sequence first. */
+/* Intake::next: the reader looks at one sample of each port, and takes the lower sequence first. */
 active proctype reader() {
   byte at_udp, at_shm;
   do
@@ -91,7 +91,7 @@ active proctype reader() {
       :: else -> take(at_shm); at_shm = 0
       fi
     }
-  :: atomic { /* a port may be dropped with the samples in its queue: Reconciler::drop_shm_ports */
+  :: atomic { /* a port may be dropped with the samples in its queue: LocalReader::drop_memory */
       nempty(shm) -> shm?at_shm; at_shm = 0
     }
   :: done && empty(udp) && empty(shm) && at_udp == 0 && at_shm == 0 ->

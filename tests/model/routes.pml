@@ -33,7 +33,7 @@ active proctype agent() {
   do
   :: changes > 0 ->
       changes--;
-      /* Negotiation::serving returns other routes. */
+      /* serving_of() returns other routes. */
       d_step { udp = 0; shm = false };
       if
       :: udp = 0
@@ -97,7 +97,7 @@ active proctype agent() {
   od
 }
 
-/* Uses the routes: UdpWriter::follow_routes, and in shared memory the list of queues. */
+/* Uses the routes: UdpWriter::send, and in shared memory the list of queues. */
 inline send() {
   if
   :: to_shm ->
