@@ -71,7 +71,7 @@ def parse(words):
 
 
 def options_among(words):
-    """Pairs of an option and its words: `--rounds 2`, `--rounds=2`."""
+    """Returns a pair for each option: its name, and the words that give it (`--rounds 2`, `--rounds=2`)."""
     options = []
     for word in words:
         if word.startswith("--") or not options:
@@ -82,7 +82,7 @@ def options_among(words):
 
 
 class Session:
-    """Runs benchmarks, and remembers what could not be run."""
+    """Runs benchmarks, and collects the problems that kept some from running."""
 
     def __init__(self, arguments):
         self.arguments = arguments
@@ -93,7 +93,7 @@ class Session:
         self.problems.append(text)
 
     def build(self, tree, names):
-        """The names of `names` that are there to be run."""
+        """Builds these benchmarks, and returns the names of those that exist and build."""
         say(f"Building {tree.title}")
         missing = [name for name in names if not tree.has(name)]
         for name in missing:
@@ -105,7 +105,7 @@ class Session:
         return [name for name in names if name not in broken]
 
     def words_for(self, benchmark, sides):
-        """The arguments of a benchmark, the same on all sides; None if it cannot be run with them."""
+        """Returns the arguments of a benchmark, which all sides get; None if one of them refuses a value."""
         words = []
         of_sides = [(tree, tree.options(benchmark.name)) for tree in sides]
         given = options_among(self.arguments.further)
@@ -134,7 +134,7 @@ class Session:
 
 
 def run_all(session, this, folder):
-    """Returns the records of all benchmarks that ran, and keeps them in the folder, one after the other."""
+    """Runs all benchmarks, keeps the records of each in the folder when it has ended, and returns all records."""
     names = []
     about = about_this_machine(this.root)
     built = session.build(this, [benchmark.name for benchmark in session.arguments.benchmarks])
@@ -160,12 +160,12 @@ def run_all(session, this, folder):
 
 
 def measure_both(session, this, that, benchmark, words):
-    """The figures of this and of that side, a list for each round. Ends with the first run that has none."""
+    """Returns a pair for each round: the figures of this side and of that side. Ends with the first run that fails."""
     rounds = []
     for number in range(session.arguments.rounds):
         say(f"{benchmark.name}, round {number + 1} of {session.arguments.rounds}")
         found = {}
-        # The side that begins changes, so that a machine that becomes slower favours none.
+        # The sides begin in turns, so that neither gains if the machine becomes slower.
         for tree in (this, that) if number % 2 == 0 else (that, this):
             found[tree] = session.run(tree, benchmark, words, processes.NOWHERE)
             if found[tree] is None:
@@ -175,7 +175,7 @@ def measure_both(session, this, that, benchmark, words):
 
 
 def compare_all(session, this, that):
-    """Verdicts on all figures, and (bench, name) of those that only this side and only that side has."""
+    """Returns the verdicts on all figures, and (bench, name) of the figures that only this or only that side has."""
     verdicts, only_this, only_that = [], [], []
     names = [benchmark.name for benchmark in session.arguments.benchmarks]
     built = session.build(that, session.build(this, names))
@@ -219,7 +219,7 @@ PACKAGES = {"Cyclone DDS": "cyclonedds-dev", "Fast DDS": "libfastrtps-dev", "ice
 
 
 def versions():
-    """Those of the Debian packages beside which SFT is measured."""
+    """Returns the versions of the compiler and of the Debian packages with which SFT is compared."""
     done = subprocess.run(["dpkg-query", "-W", "-f", "${Package} ${Version}\n", *PACKAGES.values()],
                           capture_output=True, text=True, check=False)
     found = dict(line.split(" ", 1) for line in done.stdout.splitlines() if " " in line)
@@ -227,14 +227,14 @@ def versions():
 
 
 def about_this_machine(root):
-    """What the reader of a figure has to know, as texts by their titles."""
+    """Returns what the reader of a figure has to know, as texts by their titles."""
     with open("/proc/cpuinfo", encoding="utf-8") as file:
         models = [line.partition(":")[2].strip() for line in file if line.startswith("model name")]
     model = models[0] if models else platform.machine()
     try:
         commit = trees.git(root, "log", "-1", "--format=%h %s")
     except trees.Refusal:
-        commit = "none"  # sources without their history
+        commit = "none"  # the sources are no git repository
     return {"commit": commit,
             "processors": f"{os.cpu_count()} x {model}",
             "system": f"{platform.system()} {platform.release()}, {platform.freedesktop_os_release()['PRETTY_NAME']}",
@@ -243,11 +243,11 @@ def about_this_machine(root):
 
 def check_writable(path):
     if path and not os.access(os.path.dirname(os.path.abspath(path)), os.W_OK):
-        raise trees.Refusal(f"cannot write {path}")  # before hours of measuring
+        raise trees.Refusal(f"cannot write {path}")  # now, instead of after hours of measuring
 
 
 def check_kept(folder):
-    """Nothing is written among files of another kind, such as the recorded messages that a benchmark reads."""
+    """Refuses a folder with files of another kind, such as the recorded messages that a benchmark reads."""
     check_writable(folder)
     if folder and os.path.isdir(folder) and os.listdir(folder) and \
             not os.path.isfile(os.path.join(folder, records.ABOUT)):
@@ -287,7 +287,7 @@ ENDS = (signal.SIGINT, signal.SIGTERM, signal.SIGHUP)
 
 
 def leave(number, _):
-    """Ends this process by way of every `finally`, which a second Ctrl-C does not disturb."""
+    """Ends this process after a signal, so that each `finally` is run. A second Ctrl-C does not interrupt that."""
     for end in ENDS:
         signal.signal(end, signal.SIG_IGN)
     sys.exit(128 + number)

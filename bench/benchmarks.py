@@ -6,12 +6,12 @@ from dataclasses import dataclass
 @dataclass
 class Benchmark:
     name: str
-    seconds: int  # that it takes with its own defaults, on two cores
+    seconds: int  # duration with default arguments, on two cores
     quick_seconds: int
-    quick: list  # arguments of a short run
+    quick: list  # arguments for a short run
 
     def limit_s(self, quick):
-        """A run that takes longer hangs."""
+        """Returns the seconds after which a run is considered to hang."""
         return 60 + 4 * (self.quick_seconds if quick else self.seconds)
 
 
@@ -30,7 +30,7 @@ ALL = [
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]
 
-# Files for plots that benchmarks write beside their figures: the option and the file that it names.
+# Files for plots that benchmarks write in addition to their figures: the option, and the name of the file that it gets.
 FILES = {"peers": ("--csv", "peers.csv"), "paper": ("--trace", "trace.csv")}
 ROUNDS = 5
-QUICK_ROUNDS = 3  # of less than thirteen minutes on each side
+QUICK_ROUNDS = 3  # a round takes less than thirteen minutes on each side

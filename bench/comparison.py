@@ -1,13 +1,13 @@
-"""Compares figures that two builds have measured in the same rounds. Pure functions: nothing is run or read here.
+"""Compares figures that two builds have measured in the same rounds. Pure functions: they run and read nothing.
 
-In each round both builds measure once, one right after the other, so that a change of the machine's speed meets both.
+In each round both builds measure once, one right after the other, so that a change of the machine's speed affects both.
 A round gives one relative change: the logarithm of this build's value divided by that build's. The change of a figure
 is the median of its rounds, and its noise is the 99 % interval around it:
 
-- With 8 rounds and more, it is the interval between two of the sorted changes, by the sign test. It assumes nothing
-  about how the noise is distributed. With 12 rounds and more, one disturbed round does not matter.
-- With 2 to 7 rounds, even the least and the greatest change are no 99 % interval. It is that of Student's t instead,
-  which takes the noise to be normal. It is wide with few rounds: 2.1 standard deviations of a round with 5 rounds, 5.7
+- With 8 rounds and more, it is the interval between two of the sorted changes, by the sign test. The test assumes
+  nothing about the distribution of the noise. With 12 rounds and more, one disturbed round does not matter.
+- With 2 to 7 rounds, even the least and the greatest change are no 99 % interval. So it is that of Student's t, which
+  assumes normal noise. It is wide with few rounds: 2.1 standard deviations of a round with 5 rounds, 5.7
   with 3, and 45 with 2.
 - One round says nothing about noise, so that nothing is called worse or better.
 
@@ -21,8 +21,8 @@ from dataclasses import dataclass
 
 LOWER, HIGHER = "lower", "higher"
 
-# Which values are better, for each unit of the benchmarks. A figure with another unit is not judged, and the reason is
-# told.
+# Says for each unit of the benchmarks which values are better. A figure with another unit is not judged, and the
+# comparison says why.
 UNITS = {
     "ns": LOWER,
     "us": LOWER,
@@ -32,7 +32,7 @@ UNITS = {
     "B": LOWER,
     "MB": LOWER,
     "B/s": LOWER,  # traffic that carries no samples
-    "/s": LOWER,  # the same in datagrams
+    "/s": LOWER,  # datagrams that carry no samples
     "%": LOWER,  # overhead, processor time
     "": LOWER,  # lost samples, allocations, lines of code
     "GB/s": HIGHER,
@@ -41,7 +41,7 @@ UNITS = {
 
 UNITS_NOT_JUDGED = {"exponent": "it follows from the figures of four sizes, which are judged"}
 
-# Figures of the machine, which no change of SFT makes worse or better.
+# Figures about the machine, which do not depend on SFT.
 NOISE = ("noise_other_programs", "noise_other_machines")
 
 WORSE, BETTER, SAME, UNCLEAR, UNJUDGED = "worse", "better", "same", "unclear, since the noise is large", "not judged"
@@ -56,7 +56,7 @@ ERROR = 0.01
 
 @dataclass
 class Change:
-    """Relative: 0.1 is 10 % more. Infinite for a change from zero, which has no relative size."""
+    """A relative change: 0.1 means 10 % more. Infinite for a change from zero, which has no relative size."""
 
     middle: float
     low: float
@@ -75,22 +75,22 @@ class Verdict:
     name: str
     unit: str
     verdict: str
-    used: str  # "value" or "ratio"
-    changes: dict  # of the value, of the ratio and of the reference
+    used: str  # what was judged: "value" or "ratio"
+    changes: dict  # the changes of the value, of the ratio and of the reference
     notes: list
-    this: list  # what was judged, of each round
+    this: list  # the judged number of each round
     that: list
 
     def change(self):
         return self.changes[self.used]
 
     def loss_percent(self):
-        """By how much the figure is worse; 0 if it is not clearly worse."""
+        """Returns by how many percent the figure is worse; 0 if it is not clearly worse."""
         return 100 * abs(self.change().middle) if self.verdict == WORSE else 0.0
 
 
 def sign_test_rank(rounds):
-    """The rank k, so that the median is between the k-th smallest and the k-th largest value in 99 % of cases."""
+    """Returns the rank k. In 99 % of cases, the median is between the k-th smallest and the k-th largest value."""
     below, rank = 0.0, 0
     while True:
         below += math.comb(rounds, rank) / 2**rounds
@@ -100,7 +100,7 @@ def sign_test_rank(rounds):
 
 
 def interval(numbers):
-    """The lower and the upper end of the 99 % interval of the middle of at least two numbers."""
+    """Returns the lower and the upper end of the 99 % interval of the middle of at least two numbers."""
     rounds = len(numbers)
     if rounds >= SIGN_TEST_ROUNDS_MIN:
         rank = sign_test_rank(rounds)
@@ -112,7 +112,7 @@ def interval(numbers):
 
 
 def change_of(this, that):
-    """The change from `that` to `this`, whose n-th values are of the same round. None with fewer than two rounds."""
+    """Returns the change from `that` to `this`, whose n-th values are of one round. None for fewer than two rounds."""
     if len(this) < 2:
         return None
     if min(this + that) > 0:
@@ -128,7 +128,7 @@ def change_of(this, that):
 
 
 def rounds_of(this, that, key):
-    """The values of the rounds in which both sides have measured one."""
+    """Returns the numbers `key` of both sides, for the rounds in which both have one."""
     pairs = [(a[key], b[key]) for a, b in zip(this, that)
              if a is not None and b is not None and is_number(a.get(key)) and is_number(b.get(key))]
     return [a for a, _ in pairs], [b for _, b in pairs]
@@ -139,10 +139,10 @@ def is_number(value):
 
 
 def value_or_ratio(by_value, by_ratio, of_reference):
-    """Whether the value or the ratio to the reference is judged, and what the reader should know of that.
+    """Returns if the value or the ratio to the reference is judged, and notes about that for the reader.
 
-    The ratio is judged if its noise is less and the reference is the same on both sides. Where the reference differs,
-    as it may where the reference is SFT itself, the ratio would hide a change of both.
+    The ratio is judged if its noise is less and the reference is the same on both sides. If the reference differs,
+    as it may if the reference is SFT itself, the ratio would hide a change of both.
     """
     if by_value is None or by_ratio is None or of_reference is None:
         return "value", []
@@ -158,7 +158,7 @@ def value_or_ratio(by_value, by_ratio, of_reference):
 
 
 def gaps(this, that):
-    """Says which side has rounds without a value."""
+    """Returns notes about a side that has rounds without a value."""
     notes = []
     for side, rounds in (("this", this), ("that", that)):
         missing = sum(entry is None or not is_number(entry["value"]) for entry in rounds)
@@ -168,7 +168,7 @@ def gaps(this, that):
 
 
 def judge(bench, name, this, that):
-    """The verdict on one figure. The lists have one entry for each round: what --json has of the figure, or None."""
+    """Returns the verdict on one figure. The lists have for each round its entry in the output of --json, or None."""
     units = list(dict.fromkeys(entry["unit"] for entry in this + that if entry is not None))
     changes = {key: change_of(*rounds_of(this, that, key)) for key in ("value", "ratio", "reference")}
     used, notes = value_or_ratio(*changes.values())
@@ -190,7 +190,7 @@ def judge(bench, name, this, that):
 
 
 def compare(bench, this, that):
-    """Verdicts on all figures of a benchmark, and the names that only this side and only that side has.
+    """Returns verdicts on all figures of a benchmark, and the names that only this or only that side has.
 
     `this` and `that` have one list of figures for each round.
     """
@@ -212,7 +212,7 @@ def percent(change):
 
 
 def row(verdict):
-    """A line of the table."""
+    """Returns a line of the table."""
     this, that = (f"{statistics.median(side):.4g}" if side else "" for side in (verdict.this, verdict.that))
     change = verdict.change()
     words = f"{percent(change.middle):>9}  {percent(change.low)} to {percent(change.high)}" if change else ""

@@ -1,4 +1,4 @@
-"""Which plots there are, and which figures they show. Pure functions: nothing is run or read here.
+"""Which plots there are, and which figures they show. Pure functions: they run and read nothing.
 
 docs/plots/draw.py draws them."""
 
@@ -9,18 +9,18 @@ from dataclasses import dataclass
 
 import svg
 
-NOTE_WIDTH = 84  # characters of small text in a line
+NOTE_WIDTH = 84  # characters in a line of small text
 PAPER_RESPONSE_MS = 1.3
 
 
 @dataclass
 class Plot:
-    name: str  # of its file
+    name: str  # the name of the plot's file
     title: str
     caption: str  # plain text: what is shown, and where a peer is better
-    bench: str  # whose figures are shown
+    bench: str  # the benchmark whose figures are shown
     part: svg.Part
-    about: dict  # how they were measured
+    about: dict  # how the figures were measured
 
     def svg(self):
         text = ", ".join(self.about[key] for key in ("command", "date", "processors", "system") if key in self.about)
@@ -28,7 +28,7 @@ class Plot:
 
 
 def all_plots(records):
-    """Those whose figures are among the records."""
+    """Returns the plots whose figures are among the records."""
     plots = [make(records) for make in (wire_bytes, latency_between_hosts, latency_within_host, throughput, mask_change,
                                         isolation_of_readers, isolation_of_publish, growth)]
     return [plot for plot in plots if plot is not None]
@@ -45,7 +45,7 @@ def value_of(records, bench, name, key="value", scale=1.0):
 
 
 def stacked(parts):
-    """One above the other."""
+    """Returns one part with these parts, one above the other."""
     whole = svg.Part(0)
     for part in parts:
         whole.elements += [f'<g transform="translate(0 {whole.height})">', *part.elements, "</g>"]
@@ -54,13 +54,13 @@ def stacked(parts):
 
 
 def best(rows, ours, more):
-    """The best pair of a name and a value of SFT, or of the others; None if there is none."""
+    """Returns the best value, of SFT or of the others, and its name; None if there is none."""
     found = [(value, name) for name, value in rows if name.startswith("SFT") == ours and svg.is_positive(value)]
     return (max(found) if more else min(found)) if found else None
 
 
 def in_words(groups, unit, more=False):
-    """Where a peer is better than SFT. `groups`: pairs of a heading and of pairs of a contender and a value."""
+    """Says where a peer is better than SFT. `groups`: pairs of a heading and a list of pairs (contender, value)."""
     behind, compared = [], 0
     for heading, rows in groups:
         ours, theirs = best(rows, True, more), best(rows, False, more)
@@ -120,11 +120,11 @@ BETWEEN_HOSTS = (("sft_full", "SFT, all data"), ("sft_two_fields", "SFT, two fie
 WITHIN_HOST = (("sft_full", "SFT, copied"), ("sft_loan", "SFT, loan"), ("iceoryx", "iceoryx, copied"),
                ("iceoryx_loan", "iceoryx, loan"), ("cyclone_iceoryx", "Cyclone DDS, iceoryx"),
                ("fast_dds_memory", "Fast DDS, memory"))
-BANDED = ("SFT, all data", "Cyclone DDS", "SFT, loan", "iceoryx, loan")  # more bands would hide each other
+BANDED = ("SFT, all data", "Cyclone DDS", "SFT, loan", "iceoryx, loan")  # with more bands, some would hide others
 
 
 def latency(records, group, contenders, rivals, name, title, caption):
-    """`rivals`: sets of contenders that do the same, so that it can be said who is better."""
+    """Plots latency over size. `rivals`: sets of contenders that do the same work, so that they can be compared."""
     series, by_size = [], {}
     for contender, label in contenders:
         points = []
@@ -136,7 +136,7 @@ def latency(records, group, contenders, rivals, name, title, caption):
             if not svg.is_positive(p50):
                 continue
             by_size.setdefault(size, {})[label] = p50
-            # A band without an upper end would be no band: then there is a curve only.
+            # Without upper ends there is no band, only a curve.
             points.append((size, p50, p999 if label in BANDED and svg.is_positive(p999) else p50))
         series.append((label, points))
     if not by_size:

@@ -1,4 +1,4 @@
-"""Runs programs that end in time, and leave no process behind."""
+"""Runs programs with a time limit, and ends all processes that they leave behind."""
 
 import ctypes
 import os
@@ -8,27 +8,27 @@ import time
 
 NOWHERE = subprocess.DEVNULL
 PR_SET_CHILD_SUBREAPER = 36
-PATIENCE_S = 5  # of those that are asked to end
+PATIENCE_S = 5  # time for a process to end after SIGTERM
 
 
 def adopt_orphans():
-    """Makes daemons of the programs children of this process, so that end_all() finds them."""
+    """Makes daemons that the programs start children of this process, so that end_all() finds them."""
     ctypes.CDLL(None).prctl(PR_SET_CHILD_SUBREAPER, 1, 0, 0, 0)
 
 
 def run(command, limit_s=None, **options):
-    """The exit code, or None after the time limit. Whatever happens, none of the command's processes is left."""
+    """Returns the exit code, or None after the time limit. In all cases, none of the command's processes is left."""
     try:
         process = subprocess.Popen(command, stdin=subprocess.DEVNULL, start_new_session=True, **options)
         return process.wait(limit_s)
     except subprocess.TimeoutExpired:
         return None
     finally:
-        end_all()  # also what an interrupted Popen() has begun
+        end_all()  # also a process that an interrupted Popen() has started
 
 
 def end_all():
-    """Ends all processes that this one or its children have started. Those that are asked have a while to clean up."""
+    """Ends all processes that this one or its children have started. They have PATIENCE_S to clean up."""
     asked_until = time.monotonic() + PATIENCE_S
     asked = set()
     while left_after_reaping():
@@ -48,7 +48,7 @@ def send(pid, number):
 
 
 def left_after_reaping():
-    """Whether this process has children; those of dead children are among them, if it adopts orphans."""
+    """Returns true if this process has children, among them those of dead children if it adopts orphans."""
     try:
         while os.waitpid(-1, os.WNOHANG)[0]:
             pass
@@ -64,7 +64,7 @@ def descendants(ancestor):
             with open(f"/proc/{pid}/stat", encoding="utf-8", errors="replace") as stat:
                 parent = int(stat.read().rpartition(")")[2].split()[1])
         except (OSError, IndexError):
-            continue  # it has ended meanwhile
+            continue  # the process has ended meanwhile
         children.setdefault(parent, []).append(int(pid))
     found, next_ones = [], [ancestor]
     while next_ones:

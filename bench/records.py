@@ -1,8 +1,8 @@
-"""The folder in which a run keeps what it measured: the plots are made of it.
+"""The folder in which a run keeps its results. The plots are made of them.
 
-NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have what else
-the plots show. about.json says of each benchmark when, where and with which command it was measured. A later run of a
-benchmark replaces its files only."""
+NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have further
+data for the plots. about.json says of each benchmark when, where and with which command it was measured. A later run
+of a benchmark replaces its files only."""
 
 import csv
 import json
@@ -17,24 +17,24 @@ ABOUT = "about.json"
 
 @dataclass
 class Records:
-    figures: dict = field(default_factory=dict)  # of each benchmark by its name, as --json has them
+    figures: dict = field(default_factory=dict)  # the output of --json, by the name of the benchmark
     tables: dict = field(default_factory=dict)  # the rows of each file of comma-separated values by its name
-    about: dict = field(default_factory=dict)  # of each benchmark by its name: texts by their titles
+    about: dict = field(default_factory=dict)  # by the name of the benchmark: texts by their titles
 
     def figure(self, bench, name):
-        """None if there is no such figure."""
+        """Returns a figure; None if there is no such figure."""
         return next((one for one in self.figures.get(bench, []) if one.get("name") == name), None)
 
 
 def options_for_files(name, free, folder):
-    """The words that make a benchmark write its further files to `folder`. `free`: the options that it knows, without
-    those that it is given anyway."""
+    """Returns the words that make a benchmark write its further files to `folder`. `free`: the options that it knows,
+    without those that it gets anyway."""
     option, file = benchmarks.FILES.get(name, (None, None))
     return [option, os.path.join(folder, file)] if option in free else []
 
 
 def keep(folder, name, figures, about, written):
-    """`written`: the folder of options_for_files()."""
+    """Keeps the results of one benchmark. `written`: the folder that options_for_files() got."""
     os.makedirs(folder, exist_ok=True)
     write_json(os.path.join(folder, name + ".json"), figures)
     all_about = read_json(os.path.join(folder, ABOUT), {})
@@ -43,11 +43,11 @@ def keep(folder, name, figures, about, written):
     if file and os.path.isfile(os.path.join(written, file)):
         shutil.copyfile(os.path.join(written, file), os.path.join(folder, file))
     elif file and os.path.isfile(os.path.join(folder, file)):
-        os.remove(os.path.join(folder, file))  # of an earlier run, which is not what `about` tells of
+        os.remove(os.path.join(folder, file))  # it is of an earlier run, which `about` does not describe
 
 
 def load(folder, names=None):
-    """`names`: of these benchmarks only."""
+    """Reads the records of the benchmarks in `names`, or of all."""
     names = [benchmark.name for benchmark in benchmarks.ALL] if names is None else names
     records = Records(about=read_json(os.path.join(folder, ABOUT), {}))
     for name in names:

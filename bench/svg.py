@@ -1,4 +1,4 @@
-"""Charts as parts of an SVG. Pure functions: nothing is run or read here.
+"""Charts as parts of an SVG. Pure functions: they run and read nothing.
 
 A chart is 420 units wide, so that its text is readable on a telephone. Its colours follow the reader's settings.
 Contenders have the same colour and dashes in all charts."""
@@ -8,7 +8,7 @@ from dataclasses import dataclass, field
 from xml.sax.saxutils import escape
 
 WIDTH = 420
-LEFT, RIGHT = 100, 360  # the ends of the axis of bars
+LEFT, RIGHT = 100, 360  # the ends of the axis of a bar chart
 LINE = 14  # the height of a line of text
 
 STYLE = """
@@ -35,18 +35,18 @@ def is_positive(value):
 
 
 def colour(name):
-    """That of the contender with which the name begins: "SFT, two fields" has the colour of SFT."""
+    """Returns the colour of the contender with which the name begins: "SFT, two fields" has the colour of SFT."""
     return next((number for known, number in COLOURS.items() if name.startswith(known)), len(COLOURS) - 1)
 
 
 def number(value):
-    """Three digits: "0.0123", "1.23", "12,300"."""
+    """Returns the value with three digits: "0.0123", "1.23", "12,300"."""
     digits = 2 - math.floor(math.log10(abs(value))) if value else 0
     return f"{round(value, digits):,.{max(0, digits)}f}"
 
 
 def power(value):
-    """The label of a decade: "0.01", "10", "10k", "1M"."""
+    """Returns the label of a decade: "0.01", "10", "10k", "1M"."""
     for limit, unit in ((1e6, "M"), (1e4, "k")):
         if value >= limit:
             return f"{value / (limit if unit == 'M' else 1e3):,.0f}{unit}"
@@ -77,7 +77,7 @@ class Part:
 
 
 class LogScale:
-    """From values to positions. The ends are powers of ten, or the values themselves."""
+    """Maps values to positions. The scale ends at powers of ten, or at the least and the greatest value."""
 
     def __init__(self, values, begin, end, whole_decades=True):
         low, high = math.log10(min(values)), math.log10(max(values))
@@ -91,15 +91,15 @@ class LogScale:
         return self.begin + (math.log10(value) - self.low) / (self.high - self.low) * (self.end - self.begin)
 
     def decades(self):
-        """At most seven of them."""
+        """Returns at most seven powers of ten within the scale."""
         numbers = range(math.ceil(self.low - 1e-9), math.floor(self.high + 1e-9) + 1)
         return [10.0**number for number in numbers[::math.ceil(len(numbers) / 7)]]
 
 
 def bars(groups, axis):
-    """Horizontal bars on a logarithmic scale, which begin at a power of ten below all values.
+    """Draws horizontal bars on a logarithmic scale, which begin at a power of ten below all values.
 
-    `groups`: pairs of a heading and of pairs of a contender and a value. What has no value is said to be missing."""
+    `groups`: pairs of a heading and a list of pairs (contender, value). A missing value is shown as missing."""
     values = [value for _, rows in groups for _, value in rows if is_positive(value)]
     part = Part(sum(LINE * (len(rows) + 1) + 6 for _, rows in groups) + 2 * LINE + 8)
     if not values:
@@ -129,9 +129,10 @@ def bars(groups, axis):
 
 
 def curves(series, x_axis, y_axis, x_label=power, height=220):
-    """Curves on logarithmic scales.
+    """Draws curves on logarithmic scales.
 
-    `series`: pairs of a name and of points (x, y) or (x, y, upper), in the order of x. An upper end makes a band."""
+    `series`: pairs of a name and a list of points (x, y) or (x, y, upper), in the order of x. With upper ends, a band
+    is drawn, too."""
     series = [(name, [point for point in points if all(map(is_positive, point))]) for name, points in series]
     series = [(name, points) for name, points in series if points]
     if not series:
@@ -166,13 +167,13 @@ def curves(series, x_axis, y_axis, x_label=power, height=220):
 
 
 def ticks(end):
-    """Two to ten round numbers from 0 on."""
+    """Returns two to ten round numbers from 0 on."""
     step = 10.0 ** math.floor(math.log10(end))
     return [step * i for i in range(math.floor(end / step) + 1)]
 
 
 def stems(points, events, x_axis, y_axis):
-    """Vertical lines from 0 to each point (x, y), and dashed ones at events (x, words), on linear scales from 0 on."""
+    """Draws vertical lines from 0 to each point (x, y), and dashed ones at events (x, words). Both axes are linear."""
     if not points:
         return nothing()
     left, right, top = 52, WIDTH - 12, LINE * len(events) + 10
@@ -211,7 +212,7 @@ def nothing():
 
 
 def picture(title, part, notes):
-    """The whole file, which brings its colours along."""
+    """Returns the whole file, with the style that defines its colours."""
     top, height = 22, 22 + part.height + 11 * len(notes) + 8
     frame = Part(height)
     frame.text(4, 15, title, kind="title")

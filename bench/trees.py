@@ -10,7 +10,7 @@ import processes
 
 
 class Refusal(Exception):
-    """What the user asked for cannot be done."""
+    """Raised if what the user asked for cannot be done."""
 
 
 def git(root, *arguments):
@@ -21,7 +21,7 @@ def git(root, *arguments):
 
 
 def check_out(root, name):
-    """The tree of a commit. It stays for the next time; who deletes the folder deletes all of it but git's entry."""
+    """Returns the tree of a commit, which stays for the next time. If its folder is deleted, git keeps an entry."""
     try:
         commit = git(root, "rev-parse", "--verify", "--quiet", "--end-of-options", name + "^{commit}")
     except Refusal:
@@ -59,8 +59,8 @@ class Tree:
         return os.path.isfile(os.path.join(self.root, "bench", name, "main.cpp"))
 
     def build(self, names):
-        """The names of the benchmarks that do not build."""
-        # All at once, since that takes less time than one after the other.
+        """Builds benchmarks, and returns the names of those that do not build."""
+        # One build of all is faster than a build for each.
         if self._build([f"bench_{name}" for name in names]):
             return []
         if len(names) == 1:
@@ -68,21 +68,21 @@ class Tree:
         return [name for name in names if not self._build([f"bench_{name}"])]
 
     def _build(self, targets):
-        # What a build prints is no result.
+        # The output of a build goes to stderr, since it is no result.
         return processes.run([os.path.join(self.root, "run"), "build", *targets, "sftd"], stdout=2) == 0
 
     def program(self, name):
         return os.path.join(self.root, "build", "release", "bin", f"bench_{name}")
 
     def options(self, name):
-        """The options of a benchmark, each with the set of its values if there are only some."""
+        """Returns the options of a benchmark, each with the list of its values, or with None if it takes any value."""
         command = ["timeout", "60", self.program(name), "--help"]
         done = subprocess.run(command, capture_output=True, text=True, check=False)
         found = re.findall(r"^\s+(?:-\w,)?(--[\w-]+)(?: \w+(?::\{([^}]*)\})?)?", done.stdout, re.MULTILINE)
         return {option: values.split(",") if values else None for option, values in found}
 
     def run(self, name, arguments, limit_s, out):
-        """The figures of a benchmark, and what went wrong if it has none."""
+        """Runs a benchmark. Returns its figures, and what went wrong if there are none."""
         with tempfile.TemporaryDirectory(prefix="sft_bench_") as folder:
             file = os.path.join(folder, "figures.json")
             code = processes.run([self.program(name), "--json", file, *arguments], limit_s, cwd=self.root, stdout=out)

@@ -1,12 +1,13 @@
-# What the compiler would do again for each source, it does once for many: the sources that a target has in one folder
-# are compiled as one, and headers that nearly every source includes are precompiled. So a first build takes a quarter
-# of the time. A build with SFT_COMBINE=OFF does without, and shows that each source includes what it uses.
+# Saves work that the compiler would repeat for each source. The sources that a target has in one folder are compiled as
+# one, and headers that nearly every source includes are precompiled. So a first build takes a quarter of the time. A
+# build with SFT_COMBINE=OFF does neither, and shows that each source includes what it uses.
 #
-# A folder is compiled in a few seconds. Whole targets would not be much faster to compile, and a program takes of a
-# library the objects that it uses: sftd would depend on Cyclone DDS.
+# A folder is compiled in a few seconds, and a whole target as one object would not be much faster. It would also be
+# worse: a program links the objects of a library that it uses, so that sftd would depend on Cyclone DDS.
 #
 # Sources that are compiled as one share their anonymous namespaces. A source with compile options or definitions of its
-# own stays apart; so do sources with SKIP_UNITY_BUILD_INCLUSION, and those of targets that turn UNITY_BUILD off.
+# own is compiled separately. So are sources with SKIP_UNITY_BUILD_INCLUSION, and the sources of targets that turn
+# UNITY_BUILD off.
 if(NOT SFT_COMBINE)
   return()
 endif()
@@ -14,7 +15,7 @@ endif()
 # Precompiling the headers takes as long as this many objects save.
 set(SFT_OBJECTS_MIN 4)
 
-# sft_targets_below(VARIABLE DIRECTORY): lists the programs and libraries of the directory and of those below it.
+# sft_targets_below(VARIABLE DIRECTORY): lists the programs and libraries of the directory and its subdirectories.
 function(sft_targets_below variable directory)
   set(found)
   get_property(targets DIRECTORY ${directory} PROPERTY BUILDSYSTEM_TARGETS)
@@ -32,8 +33,8 @@ function(sft_targets_below variable directory)
   set(${variable} ${found} PARENT_SCOPE)
 endfunction()
 
-# sft_kind(VARIABLE TARGET): names what TARGET has in common with others that can have the same precompiled headers.
-# Only targets that link to GoogleTest get the headers of GoogleTest, which are slow to load.
+# sft_kind(VARIABLE TARGET): names the kind of TARGET. Targets of one kind can use the same precompiled headers. Only
+# targets that link to GoogleTest get the headers of GoogleTest, which are slow to load.
 function(sft_kind variable target)
   get_target_property(type ${target} TYPE)
   get_target_property(options ${target} COMPILE_OPTIONS)
@@ -51,7 +52,7 @@ function(sft_kind variable target)
   set(${variable} ${kind}_${key} PARENT_SCOPE)
 endfunction()
 
-# sft_precompile(KIND TARGET...): gives these targets, which are of that kind, precompiled headers.
+# sft_precompile(KIND TARGET...): gives these targets, which are all of that kind, precompiled headers.
 function(sft_precompile kind first)
   get_target_property(options ${first} COMPILE_OPTIONS)
   get_target_property(visibility ${first} CXX_VISIBILITY_PRESET)
@@ -74,25 +75,28 @@ function(sft_precompile kind first)
     set(header ${PROJECT_SOURCE_DIR}/cmake/precompiled_tests.h)
   endif()
   target_link_libraries(${headers} PRIVATE sft_warnings)
-  # A compiler cache cannot tell what differs by its time only.
+  # With a time stamp in it, the result would differ in each build, and a compiler cache could not find it again.
   target_compile_options(${headers} PRIVATE "$<$<CXX_COMPILER_ID:Clang>:SHELL:-Xclang -fno-pch-timestamp>")
   target_include_directories(${headers} PRIVATE ${PROJECT_SOURCE_DIR} ${TL_EXPECTED_INCLUDE_DIR})
   target_precompile_headers(${headers} PRIVATE
     $<$<COMPILE_LANGUAGE:CXX>:${header}> $<$<COMPILE_LANGUAGE:C>:<stddef.h$<ANGLE-R>>)
   foreach(target IN LISTS first ARGN)
     target_precompile_headers(${target} REUSE_FROM ${headers})
-    # A library of Debian may bring definitions with which GCC cannot take the headers: it compiles them again then.
+    # A library of Debian may bring definitions with which GCC cannot use the precompiled headers. It then compiles the
+    # headers again.
     set_target_properties(${target} PROPERTIES PCH_WARN_INVALID OFF)
     # GCC gives false warnings about precompiled headers of the standard library.
     set(false_warnings -Wno-array-bounds -Wno-stringop-overflow -Wno-stringop-overread)
-    # Many sources take more memory than GCC uses before it looks for garbage: without that it is a tenth faster.
+    # Many sources together take so much memory that GCC's garbage collector would run. Without it, GCC is a tenth
+    # faster.
     set(memory_kB 1000000)
     target_compile_options(${target} PRIVATE
       "$<$<CXX_COMPILER_ID:GNU>:${false_warnings};--param=ggc-min-heapsize=${memory_kB}>")
   endforeach()
 endfunction()
 
-# sft_combine(VARIABLE TARGET): combines the sources of TARGET, and says how many objects of C++ it has then.
+# sft_combine(VARIABLE TARGET): combines the sources of TARGET, and sets VARIABLE to the number of objects of C++ that
+# it then has.
 function(sft_combine variable target)
   get_target_property(combines ${target} UNITY_BUILD)
   get_target_property(directory ${target} SOURCE_DIR)

@@ -1,6 +1,6 @@
 # Installs what programs outside of this tree need: one shared library with all parts, the public headers, the message
 # types with their generated headers, the message compilers, and the files by which CMake and pkg-config find them. The
-# rules of the daemon are in shm_transport/CMakeLists.txt.
+# install rules of the daemon are in shm_transport/CMakeLists.txt.
 #
 # Within this tree, the parts are static libraries, and tests and benchmarks link to the parts that they need. A shared
 # library is installed for two reasons: a package can have its name and version, and it hides Cyclone DDS, iceoryx,
@@ -13,11 +13,11 @@ foreach(part IN ITEMS sft sft_core sft_shm sft_udp sft_typesupport)
 endforeach()
 set(exported_names ${PROJECT_SOURCE_DIR}/cmake/libsft.map)
 add_library(sft_shared SHARED ${objects})
-# For the libraries that the parts need. The code of the parts is in `objects`.
+# Links the libraries that the parts need. The code of the parts themselves is in `objects`.
 target_link_libraries(sft_shared PRIVATE sft)
 target_link_options(sft_shared PRIVATE
   LINKER:--version-script=${exported_names} LINKER:-Bsymbolic-functions LINKER:--as-needed LINKER:--no-undefined
-  LINKER:-z,nodelete)  # threads for which nobody waits, those that look names up, return into its code
+  LINKER:-z,nodelete)  # threads that look names up are not joined, and return into its code
 set_target_properties(sft_shared PROPERTIES
   OUTPUT_NAME sft
   LINKER_LANGUAGE CXX
@@ -50,7 +50,7 @@ install(DIRECTORY ${generated_idl}/
 install(DIRECTORY ${typesupport}/interfaces/
   DESTINATION ${sft_interfaces_dir} COMPONENT development FILES_MATCHING PATTERN *.msg PATTERN *.srv)
 
-# idlc loads the second one at run time. No program links to it.
+# idlc loads the library cycloneddsidlsft at run time. No program links to it.
 install(TARGETS sft_msgc RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR} COMPONENT development)
 install(TARGETS cycloneddsidlsft LIBRARY DESTINATION ${sft_compiler_dir} COMPONENT development)
 install(

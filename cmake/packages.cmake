@@ -1,6 +1,6 @@
 # Makes Debian packages of the install components by `cpack -G DEB`: libsft0 (the shared library), libsft-dev (headers,
 # messages, message compilers, and the files of CMake and pkg-config) and sft-tools (the daemon with its unit). Some
-# paths are compiled in, so that `./run package` configures a build with the prefix /usr and the configuration in /etc.
+# paths are compiled in. So `./run package` configures a build with the prefix /usr and the configuration in /etc.
 set(SFT_PACKAGE_CONTACT "SFT maintainers <sft@example.org>" CACHE STRING "Who maintains the Debian packages")
 
 set(library_package libsft${PROJECT_VERSION_MAJOR})
@@ -23,7 +23,7 @@ install_documents(${library_package} library)
 install_documents(libsft-dev development)
 install_documents(sft-tools sftd)
 
-# Control files keep in the package the permissions that they have here.
+# A control file in the package has the permissions that this function sets.
 function(copy_control_file from name executable)
   set(mode OWNER_READ OWNER_WRITE GROUP_READ WORLD_READ)
   if(executable)

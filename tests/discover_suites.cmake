@@ -1,7 +1,7 @@
 # cmake -D PROGRAM=file -D LABELS=label [-D LEFT_OUT=file] -D OUTPUT=file -P discover_suites.cmake
-# Writes, for CTest, one test for each suite of a GoogleTest program: most tests take less time than a process.
-# None of them may be skipped: a suite could not tell. Each line of LEFT_OUT that is no comment names a test that the
-# suites run without.
+# Writes, for CTest, one test for each suite of a GoogleTest program, since most tests take less time than the start of
+# a process. A skipped test fails its suite, because a suite cannot report that it was skipped. Each line of LEFT_OUT
+# that is no comment names a test that the suites leave out.
 cmake_minimum_required(VERSION 3.22)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # their tests are indented

@@ -1,13 +1,13 @@
-# What tests take in addition to a compiler and libraries. Where one of these programs is missing, its tests are skipped
-# by name.
-find_program(SFT_PYTHON python3 HINTS /usr/bin)  # that one knows Debian's rosidl
+# Programs that tests need in addition to a compiler and libraries. If one of them is missing, its tests are skipped by
+# name.
+find_program(SFT_PYTHON python3 HINTS /usr/bin)  # Debian's own python3 finds Debian's rosidl
 find_program(SFT_TSHARK tshark)
 find_program(SFT_SPIN spin)
 find_program(SFT_DOXYGEN doxygen)
 find_program(SFT_GIT git)
 
-# ROS 2's own compiler of messages, and the messages that ROS 2 tests it with: types of tests and benchmarks are made
-# with them.
+# ROS 2's own compiler of messages, and the messages with which ROS 2 tests it. Types of tests and benchmarks are made
+# with both.
 set(SFT_ROSIDL OFF)
 if(SFT_PYTHON AND EXISTS /usr/share/test_interface_files/msg)
   execute_process(COMMAND ${SFT_PYTHON} -c "import rosidl_adapter.parser, em"
@@ -21,8 +21,8 @@ if(SFT_BUILD_BENCH AND NOT SFT_ROSIDL)
   set(SFT_BUILD_BENCH OFF)
 endif()
 
-# sft_tool_test(NAME NEEDS program... COMMAND word... [WORKING_DIRECTORY folder]): a test that takes programs which may
-# be missing.
+# sft_tool_test(NAME NEEDS program... COMMAND word... [WORKING_DIRECTORY folder]): adds a test that needs programs which
+# may be missing.
 function(sft_tool_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "WORKING_DIRECTORY" "NEEDS;COMMAND")
   foreach(program IN LISTS arg_NEEDS)
@@ -39,14 +39,16 @@ function(sft_tool_test name)
   add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${arg_WORKING_DIRECTORY})
 endfunction()
 
-# sft_skipped_test(NAME WORD...): stands for a test, or for those of a program, that needs what WORD... says.
+# sft_skipped_test(NAME WORD...): adds a skipped test in place of a test, or of a program's tests. WORD... says what
+# these need.
 function(sft_skipped_test name)
   list(JOIN ARGN " " needs)
   add_test(NAME ${name} COMMAND sh -c "echo 'skipped: needs ${needs}'; exit 77")
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
 endfunction()
 
-# sft_skip_without_rosidl(PROGRAM...): stands for the tests of programs that are not built without SFT_ROSIDL.
+# sft_skip_without_rosidl(PROGRAM...): adds skipped tests in place of the tests of programs that are not built without
+# SFT_ROSIDL.
 function(sft_skip_without_rosidl)
   foreach(program IN LISTS ARGN)
     sft_skipped_test(${program} python3-rosidl and ros2-test-interface-files)

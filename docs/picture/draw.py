@@ -25,13 +25,13 @@ WIDTH = 800
 MARGIN = 12
 TOP = 48  # The boxes begin here, below the headings.
 LEFT_BOX = 330  # This is the width of the publisher's host.
-RIGHT_BOX = 272  # This is the width of each other host.
-ROW, GAP = 66, 12  # These are the height of each other host, and the space between two of them.
-TRUNK = MARGIN + LEFT_BOX + 24  # The network's line goes up and down here.
+RIGHT_BOX = 272  # This is the width of each subscriber's host.
+ROW, GAP = 66, 12  # These are the height of each subscriber's host, and the space between two of them.
+TRUNK = MARGIN + LEFT_BOX + 24  # The vertical line of the network is here.
 
 
 def bytes_text(count):
-    """The text that the demo writes: "82 B", "6.29 MB"."""
+    """Returns a size as the demo writes it: "82 B", "6.29 MB"."""
     for unit, size in (("GB", 1e9), ("MB", 1e6), ("kB", 1e3)):
         if count >= size:
             return f"{count / size:.2f} {unit}"
@@ -65,7 +65,7 @@ class Drawing:
         self.parts.append(f'<path d="M {path}" fill="none" stroke="{self.colours[colour]}" stroke-width="{width:g}"/>')
 
     def arrow(self, points, colour, width):
-        """The last stretch of the line goes to the right or down."""
+        """Draws a line with an arrow. Its last segment goes to the right or down."""
         (x, y), (from_x, _) = points[-1], points[-2]
         size = 5 + width / 2
         right = x != from_x

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of ./run bench all: the statistics, and whole comparisons of scripts in place of the benchmarks."""
+"""Tests of ./run bench all: the statistics, and whole comparisons with scripts instead of benchmarks."""
 
 import contextlib
 import io
@@ -202,7 +202,7 @@ done
         self.bench("this", name, this)
 
     def run_all(self, *words):
-        """The exit code. The output is in self.out."""
+        """Runs it and returns the exit code. The output is in self.out."""
         output = io.StringIO()
         with contextlib.redirect_stdout(output), contextlib.redirect_stderr(output):
             code = bench_all.main(["--json", self.json, *words], self.root)

@@ -33,7 +33,7 @@ def named(name, value, reference=None):
 
 
 def everything():
-    """Figures for each plot, in which SFT is better than all others."""
+    """Returns figures for each plot, in which SFT is better than all others."""
     whole = records.Records()
     whole.figures["paper"] = [named(name + end, 100, 200) for name, _ in plots.MESSAGES for end in ("", "_vs_fast_dds")]
     whole.figures["paper"].append(named("response", 50, 70))
@@ -61,7 +61,7 @@ def everything():
 
 class PlotTest(unittest.TestCase):
     def drawn(self, whole):
-        """All texts of each plot, which must be well-formed."""
+        """Returns all texts of each plot, which must be well-formed XML."""
         texts = {}
         for plot in plots.all_plots(whole):
             root = xml.etree.ElementTree.fromstring(plot.svg())

@@ -1,6 +1,6 @@
 # cmake -D SNIPPET=file "-D COMMAND=compiler;argument..." -P expect_diagnostics.cmake
-# Each `// expect: REGEX` of the snippet has to match what the compiler says, the first of them its first
-# error. A snippet without expectations has to compile.
+# Each `// expect: REGEX` of the snippet has to match the output of the compiler, and the first one its first error. A
+# snippet without expectations has to compile.
 file(STRINGS ${SNIPPET} expectations REGEX "^// expect: ")
 set(ENV{LC_ALL} C)
 execute_process(COMMAND ${COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)
@@ -21,5 +21,5 @@ foreach(expectation IN LISTS expectations)
   if(NOT searched MATCHES "${regex}")
     message(FATAL_ERROR "expected: ${regex}\ngot: ${said}")
   endif()
-  set(searched "${said}")  # the further ones may match anywhere
+  set(searched "${said}")  # further expectations may match anywhere in the output
 endforeach()

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""check_documents.py ROOT: says what is wrong with the documents, by file and line.
+"""check_documents.py ROOT: checks the documents, and prints faults by file and line.
 
-- A link to a file or a heading leads there.
+- Each link to a file or a heading has a target.
 - README.md has at most 150 lines and fewer than 1,000 words.
-- Each number below "Four figures" in README.md stands in docs/performance.md, and the sentence below the picture in
+- Each number below "Four figures" in README.md is in docs/performance.md, and the sentence below the picture is in
   README.md.
-- Each constant or option that docs/limits.md names stands in the sources.
+- Each constant or option that docs/limits.md names is in the sources.
 - ARCHITECTURE.md and the documents beside the code name files, tests, classes and constants that exist.
 """
 
@@ -31,7 +31,7 @@ NAME = re.compile(r"`([A-Za-z_][A-Za-z0-9_:.]*)`")
 
 
 def without_code(text):
-    """The lines of a document; those of code blocks are empty."""
+    """Yields the lines of a document, with empty ones in place of code blocks."""
     in_code = False
     for line in text.splitlines():
         fence = line.startswith("```")
@@ -40,7 +40,7 @@ def without_code(text):
 
 
 def anchors(file):
-    """The anchors of the headings of a document, by the rule of GitHub."""
+    """Returns the anchors of the headings of a document, as GitHub makes them."""
     headings = (line.lstrip("#").strip() for line in without_code(file.read_text()) if line.startswith("#"))
     return {re.sub(r"[^\w\- ]", "", heading.lower()).replace(" ", "-") for heading in headings}
 
@@ -91,7 +91,7 @@ def words_of_sources(root, *more):
 
 
 def check_limits(root):
-    """The last column of each table names what holds the limit."""
+    """Checks the names in the last column of each table, which say what enforces the limit."""
     known = words_of_sources(root)
     for number, line in enumerate(without_code((root / "docs/limits.md").read_text()), 1):
         cells = line.strip("|").split("|")
@@ -110,7 +110,7 @@ def tests_of_sources(root):
 
 
 def check_names(root, file, files, tests, words):
-    """What a document puts into `code`, if it looks like a file, a test, or a member of a class."""
+    """Checks what a document has as `code`, if it looks like a file, a test, or a member of a class."""
     where = file.relative_to(root)
     for number, line in enumerate(without_code(file.read_text()), 1):
         for code in CODE.findall(line):

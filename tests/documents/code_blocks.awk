@@ -1,13 +1,14 @@
 # awk -v folder=FOLDER [-v heading=TEXT] [-v sources=FOLDER] -f code_blocks.awk DOCUMENT...
-# Writes the code blocks of documents into files, each document's into a folder of its name (README, guide), and prints
-# which files these are: "README/first.cpp", or for a block that is not a whole file "guide/5.block functions".
+# Writes the code blocks of documents into files, in a folder for each document with its name (README, guide). Prints
+# the names of these files: "README/first.cpp", or for a block that is not a whole file "guide/5.block functions".
 #
 # A block of C++ or CMake whose first line is a comment with a file name ("// lidar.cpp") is a whole file of that name.
 # Any other block of C++ is part of a file: the word behind "```cpp" names its surroundings
 # (tests/documents/surroundings).
 #
-# heading: only what is printed below this heading, directly into the folder; what is typed into a shell is commands.sh.
-# sources: the folder that the documents are named from. With it errors of a compiler name the line in the document.
+# heading: write only the blocks below this heading, directly into the folder, and shell commands into commands.sh.
+# sources: the folder to which the documents' names are relative. With it, errors of a compiler name the line in the
+# document.
 function file_name(line) {
   return line ~ /^(\/\/|#) [A-Za-z_]+\.(cpp|txt)$/ ? substr(line, index(line, " ") + 1) : ""
 }

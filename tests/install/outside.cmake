@@ -1,14 +1,15 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
 # outside.cmake
-# Installs SFT from its build into a folder, moves that folder, builds a project and a program of one file with what is
-# there, and runs them on a host of their own; so does "Five minutes" of docs/guide.md, as it is printed there.
+# Installs SFT from its build into a folder, and moves that folder. Builds a project and a program of one file with the
+# SFT in it, and runs them on an isolated host. "Five minutes" of docs/guide.md does the same there, as it is printed.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed --strip)
 file(RENAME ${WORK}/installed ${prefix})
-# Of text files. The programs have the places of sources in their messages, and the daemon's place as one of many.
+# No installed text file may name these folders. Programs may: they have the paths of sources in their messages, and the
+# daemon's path as one of several.
 foreach(place IN ITEMS ${WORK}/installed ${BUILD} ${SOURCE})
   execute_process(COMMAND grep --recursive --files-with-matches --binary-files=without-match --fixed-strings
       ${place} ${prefix} OUTPUT_VARIABLE output)
@@ -40,7 +41,7 @@ file(MAKE_DIRECTORY ${five_minutes})
 run(awk -v "heading=Five minutes" -v folder=${five_minutes}
     -f ${SOURCE}/tests/documents/code_blocks.awk ${SOURCE}/docs/guide.md)
 
-# The new host keeps in sight the folder that this program is in, even if that lies below /tmp.
+# On the isolated host, the folder of this program stays visible, even if it is below /tmp.
 file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK})
 cmake_path(GET ISOLATE FILENAME isolate)
 run(${CMAKE_COMMAND} -E env CXX=${CXX} CMAKE_GENERATOR=${GENERATOR}

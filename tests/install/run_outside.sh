@@ -1,7 +1,7 @@
 # Usage: sh run_outside.sh PREFIX BUILD ONE_FILE FIVE_MINUTES
-# Runs the programs that were built with the SFT in PREFIX, on a host of their own. Prints what they print, and which
-# file the daemon of that host runs.
-[ $PPID = 1 ] || { # it would meet, and end, the daemon of this machine
+# Runs the programs that were built with the SFT in PREFIX. Prints their output, and the path of the daemon's program.
+# Has to run on an isolated host.
+[ $PPID = 1 ] || { # otherwise it would find and stop the daemon of this machine
   echo "skipped: needs root or user namespaces"
   exit 1
 }

@@ -1,8 +1,8 @@
-# What the tests in this folder are written in. They get WORK, an empty folder of their own.
+# Functions for the tests in this folder. Each test gets WORK, an empty folder of its own.
 file(REMOVE_RECURSE ${WORK})
 file(MAKE_DIRECTORY ${WORK})
 
-# Runs a command, which has to succeed, and sets `output` to what it prints.
+# Runs a command, which has to succeed. Sets `output` and `errors` to what it prints.
 function(run)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
   if(NOT status EQUAL 0)
@@ -13,7 +13,7 @@ function(run)
   set(errors "${errors}" PARENT_SCOPE)
 endfunction()
 
-# A condition as if() takes it.
+# Fails unless the condition holds, which is given as if() takes it.
 function(expect left comparison right)
   if(NOT "${left}" ${comparison} "${right}")
     message(FATAL_ERROR "expected: ${comparison} ${right}\ngot: ${left}")

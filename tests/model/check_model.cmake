@@ -1,8 +1,8 @@
 # cmake -D MODEL=file -D WORK=folder -D "DEFINES=A=1;B" -D SPIN=program -D CC=program [-D FINDS=regex]
 #       -P check_model.cmake
-# Searches all states of a model, all fair runs if DEFINES has LIVENESS. Fails if a property does not hold, or if some
-# statement is never reached, since what is said about it would mean nothing. With FINDS, a mistake has been
-# made on purpose: fails unless the checker finds it, as a violation that matches FINDS.
+# Searches all states of a model, or all fair runs if DEFINES has LIVENESS. Fails if a property does not hold, or if a
+# statement is never reached, since properties of it would mean nothing. With FINDS, DEFINES makes a mistake on purpose.
+# Then the script fails unless the checker finds a violation that matches FINDS.
 cmake_minimum_required(VERSION 3.22)
 set(memory_max_mib 2000)
 set(depth_max 100000)
@@ -22,7 +22,7 @@ endfunction()
 
 set(level -O1)
 if(FINDS)
-  set(level -O0) # what is wrong is found soon
+  set(level -O0) # a mistake is found soon
 endif()
 if(LIVENESS IN_LIST DEFINES)
   set(compile_options -DNFAIR=4) # up to 18 processes
@@ -50,7 +50,7 @@ if(NOT output MATCHES "errors: 0\n")
   execute_process(COMMAND ${SPIN} -p -g -k ${trails} ${spin_options} ${MODEL} WORKING_DIRECTORY ${WORK})
   message(FATAL_ERROR "a property does not hold; the steps that lead there are above")
 endif()
-string(REGEX REPLACE "unreached in claim.*" "" statements "${output}") # comes last
+string(REGEX REPLACE "unreached in claim.*" "" statements "${output}") # the claim comes last
 string(REGEX MATCHALL "[^\n]*\\.pml:[0-9]+, state [0-9]+, [^\n]*" unreached "${statements}")
 list(FILTER unreached EXCLUDE REGEX "-end-")
 if(unreached)

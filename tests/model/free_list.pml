@@ -1,18 +1,18 @@
 /* The list of the free chunks of a pool: LoFFLi::pop() and push() as SFT replaces them, and with
-   OWN_COUNT_GOES_ON as iceoryx 2.0.x has them. Each chunk has one owner at most, and none goes missing. See
+   OWN_COUNT_GOES_ON as iceoryx 2.0.x has them. Each chunk has at most one owner, and no chunk is lost. See
    model.md. */
 
 #ifndef OPERATIONS
-#define OPERATIONS 6 /* of the process that is not held up; the other two have one each */
+#define OPERATIONS 6 /* operations of the process that runs freely; the other two have one each */
 #endif
 #define CHUNKS 4
 #define TAKEN (CHUNKS + 1)
 
 byte next[CHUNKS];
-byte head = 0, count = 1; /* exchanged together */
+byte head = 0, count = 1; /* one atomic operation exchanges both */
 
-/* For the properties only. */
-byte owner[CHUNKS]; /* 0: none */
+/* Only the properties use these. */
+byte owner[CHUNKS]; /* the process that owns each chunk, plus 1; 0: none */
 byte running = 3;
 
 inline exchange(to) {
@@ -126,5 +126,5 @@ init {
     :: else -> break
     od
   }
-  assert(free == CHUNKS) /* none is missing */
+  assert(free == CHUNKS) /* no chunk is lost */
 }

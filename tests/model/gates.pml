@@ -1,6 +1,6 @@
-/* Gate, AskedGates and SequenceAccount: what a reader that changes its conditions makes of the numbers that samples
-   carry. What was withheld never counts as lost. What has passed and did not come does, once no other conditions can
-   have been in force. See model.md. */
+/* Gate, AskedGates and SequenceAccount: how a reader that changes its conditions counts losses from the numbers in
+   samples. A withheld sample never counts as lost. A sample that has passed the gate and did not arrive counts as lost
+   if no other conditions can have been in force. See model.md. */
 
 #ifndef SAMPLES
 #define SAMPLES 4
@@ -11,35 +11,35 @@
 #define BIT(n) (1 << (n))
 #define HAS(set, n) ((set) >> (n) & 1)
 
-/* A sample on its way. A network carries its sequence, its gate and its number in that gate. Shared memory carries its
-   sequence and its numbers in gates 1 and 2. */
+/* Samples under way. By the network, a sample has its sequence, its gate and its number in that gate. In shared memory
+   it has its sequence and its numbers in gates 1 and 2. */
 chan way = [2] of { byte, byte, byte };
 
-/* The gates for two sets of conditions are 1 and 2; 0 stands for no conditions. */
+/* Gates 1 and 2 are for two sets of conditions; 0 stands for no conditions. The numbers count what passed each gate. */
 byte numbers[3];
 
-byte wish;    /* what the reader asks for */
-byte serving; /* what the writer knows of that */
+byte wish;    /* the gate that the reader asks for */
+byte serving; /* the gate by which the writer serves it */
 bool done;
 
 byte last, last_gate, last_number; /* SequenceAccount */
 byte request;
 byte asked[CHANGES + 1]; /* AskedGates */
 byte latest, settled;
-byte gates; /* AskedGates::nameable, as a set; with 0 if that may be in force */
+byte gates; /* AskedGates::nameable, as a set, with 0 if no conditions may be in force */
 
-/* Only the properties read these: which samples were for the reader, and which have passed each gate; whether the last
-   sample was taken when nothing but the present wish could be in force. */
+/* Only the properties read these: the samples that were sent to the reader; those that have passed each gate; and true
+   if the last sample was taken when only the present wish could be in force. */
 short sent;
 short passed[3];
 bool is_certain;
 
-/* Gate::consider. Conditions may hold or not, also for the first sample. Other readers may have the same ones. */
+/* Gate::consider. Conditions may hold or not, also for the first sample. Other readers may have the same conditions. */
 inline consider(gate) {
   passes = false;
   if
   :: passes = true
-  :: skip /* withheld, or nobody is behind the gate */
+  :: skip /* the gate withholds the sample, or has no readers */
   fi;
   if
   :: passes -> numbers[gate]++; passed[gate] = passed[gate] | BIT(sequence)
@@ -90,7 +90,7 @@ active proctype writer() {
 }
 
 #ifndef MEMORY
-/* The network may lose a sample, deliver it later than one that was sent behind it, or deliver it twice. */
+/* The network may lose a sample, deliver it later than one that was sent after it, or deliver it twice. */
 active proctype network() {
   byte sequence, a, b;
   do
@@ -138,7 +138,7 @@ inline count_lost() {
   fi
 }
 
-/* Nothing in the gap was taken. */
+/* Compares the counted losses with the samples in the gap, of which none was taken. */
 inline check() {
   at = last + 1;
   do
@@ -149,7 +149,7 @@ inline check() {
   :: else -> break
   od;
   assert(lost <= missing);
-#ifndef FORMER_CONDITIONS_FORGOTTEN /* which would also count too few; too many is what it has to be found by */
+#ifndef FORMER_CONDITIONS_FORGOTTEN /* this mistake also counts too few, but has to be found by counting too many */
   assert(!is_certain || request != latest || lost == missing);
 #endif
   assert(!same_gate || lost == through_gate)
@@ -183,12 +183,12 @@ inline enter() {
       :: else
       fi;
 #endif
-      is_certain = (request == latest && gates == BIT(wish)) /* else it may be found to be of a former gate */
+      is_certain = (request == latest && gates == BIT(wish)) /* otherwise, it may belong to a former gate */
   :: else
   fi
 }
 
-/* Intake::put, of the gates that the reader has asked for. */
+/* Intake::put: finds the gate of a sample among the gates that the reader has asked for. */
 inline find_gate() {
 #ifdef MEMORY
   if
@@ -213,9 +213,9 @@ active proctype reader() {
       through_gate = 0; only = 0; same_gate = false; several = false
     }
 #ifdef MEMORY
-  :: atomic { nempty(way) -> way?sequence, a, b; sequence = 0; a = 0; b = 0 } /* pushed out of the queue */
+  :: atomic { nempty(way) -> way?sequence, a, b; sequence = 0; a = 0; b = 0 } /* the queue drops the sample */
 #endif
-  :: atomic { changes > 0 -> /* ask_conditions, and the request is under way */
+  :: atomic { changes > 0 -> /* ask_conditions; the request is under way from now on */
       changes--;
       if
       :: wish != 0 -> wish = 0
@@ -233,7 +233,7 @@ active proctype reader() {
 #ifdef MEMORY
       gates = gates | BIT(wish)
 #else
-      gates = BIT(wish) /* not looked at */
+      gates = BIT(wish) /* only MEMORY needs a set of several gates */
 #endif
     }
   :: atomic { empty(way) && serving == wish && settled < latest -> settled = latest; gates = BIT(wish) } /* settle */

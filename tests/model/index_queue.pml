@@ -1,35 +1,35 @@
 /* A queue between a writer and a reader: the places of IndexQueue as SFT replaces it, around the elements and
    the size of iceoryx's LockFreeQueue. Each memory access is a step of its own. A thread may take its steps in
-   any order that C++ allows: what stands before a release, or behind an acquire, stays there, and nothing else
-   is ordered. Each element that is taken is the one that was pushed, and the size is never below zero. See
-   model.md.
+   any order that C++ allows: steps before a release stay before it, steps behind an acquire stay behind it, and
+   no others are ordered. Each element that is taken is the one that was pushed, and the size is never below
+   zero. See model.md.
 
-   PUBLISHED_RELAXED, SEEN_RELAXED: as in iceoryx 2.0.x, for the filled places only; GIVEN_BACK_RELAXED: for
-   the free ones. */
+   PUBLISHED_RELAXED and SEEN_RELAXED: the filled places have the memory orders of iceoryx 2.0.x.
+   GIVEN_BACK_RELAXED: the free places have them. */
 
-#define SAMPLES 4 /* each with steps of its own, below */
+#define SAMPLES 4 /* writer and reader have steps for each, below */
 #define CAPACITY 2
 #define BIT(n) (1 << (n))
-#define UP_TO(n) (BIT((n) + 1) - 1) /* of the samples 0 to n */
+#define UP_TO(n) (BIT((n) + 1) - 1) /* the bits of samples 0 to n */
 #define PLACE(n) ((n) % CAPACITY)
 
-/* The samples are numbered from 0 on. In memory they are 1 more: nothing is 0. */
+/* Samples are numbered from 0 on. In memory the numbers are greater by 1, since 0 means none. */
 byte element[CAPACITY];
-byte used[CAPACITY];  /* the cell of the queue of filled places: which sample was put there last */
-byte freed[CAPACITY]; /* that of the free places: how often the place was given back */
+byte used[CAPACITY];  /* the cells of the queue of filled places: the last sample in each */
+byte freed[CAPACITY]; /* the cells of the queue of free places: how often each place was given back */
 short size;
 
-/* Which steps the writer has made: of sample n, bit n. */
+/* The steps that the writer has taken: bit n is for sample n. */
 byte found, written, counted, published;
 
-/* May all steps that stand before be behind, for sample n? */
+/* True if this step was taken for all samples up to n, or for publishing, up to the one before n. */
 #define WRITTEN_BEFORE(n) ((written & UP_TO(n)) == UP_TO(n))
 #define COUNTED_BEFORE(n) ((counted & UP_TO(n)) == UP_TO(n))
 #define PUBLISHED_BEFORE(n) ((published & (UP_TO(n) >> 1)) == (UP_TO(n) >> 1))
 
 inline write_steps(n) {
   if
-  /* Pops a free place, acquired. All later steps of the writer wait for that. */
+  /* Pops a free place, with acquire: all later steps of the writer come after it. */
   :: !(found & BIT(n)) && found == BIT(n) - 1 && freed[PLACE(n)] == (n) / CAPACITY -> found = found | BIT(n)
   :: !(written & BIT(n)) && (found & BIT(n)) -> element[PLACE(n)] = n + 1; written = written | BIT(n)
   /* Adds to the size, with release. */
@@ -63,7 +63,7 @@ byte got[SAMPLES];
 #define READ_BEFORE(n) ((read & UP_TO(n)) == UP_TO(n))
 #define RETURNED_BEFORE(n) ((returned & (UP_TO(n) >> 1)) == (UP_TO(n) >> 1))
 #ifdef SEEN_RELAXED
-#define MAY_GO_ON(n) true /* by a guess, which comes true */
+#define MAY_GO_ON(n) true /* the thread speculates that the place is filled, and is right */
 #else
 #define MAY_GO_ON(n) ((seen & BIT(n)) != 0)
 #endif
@@ -72,12 +72,12 @@ inline read_steps(n) {
   if
   /* Sees the filled place. */
   :: !(seen & BIT(n)) && seen == BIT(n) - 1 && used[PLACE(n)] == n + 1 -> seen = seen | BIT(n)
-  /* Subtracts from the size, acquired. */
+  /* Subtracts from the size, with acquire. */
   :: !(subtracted & BIT(n)) && subtracted == BIT(n) - 1 && MAY_GO_ON(n) ->
       size--;
       subtracted = subtracted | BIT(n)
   :: !(read & BIT(n)) && (subtracted & BIT(n)) -> got[n] = element[PLACE(n)]; read = read | BIT(n)
-  /* Gives the place back. No store is made on a guess. */
+  /* Gives the place back. This is a store, which is never speculative. */
 #ifdef GIVEN_BACK_RELAXED
   :: !(returned & BIT(n)) && (seen & BIT(n)) ->
 #else

@@ -1,6 +1,6 @@
-/* The STR handshake between a writer's node and a reader's node; model.md says which construct stands for
+/* The STR handshake between a writer's node and a reader's node. model.md says which construct stands for
    which code, what is left out and why that is sound. Either node may end and come back under another id
-   (0, then 1). What may happen, and how often, is set by -D; so are the mistakes that the checker has to find. */
+   (0, then 1). Options -D set which events may happen and how often, and the mistakes that the checker has to find. */
 
 #ifndef MASK_CHANGES
 #define MASK_CHANGES 0
@@ -12,13 +12,13 @@
 #define WRITER_RESTARTS 0
 #endif
 #ifndef LEASE_LOSSES
-#define LEASE_LOSSES 0 /* of the reader, as the writer's node sees it */
+#define LEASE_LOSSES 0 /* how often the reader's lease expires in the writer's node */
 #endif
 #ifndef WRITER_LOSSES
-#define WRITER_LOSSES 0 /* of the writer, as the reader's node sees it, long enough to forget it */
+#define WRITER_LOSSES 0 /* how often the reader's node loses the writer for so long that it discards it */
 #endif
 #ifndef MEMORY_LOSSES
-#define MEMORY_LOSSES 0 /* bit 0: the reader's node loses the shared memory, bit 1: the writer's; else there is none */
+#define MEMORY_LOSSES 0 /* bit 0: the reader's node loses shared memory, bit 1: the writer's node; 0: there is none */
 #endif
 #ifndef IN_FLIGHT
 #define IN_FLIGHT 2
@@ -33,8 +33,8 @@
 #define KNOWN 1
 #define LOST 2
 
-/* A request in one number: sequence, mask (2 leaves), writers listened to, writers attached to; an
-   announcement is the request in force and whether the node has the shared memory. */
+/* A request in one number: sequence, mask (2 leaves), the writers that the reader listens to, the writers that it is
+   attached to. An announcement is the request in force, and one bit: the node has shared memory. */
 #define REQUEST (sequence | wanted << 4 | listening << 6 | attached << 8)
 #define ANNOUNCEMENT (REQUEST | reader_memory << 10)
 #define SEQUENCE(q) ((q) & 15)
@@ -47,23 +47,23 @@
 #define HAS(set, w) ((set) >> (w) & 1)
 
 /* The reader's node. */
-byte reader = 0; /* the id, new with each start */
+byte reader = 0; /* the id, a new one at each start */
 bool reader_up = true;
 bool reader_memory = (MEMORY_LOSSES != 0);
 byte wanted = 1;
 byte sequence = 1;
 byte listening, attached; /* writers, in the request in force */
-byte heard;               /* writers that it knows */
-byte shares;              /* of these, writers that said they have the shared memory */
-byte connected;           /* of which it takes datagrams */
-byte subscribed, fed;     /* in shared memory: has asked for, and gets */
-byte accepted = 1 << 1;   /* masks */
+byte heard;               /* writers that the reader knows */
+byte shares;              /* those of them that announced shared memory */
+byte connected;           /* writers whose datagrams the reader takes */
+byte subscribed, fed;     /* writers that it has subscribed to in shared memory, and that it gets samples of there */
+byte accepted = 1 << 1;   /* masks that it accepts */
 
 /* The writer's node. */
 byte writer = 0;
 bool writer_up = true;
 bool writer_memory = (MEMORY_LOSSES != 0);
-bool port; /* in shared memory */
+bool port; /* the writer has a port in shared memory */
 byte state[2];
 short table[2]; /* newest request and announcement of each reader */
 short early[2];
@@ -71,32 +71,32 @@ bool stale; /* the table has changed since the routes were set */
 byte path[2];
 byte mask[2];
 
-/* The control topics, each keep-last 1 for each reader and writer. */
-bool announced[2]; /* the latest announcement is on its way, */
+/* The control topics, each with keep-last 1 for each reader and writer. */
+bool announced[2]; /* the latest announcement is under way */
 short announcement[2];
-bool withdrawn[2]; /* and behind it the end of the reader */
+bool withdrawn[2]; /* the withdrawal of the reader is under way, behind the announcement */
 bool requested[2];
 short request[2];
-short overtaken[2]; /* an older request, or a repeated one, that comes at any time */
+short overtaken[2]; /* an older request, or a repeated one, which may arrive at any time */
 bool writer_announced;
-bool cut[2]; /* the writer's node has lost the reader's: nothing comes until it is found again */
+bool cut[2]; /* the writer's node has lost the reader's node: no control sample arrives until it finds that again */
 
-/* Datagrams: writer, reader that it is sent to, mask it names, mask it is encoded with, request in force. */
+/* Datagrams: writer, reader that it is sent to, mask that it names, mask that it is encoded with, request in force. */
 chan datagrams = [IN_FLIGHT] of { byte, byte, byte, byte, byte };
 
-/* For the properties only. */
-bool gone[2];     /* the writer's node knows that the reader has left, or has forgotten it */
+/* Only the properties use these. */
+bool gone[2];     /* the writer's node knows that the reader has left, or has discarded it */
 byte asked[2];    /* masks that the reader asked for */
 byte let_go;      /* writers that the reader does not listen to any more */
 #ifdef LIVENESS
-bool fresh;  /* the latest sample came, under what is wanted */
-bool missed; /* the sample before was lost on the way */
+bool fresh;  /* the latest sample arrived, with the wanted mask */
+bool missed; /* the previous sample was lost on the way */
 #define note_arrival(is_wanted) fresh = fresh || (is_wanted); missed = false
 #else
 #define note_arrival(is_wanted) skip
 #endif
 #ifdef MASKS_NAMED_BY_REQUESTS
-byte mask_at[16]; /* by sequence of the request */
+byte mask_at[16]; /* the mask of each request, by its sequence */
 #define note_request() mask_at[sequence] = wanted
 #else
 #define note_request() skip
@@ -113,7 +113,7 @@ inline announce() {
   announced[reader] = true
 }
 
-/* With keep-last 1 the one before is overwritten, or is still on its way and may be overtaken. */
+/* With keep-last 1 the previous request is overwritten, or is still under way and may be overtaken. */
 inline send_request() {
   assert(sequence < 15);
   if
@@ -141,7 +141,7 @@ inline start_reader() {
   writer_announced = writer_up
 }
 
-/* Of two records of a request the later one holds (Directory, Peer). */
+/* The later one of two records of a request is in force (Directory, Peer). */
 inline adopt(r, q) {
 #ifdef OLDER_REQUESTS_ACCEPTED
   table[r] = WITH_MEMORY_OF(q, table[r]);
@@ -154,7 +154,7 @@ inline adopt(r, q) {
 #endif
 }
 
-/* Directory::show and Negotiation::endpoint_seen */
+/* An announcement arrives: Directory::show and Negotiation::endpoint_seen. */
 inline seen(r, a) {
 #ifdef ANNOUNCEMENTS_TAKE_BACK
   table[r] = a;
@@ -183,7 +183,7 @@ inline seen(r, a) {
 #define IS_THERE(r) (state[r] == KNOWN)
 #endif
 
-/* Directory keeps a request whose endpoint is not there; Negotiation::request_received */
+/* A request arrives: Negotiation::request_received. Directory keeps it if its endpoint is not known yet. */
 inline received(r, q) {
   if
   :: IS_THERE(r) -> adopt(r, q)
@@ -203,7 +203,7 @@ inline erase(r) {
   stale = true
 }
 
-/* Negotiation::serve, and Reconciler::reconcile_writer, which opens the port. */
+/* serving_of(), and LocalWriter::reconcile, which opens the port. */
 #define IS_SERVED(r) (state[r] == KNOWN)
 #ifdef LOST_READERS_SERVED
 #undef IS_SERVED
@@ -239,7 +239,7 @@ active proctype writer_agent() {
   od
 }
 
-/* What Reconciler::reconcile_reader wants connected, and what look_after_connections tells the writers. */
+/* What LocalReader::reconcile connects, and what LocalReader::look_after_connections reports to writers. */
 #define SHARING (reader_memory -> heard & shares : 0)
 #define LISTENING (heard & connected)
 #define ATTACHED (SHARING & fed)
@@ -260,7 +260,7 @@ active proctype reader_agent() {
 #endif
 #if WRITER_RESTARTS || WRITER_LOSSES
   :: atomic {
-      reader_up && ((listening | attached) & ~heard) != 0 -> /* of a writer that it forgot */
+      reader_up && ((listening | attached) & ~heard) != 0 -> /* the reader has discarded a writer */
       listening = listening & heard;
       attached = attached & heard;
       sequence++;
@@ -278,14 +278,14 @@ active proctype reader_agent() {
       note_request();
       send_request()
     }
-  /* After two seconds: Reconciler::forget_what_was_in_flight */
+  /* Some time later: LocalReader::forget_what_was_in_flight */
   :: d_step { reader_up && (accepted & ~BIT(wanted)) != 0 -> accepted = BIT(wanted) }
   :: d_step { reader_up && (connected & ~heard) != 0 -> let_go = let_go | (connected & ~heard); connected = connected & heard }
   od
 }
 
 #if MEMORY_LOSSES
-/* The daemon connects a subscriber with the writer's port once both are there. */
+/* The daemon connects a subscriber with the writer's port when both exist. */
 active proctype daemon() {
   do
   :: d_step { port && HAS(subscribed, writer) && !HAS(fed, writer) -> fed = fed | BIT(writer) }
@@ -295,7 +295,7 @@ active proctype daemon() {
 
 #define ARRIVES(what, r) (what[r] && !cut[r])
 
-/* Announcements and ends come in order, requests at any time, old ones again. */
+/* Announcements and withdrawals arrive in order, requests at any time. Old requests may arrive again. */
 active proctype control() {
   byte r;
   do
@@ -319,7 +319,7 @@ active proctype request_topic() {
       r = (ARRIVES(requested, 0) -> 0 : 1);
       received(r, request[r]);
       requested[r] = false;
-      if /* it comes a second time */
+      if /* the request may arrive a second time */
       :: overtaken[r] == 0 -> overtaken[r] = request[r]
       :: true
       fi
@@ -355,7 +355,7 @@ inline lose(r) {
   overtaken[r] = 0
 }
 
-/* The writer's node hears nothing of a reader's any more: that has crashed, or seems to have. */
+/* The writer's node receives nothing more from the reader's node, which has crashed, or seems to have crashed. */
 active proctype leases() {
   byte losses = LEASE_LOSSES;
   do
@@ -376,8 +376,8 @@ active proctype leases() {
       lose(reader);
       stale = true
     }
-  :: d_step { writer_up && reader_up && state[reader] == LOST -> erase(reader) } /* after a minute */
-  :: d_step { /* it is back: the topics are transient-local */
+  :: d_step { writer_up && reader_up && state[reader] == LOST -> erase(reader) } /* a minute later */
+  :: d_step { /* the reader's node is found again, and its records arrive, since the topics are transient-local */
       writer_up && reader_up && cut[reader] ->
       cut[reader] = false;
       announced[reader] = true;
@@ -421,7 +421,7 @@ active proctype reader_process() {
   atomic {
     reader_up = false;
     if
-    :: withdrawn[0] = true /* in good order; else killed */
+    :: withdrawn[0] = true /* an orderly end; else the process is killed */
     :: true
     fi
   };
@@ -464,7 +464,7 @@ active proctype writer_process() {
 #endif
 
 #if MEMORY_LOSSES & 1
-/* Negotiation::self_changed, Reconciler::look_after_shm */
+/* Shared memory is lost, and found again: Negotiation::self_changed, Reconciler::look_after_memory. */
 active proctype memory_of_reader() {
   atomic {
     reader_up && reader_memory ->
@@ -496,14 +496,14 @@ active proctype memory_of_writer() {
 }
 #endif
 
-/* Nothing is under way, and neither agent has anything to do. */
+/* No control sample is under way, and neither agent has work. */
 #define AT_REST (!stale && !announced[0] && !announced[1] && !requested[0] && !requested[1] && \
                  overtaken[0] == 0 && overtaken[1] == 0 && !withdrawn[0] && !writer_announced && \
                  connected == heard && listening == LISTENING && attached == ATTACHED && \
                  subscribed == SHARING && fed == (port -> subscribed & BIT(writer) : 0) && \
                  !cut[reader])
 
-/* Of which the last word is: the reader hears this writer, and is served what it wants by the best path. */
+/* The final state: if the reader knows this writer, it is served what it wants, by the best path. */
 #define AGREED (path[reader] == ((HAS(heard, writer) && reader_memory && writer_memory) -> SHM : \
                                  (HAS(heard, writer) -> UDP : NOWHERE)) && \
                 (path[reader] == NOWHERE || mask[reader] == wanted))
@@ -511,9 +511,9 @@ active proctype memory_of_writer() {
 inline check_route(r) {
   if
   :: path[r] != NOWHERE && !stale ->
-      assert(state[r] == KNOWN);         /* nothing before the first request; nothing while its node is lost */
+      assert(state[r] == KNOWN);         /* no sample before the first request, or while its node is lost */
       assert(!gone[r]);                  /* no mask outlives its reader */
-      assert(HAS(asked[r], mask[r]));    /* nor is it another reader's */
+      assert(HAS(asked[r], mask[r]));    /* the mask is not another reader's */
       assert(path[r] == UDP -> LISTENS(table[r], writer) : IS_ATTACHED(table[r], writer))
   :: else
   fi
@@ -554,22 +554,22 @@ active proctype publisher() {
   od
 }
 
-/* Any sample may be lost, but not each: with LIVENESS never two that would have been wanted in a row. The socket may be
-   that of a reader that had the same address before. */
+/* Any sample may be lost, but not all: with LIVENESS, never two wanted samples in a row. A datagram to a former reader
+   may arrive at the socket of the present one, which then has the same address. */
 active proctype network() {
   byte w, r, named, encoded, at;
   do
   :: atomic {
       datagrams?w, r, named, encoded, at ->
 #if IN_FLIGHT > 1
-      if /* the one behind it overtakes it */
+      if /* the next datagram may overtake this one */
       :: true
       :: nempty(datagrams) -> datagrams!w, r, named, encoded, at; datagrams?w, r, named, encoded, at
       fi;
 #endif
       if
       :: reader_up ->
-          assert(r != reader || HAS(connected, w) || HAS(let_go, w)); /* it knows what comes */
+          assert(r != reader || HAS(connected, w) || HAS(let_go, w)); /* the reader knows the writer */
 #ifdef MASKS_NAMED_BY_REQUESTS
           named = mask_at[at];
 #endif
@@ -592,6 +592,6 @@ active proctype network() {
 }
 
 #ifdef LIVENESS
-/* P2: a requirement that stays is served, again and again. */
+/* P2: a requirement that does not change any more is served again and again. */
 ltl served { []<> (fresh || !reader_up || !writer_up) }
 #endif

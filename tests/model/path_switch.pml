@@ -1,6 +1,6 @@
-/* Intake: what a reader makes of one writer's samples while they change from one path to the
-   other, or come by both. Every sample is taken once, or counted as lost once, or neither if it was before
-   the first; never both. See model.md. */
+/* Intake: how a reader takes one writer's samples while they change from one path to the other, or arrive by
+   both. Every sample is taken once or counted as lost once, but never both. Samples before the first one that
+   was taken are neither. See model.md. */
 
 #ifndef SAMPLES
 #define SAMPLES 5
@@ -12,11 +12,11 @@ chan udp = [2] of { byte };
 chan shm = [2] of { byte };
 
 bool done;
-byte last; /* Heard::last_sequence */
-byte lost; /* Heard::lost */
+byte last; /* the last sequence in SequenceAccount */
+byte lost; /* the losses that it counts */
 byte received;
 
-/* For the properties only: what was taken first, what was taken, and what was counted. */
+/* Only the properties use these: the first sample that was taken, all that were taken, and those counted as lost. */
 byte first;
 short taken, counted;
 
@@ -28,7 +28,7 @@ active proctype writer() {
       :: udp!sequence
       :: shm!sequence
       :: udp!sequence; shm!sequence /* for a moment both paths have a route to the reader */
-      :: true                       /* no memory, or on a path that was just given up */
+      :: true                       /* there was no memory, or the path was just given up */
       fi;
       sequence++
   :: sequence > SAMPLES -> break
@@ -36,7 +36,7 @@ active proctype writer() {
   done = true
 }
 
-/* What is sent by UDP may be lost, come later than what was sent behind it, or twice. */
+/* A sample by UDP may be lost, arrive later than one that was sent after it, or arrive twice. */
 active proctype network() {
   byte sequence;
   do
@@ -57,7 +57,7 @@ inline take(sequence) {
 #endif
   :: else ->
       assert(!HAS(taken, sequence));
-      assert(!HAS(counted, sequence)); /* what was counted as lost is not taken after all */
+      assert(!HAS(counted, sequence)); /* a sample that was counted as lost is never taken */
 #ifdef GAPS_COUNTED_FROM_THE_BEGINNING
       if
       :: true ->
@@ -78,7 +78,7 @@ inline take(sequence) {
   fi
 }
 
-/* fill_inlets and oldest_inlet: one sample of each port is looked at, the lower sequence goes first. */
+/* Intake::next: the reader looks at one sample of each port, and takes the lower sequence first. */
 active proctype reader() {
   byte at_udp, at_shm;
   do
@@ -91,7 +91,7 @@ active proctype reader() {
       :: else -> take(at_shm); at_shm = 0
       fi
     }
-  :: atomic { /* a port may be dropped with what is in its queue: Reconciler::drop_shm_ports */
+  :: atomic { /* a port may be dropped with the samples in its queue: LocalReader::drop_memory */
       nempty(shm) -> shm?at_shm; at_shm = 0
     }
   :: done && empty(udp) && empty(shm) && at_udp == 0 && at_shm == 0 ->

@@ -1,6 +1,6 @@
-/* Dispatch::serve, on the agent's thread, against publish() and commit() on the program's: whatever the
-   interleaving, no route asks for a field that the sample at hand is not encoded with, or by a gate that was
-   not asked about it. See model.md. */
+/* Dispatch::serve on the agent's thread beside publish() and commit() on the program's thread. In each
+   interleaving, no route asks for a field that the present sample is not encoded with, or depends on a gate
+   that was not asked about the sample. See model.md. */
 
 #ifndef CHANGES
 #define CHANGES 3
@@ -11,17 +11,17 @@
 /* Gates are named 1 and 2, and 0 stands for none. A set of gates has a bit for each. */
 #define GATE(g) ((1 << (g)) >> 1)
 
-/* Outlets: what has to be encoded, which gates have to be asked, and which ports are sent to. A change stores all of it at once. */
+/* Outlets: the mask to encode, the gates to ask, and the ports to send to. A change stores all of them at once. */
 byte outlets_mask;
 bool outlets_to_shm, outlets_to_udp;
 #ifdef GATES
 byte outlets_gates;
-byte shm_gate, udp_gate; /* of the routes of the two ports */
+byte shm_gate, udp_gate; /* the gates of the routes of the two ports */
 #endif
 bool publishing;
 
-/* The routes of the port for UDP: the union of their masks (what holds for that, holds for each). The other
-   port needs none: all of a sample is there. */
+/* The routes of the port for UDP, as the union of their masks. What holds for the union, holds for each mask.
+   The port for shared memory needs no mask, since a sample is complete there. */
 byte udp_routes;
 
 active proctype agent() {
@@ -33,7 +33,7 @@ active proctype agent() {
   do
   :: changes > 0 ->
       changes--;
-      /* Negotiation::serving wants something else. */
+      /* serving_of() returns other routes. */
       d_step { udp = 0; shm = false };
       if
       :: udp = 0
@@ -97,7 +97,7 @@ active proctype agent() {
   od
 }
 
-/* UdpWriter::follow_routes, and in shared memory the list of queues */
+/* Uses the routes: UdpWriter::send, and in shared memory the list of queues. */
 inline send() {
   if
   :: to_shm ->
@@ -126,7 +126,7 @@ active proctype program() {
   byte encoded, routes;
   bool to_shm, to_udp;
 #ifdef GATES
-  byte asked, gate; /* the gates that were asked about the sample at hand */
+  byte asked, gate; /* the gates that were asked about the present sample; the gate of a route */
 #endif
   do
   :: true -> /* publish() */
@@ -150,7 +150,7 @@ active proctype program() {
 #endif
       }
 #ifdef GATES
-  :: true -> /* commit() of a loan, which has all fields. It begins a Call for the gates alone. */
+  :: true -> /* commit() of a loan, which has all fields. It begins a Call only for the gates. */
       publishing = true;
       d_step { encoded = FULL; to_shm = outlets_to_shm; to_udp = outlets_to_udp; asked = outlets_gates };
       send();
@@ -158,7 +158,7 @@ active proctype program() {
         publishing = false; encoded = 0; routes = 0; to_shm = false; to_udp = false; asked = 0; gate = 0
       }
 #else
-  :: true -> /* commit() of a loan, which has all fields: announces nothing */
+  :: true -> /* commit() of a loan, which has all fields, so that it does not set `publishing` */
       d_step { to_shm = outlets_to_shm; to_udp = outlets_to_udp };
       if
       :: to_udp -> routes = udp_routes; assert(COVERS(FULL, routes))

@@ -23,10 +23,10 @@ for file in arguments.cyclone.rglob("*.c") if arguments.cyclone else []:
 
 
 def types(header):
-    """C++ names, and the descriptors or None."""
+    """Returns pairs: the C++ name of a type, and its topic descriptor or None."""
     pattern = r'^struct sft::detail::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
     found = re.findall(pattern, header.read_text(), re.M | re.S)
-    # Of a service stock idlc knows the request and the response, and not what carries them.
+    # Stock idlc knows the request and the response of a service, but not the types that carry them.
     carriers = ("_Call", "_Reply") if header.parent.name == "srv" else ()
     missing = [idl for _, idl in found if idl not in descriptors and not idl.endswith(carriers)]
     if arguments.cyclone and missing and header.name not in arguments.ours_only:
@@ -46,7 +46,7 @@ def entry(ours, theirs):
 
 
 def views(ours):
-    """Of full and of recorded samples; of the type as a whole message and as an element of a collection."""
+    """Instantiates the views of full and recorded samples, for the type as a whole message and as an element."""
     requirements = (f"sft::Req<{ours}>{{sft::all<{ours}>}}", f"sft::Req<{ours}>{{sft::recorded}}")
     places = ("sft::detail::IndexedPlace<{0}, {1}, 0, 0>", "sft::detail::ElementPlace<{0}, {1}, 0>")
     return "".join(f"template class {ours}::View<{place.format(requirement, ours)}>;\n"
@@ -54,7 +54,7 @@ def views(ours):
 
 
 def part(number, headers):
-    """headers: pairs of an include directory and a path."""
+    """Returns the text of one file. `headers`: pairs of an include directory and a path."""
     listed = [both for _, header in headers for both in types(header)]
     return f"""\
 // Generated. Do not edit.

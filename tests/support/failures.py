@@ -8,11 +8,11 @@ import re
 import sys
 import xml.etree.ElementTree as xml
 
-LINES = 40  # of each log
+LINES = 40  # lines to print of each log
 
 
 def seed_of(log):
-    """The last one is that of the failure; the first one is that with which the program began."""
+    """Returns the last seed in the log, which is that of the failure. The program may have begun with another one."""
     seeds = re.findall(r"SFT_TEST_SEED=(\d+)", log)
     return seeds[-1] if seeds else None
 
@@ -22,7 +22,7 @@ def failed_cases(report):
 
 
 def without_passed(lines):
-    """The log of a suite without what its tests printed that passed."""
+    """Returns the log of a suite without the output of tests that passed."""
     kept, of_this_test = [], []
     for line in lines:
         if line.startswith("[ RUN "):

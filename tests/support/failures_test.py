@@ -1,4 +1,4 @@
-"""Tests of failures.py, the end of a run of tests in which something failed."""
+"""Tests of failures.py, which prints the failures at the end of a run of tests."""
 
 import contextlib
 import io

@@ -1,6 +1,6 @@
 """Usage: ros_idl.py OUTPUT_DIR FILE...
 
-Lets ROS 2's own tool make OUTPUT_DIR/<package>/msg/<Type>.idl of each FILE, which is .../<package>/msg/<Type>.msg, or
+Converts each FILE, .../<package>/msg/<Type>.msg, to OUTPUT_DIR/<package>/msg/<Type>.idl with ROS 2's own tool, and
 .../srv/<Type>.srv likewise.
 """
 import pathlib

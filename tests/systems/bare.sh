@@ -1,16 +1,16 @@
 # shellcheck shell=bash
-# Bare systems of Debian for tests, to be sourced. A system is made once, with debootstrap, and kept as an archive in
-# ${XDG_CACHE_HOME:-$HOME/.cache}/sft, for the next time. Needs root, and a mirror of Debian: SFT_DEBIAN_MIRROR, or the
-# official one; an apt proxy of this host is used.
+# Functions for bare systems of Debian in which tests run; scripts source this file. A system is made once, with
+# debootstrap, and kept as an archive in ${XDG_CACHE_HOME:-$HOME/.cache}/sft, for the next time. Needs root, and a
+# mirror of Debian: SFT_DEBIAN_MIRROR, or else the official one. If this host has an apt proxy, it is used.
 
 mirror=${SFT_DEBIAN_MIRROR:-http://deb.debian.org/debian}
 
 say() { printf '== %s\n' "$*"; }
 die() { printf '%s: %s\n' "$(basename -- "$0")" "$*" >&2; exit 1; }
 
-# SUITE NAME PACKAGE...: makes the archive of a bare system of that suite with these packages, unless it is there. NAME
-# says what the packages are for; another list of packages makes another archive. A package may be
-# of another architecture, as in NAME:arm64, or of another suite, as in NAME/bookworm-backports. Sets archive.
+# SUITE NAME PACKAGE...: makes the archive of a bare system of that suite with these packages, unless it exists. NAME
+# says what the packages are for. Another list of packages makes another archive. A package may be of another
+# architecture, as in NAME:arm64, or of another suite, as in NAME/bookworm-backports. Sets archive to the file.
 make_bare_system() {
   local suite=$1 name=$2 new list
   shift 2
@@ -25,7 +25,7 @@ make_bare_system() {
     { tail -5 "$new.log"; die "debootstrap failed"; }
   cp /etc/resolv.conf "$new/etc/resolv.conf"
   mkdir -p "$new/etc/apt/apt.conf.d" "$new/etc/dpkg/dpkg.cfg.d"
-  echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/unsafe-io" # nothing of it outlives a crash of the machine
+  echo force-unsafe-io >"$new/etc/dpkg/dpkg.cfg.d/unsafe-io" # a crash of the machine loses all of it anyway
   cp /etc/apt/apt.conf.d/*proxy* "$new/etc/apt/apt.conf.d/" 2>/dev/null || true
   printf '%s\n' "$@" | sed -n 's,.*:,,p' | sort -u | xargs -rn 1 chroot "$new" dpkg --add-architecture
   printf '%s\n' "$@" | sed -n "s,.*/\(.*\),deb $mirror \1 main,p" | sort -u >"$new/etc/apt/sources.list.d/other.list"
@@ -40,14 +40,15 @@ make_bare_system() {
   rm -rf --one-file-system "$new" "$new.log"
 }
 
-# FILE...: prints the packages that these lists of .ci name.
+# FILE...: prints the packages that these files in .ci list.
 packages_of() { (cd -- "$(dirname -- "${BASH_SOURCE[0]}")/../../.ci" && sed 's/#.*//; s/[[:space:]]//g; /^$/d' "$@"); }
 
-# Unpacks the archive and mounts what programs need. Sets system, the folder. It is taken away when this shell exits.
-# REQUIRES: a mount and a process namespace of its own (see in_own_namespaces), so that nothing of them is left.
+# Unpacks the archive and mounts the file systems that programs need. Sets system to the folder, which is removed when
+# this shell exits. REQUIRES: a mount and a process namespace of its own (see in_own_namespaces), so that no mounts and
+# processes are left.
 open_bare_system() {
   system=$(mktemp -d)
-  mount --bind "$system" "$system" # tests make namespaces, which want / to be a mount
+  mount --bind "$system" "$system" # tests make namespaces, for which / has to be a mount point
   trap close_bare_system EXIT
   say "unpacking $(basename -- "$archive")"
   tar -C "$system" -xf "$archive"
@@ -59,8 +60,8 @@ open_bare_system() {
   mount -t tmpfs -o mode=1777 tmpfs "$system/dev/shm"
 }
 
-# COMMAND...: runs it with the system as the root of a mount namespace. Behind a chroot alone, programs in further
-# namespaces are told the paths of this host, so that they do not find what lies beside them.
+# COMMAND...: runs the command with the bare system as the root of a mount namespace. With chroot alone, programs in
+# further namespaces would see paths of this host, and would not find the files beside them.
 in_bare_system() {
   # shellcheck disable=SC2016 # the inner shell expands these variables
   unshare --mount --propagation private bash -euc '
@@ -71,14 +72,14 @@ in_bare_system() {
     exec "${@:2}"' bash "$system" "$@"
 }
 
-# CHECKOUT FOLDER: copies what git tracks or would track, as it is now.
+# CHECKOUT FOLDER: copies the files that git tracks or would track, in their present state.
 copy_checkout() {
   mkdir -p "$2"
   git -C "$1" ls-files -z --cached --others --exclude-standard |
     tar -C "$1" --null --files-from=- --ignore-failed-read -c 2>/dev/null | tar -C "$2" -x
 }
 
-# ARGUMENT...: runs the calling script again, in namespaces of its own, unless it is there already.
+# ARGUMENT...: runs the calling script again in namespaces of its own, unless it already runs in them.
 in_own_namespaces() {
   ((EUID == 0)) || die "needs root, to make a system of its own"
   [[ -z ${SFT_OWN_NAMESPACES:-} ]] || return 0
@@ -86,7 +87,7 @@ in_own_namespaces() {
     "$0" "$@"
 }
 
-# All that is mounted below the folder leaves it first, so that nothing else is removed with it.
+# Unmounts everything below the folder before it removes the folder, so that no mounted files are removed.
 close_bare_system() {
   if [[ -n ${launcher:-} ]]; then
     kill -KILL "$launcher" 2>/dev/null || true # all processes of the system end with it
@@ -97,8 +98,8 @@ close_bare_system() {
   umount --recursive --lazy "$system" && rm -rf --one-file-system "$system" "$system.log"
 }
 
-# Starts the system that is open with its own systemd as first process, in namespaces of its own and without
-# a network but its loopback. Sets init, the number of that process here. The system ends with this shell.
+# Boots the open system with its own systemd as first process, in namespaces of its own, with a loopback device as its
+# only network. Sets init to the number of that process on this host. The system ends with this shell.
 boot_bare_system() {
   local log=$system.log started=$SECONDS
   echo bare >"$system/etc/hostname"
@@ -122,7 +123,8 @@ boot_bare_system() {
   done
 }
 
-# Sets init. A system is degraded if something failed that a container does without, modules of the kernel for example.
+# Returns true if the system has booted, and sets init. systemd calls a system degraded if a unit has failed. Some fail
+# in each container, for example the one that loads modules of the kernel.
 is_booted() {
   local state
   init=$(cat "/proc/$launcher/task/$launcher/children" 2>/dev/null) && init=${init%% *} && [[ -n $init ]] || return 1
@@ -130,14 +132,14 @@ is_booted() {
   [[ $state == running || $state == degraded ]]
 }
 
-# SYSTEM: what the first process of the system does before it becomes systemd.
+# SYSTEM: prepares the system as its first process, which then becomes systemd.
 become_init() {
   local device
   cd -- "$1" || return
   ip link set lo up multicast on
   umount -R dev sys proc tmp
   mount -t proc proc proc
-  mount -o bind,ro proc/sys proc/sys # the settings of the kernel are those of this host
+  mount -o bind,ro proc/sys proc/sys # the kernel's settings belong to this host, so they are read-only
   mount -t sysfs -o ro sysfs sys
   mount -t cgroup2 cgroup2 sys/fs/cgroup
   mount -t tmpfs -o mode=755 tmpfs dev
@@ -157,5 +159,5 @@ become_init() {
   exec env -i container=sft PATH=/usr/sbin:/usr/bin:/sbin:/bin /lib/systemd/systemd --log-target=journal
 }
 
-# COMMAND...: runs it in the system that was booted.
+# COMMAND...: runs the command in the booted system.
 in_booted_system() { nsenter --target "$init" --all env -i PATH=/usr/sbin:/usr/bin:/sbin:/bin HOME=/root "$@"; }

@@ -1,4 +1,4 @@
-"""What must hold. Each check yields what breaks it, and says what to do."""
+"""The checks of the tree. Each check yields the places that break it, and says what to do."""
 
 import os
 import re
@@ -94,7 +94,7 @@ class _Reasons:
         self._unused = {number for number, line in enumerate(lines, 1) if self._BEGINNING.match(line)}
 
     def above(self, line):
-        """True if the comment that ends above this line has a reason, which is needed then."""
+        """Returns true if the comment that ends above this line has a reason, and marks that reason as needed."""
         first = line - 1
         while first > 0 and self._lines[first - 1].lstrip().startswith("//"):
             first -= 1
@@ -132,7 +132,7 @@ def sources_are_in_cmake_lists(tree, settings):
 
 
 def _sources_in(text, folder):
-    """Patterns of the paths that a list names: relative to its folder, with a variable in front, or by file(GLOB)."""
+    """Yields patterns of the paths that a list names: relative to its folder, behind a variable, or by file(GLOB)."""
     text = re.sub(r"#.*", "", text)
     for name in re.findall(r"[^\s\"();]+\.(?:cpp|c)\b", text):
         name = name.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/")
@@ -162,7 +162,7 @@ def _columns(path, columns):
 
 
 def _cannot_be_broken(line):
-    """A table of Markdown, an address, or an include."""
+    """Returns true for a table of Markdown, an address, and an include."""
     return line.lstrip().startswith(("|", "#include")) or re.fullmatch(r"\s*\S*https?://\S*", line)
 
 
@@ -183,7 +183,7 @@ def public_headers_include_public_ones(tree, settings):
 
 
 def public_types_are_few(tree, settings):
-    """Who reads the reference finds the types that matter only if few stand beside them."""
+    """Limits the public types, so that readers of the reference find those that matter."""
     types, limit = len(list(headers.public_types(tree, settings))), settings.limits["public_types"]
     if types > limit:
         yield Finding(settings.file, 1, f"the public headers give users {types} types, more than {limit} (./run tidy "
@@ -201,7 +201,7 @@ def words_are_plain(tree, settings):
 
 
 def comments_begin_with_their_subject(tree, settings):
-    """Of all blocks, so many may begin in mid-sentence: the heuristic errs now and then."""
+    """Up to MID_SENTENCE_PERCENT_MAX % of the blocks may seem to begin in mid-sentence: the heuristic may be wrong."""
     all_blocks, found = 0, []
     for path, block, is_fragment in comment_blocks(tree, settings):
         all_blocks += 1
@@ -214,14 +214,14 @@ def comments_begin_with_their_subject(tree, settings):
 
 def comment_blocks(tree, settings):
     for path in tree.code:
-        own_name = os.path.splitext(os.path.basename(path))[0]  # a program says what it does behind its name
+        own_name = os.path.splitext(os.path.basename(path))[0]  # the comment of a program may begin with its name
         names = comments.names_in(tree.text(path)) | settings.names | {own_name}
         for block in comments.blocks(tree.text(path)):
             yield path, block, comments.begins_in_mid_sentence(block, names)
 
 
 def identifiers_are_words_of_the_trade(tree, settings):
-    """Names of tests are sentences, and names in capitals those of a definition or a macro: both are free."""
+    """Accepts any words in names of tests, which are sentences, and in names in capitals (macros, definitions)."""
     for path in tree.code:
         for token in lexer.read(tree.text(path)).tokens:
             parts = _PARTS.findall(token.text) if token.kind == "word" else []
@@ -243,7 +243,7 @@ def trailing_comments_have_a_noun(tree, settings):
 
 
 def includes_have_one_style(tree, settings):
-    """From the root of the project in double quotes; public headers as "sft/..." or <sft/...>."""
+    """Paths are relative to the root of the project, in double quotes; public headers are "sft/..." or <sft/...>."""
     top_folders = {path.split("/")[0] for path in tree.code}
     for include in rooms.Includes(tree, settings).all:
         if include.quoted and not include.target and include.name.split("/")[0] in top_folders:

@@ -1,12 +1,12 @@
-"""Comments that begin in the middle of a sentence.
+"""Finds comments that begin in the middle of a sentence.
 
 A block is a run of lines that hold nothing but a // or /// comment, in the same column. A comment behind code is no
-block, even where it goes on in the next lines, and neither is a ///< comment. A block begins in mid-sentence if its
+block, even if it continues in the next lines, and neither is a ///< comment. A block begins in mid-sentence if its
 first word is
 
-- a word with which clauses and phrases begin, or a pronoun of something that was not named yet (FRAGMENT); or
-- written in lower case, unless it is a name: the code of the file has it, rooms.toml lists it (programs, system calls),
-  or no English word is spelled so (snake_case, `quoted`, call(), a::b).
+- a word with which clauses and phrases begin, or a pronoun, since nothing was named before it (FRAGMENT); or
+- written in lower case, unless it is a name: it occurs in the code of the file, rooms.toml lists it (programs, system
+  calls), or its spelling is not that of an English word (snake_case, `quoted`, call(), a::b).
 """
 
 import re
@@ -20,7 +20,7 @@ FRAGMENT = set("""
     were what whatever when whence whenever where whereas whereby wherein wherever whether which whichever while who
     whoever whom whose why with without yet
     """.split())
-# Whole sentences begin with these, too: `When the window is full, the sender waits.` The comma tells them apart.
+# Whole sentences may begin with these words, too: `When the window is full, the sender waits.` They have a comma.
 CLAUSE = set("""
     because behind by for from in instead like on though through to under unless until upon when whenever while with
     without
@@ -61,7 +61,7 @@ def names_in(text):
 
 
 def begins_in_mid_sentence(block, names):
-    """`names` need no capital letter."""
+    """Returns true if the block begins in mid-sentence. Words in `names` need no capital letter."""
     first = block.text.split(maxsplit=1)[0]
     word = re.match(r"[A-Za-z]+(?:'[a-z]+)?(?=$|[^\w])", first)
     if not word:

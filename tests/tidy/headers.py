@@ -1,4 +1,4 @@
-"""The public headers: what they include, and the types that they define in namespaces of users."""
+"""The public headers: their includes, and the types that they define in namespaces for users."""
 
 import structure
 
@@ -12,7 +12,7 @@ def is_detail(path):
 
 
 def public_types(tree, settings):
-    """(file, line, name) of the classes, enums, aliases and concepts of namespaces, without detail."""
+    """Yields (file, line, name) of classes, enums, aliases and concepts in namespaces other than detail."""
     for path in public_headers(tree, settings):
         found = structure.read(tree.text(path))
         types = [(c.line, c.name, c.namespace) for c in found.classes if c.public_type]

@@ -1,10 +1,10 @@
-"""Splits C and C++ into tokens, comments and lines, as far as tidiness needs it."""
+"""Splits C and C++ into tokens, comments and lines, as precisely as the checks need it."""
 
 import functools
 import re
 from typing import NamedTuple
 
-# What is frequent comes first, for speed.
+# Frequent kinds come first, for speed.
 _PIECES = re.compile(
     r"""(?P<word>(?!(?:u8|u|U|L)?R")[A-Za-z_]\w*)"""
     r"|(?P<line_end>\n)"
@@ -30,7 +30,7 @@ class Comment(NamedTuple):
     text: str
     line: int
     column: int
-    own_line: bool  # nothing but white space stands before it
+    own_line: bool  # only white space is before it in its line
 
 
 class Source(NamedTuple):
@@ -66,7 +66,7 @@ class LineCounts(NamedTuple):
 
 
 def count_lines(text):
-    """A line with code and a comment is a line of code."""
+    """Counts lines of code and of comments. A line with both is a line of code."""
     lines = text.splitlines()
     with_code, with_comment = set(), set()
     for piece in _PIECES.finditer(text):

@@ -6,15 +6,15 @@ from collections import defaultdict
 from typing import NamedTuple
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
-ALL_BELOW = "..."  # at the end of a room's name: with all the folders in it
+ALL_BELOW = "..."  # at the end of a name, this means that the room contains all folders in it
 
 
 class Include(NamedTuple):
     path: str    # the file that includes
     line: int
     quoted: bool
-    name: str    # as it stands there
-    target: str  # the file of the project that it means, or ""
+    name: str    # the path as it is written
+    target: str  # the file of the project that this path means, or ""
 
 
 class Includes:
@@ -42,14 +42,14 @@ class Includes:
 
 
 class Rooms:
-    """The rooms of rooms.toml, and what each may include: itself, what it names, and what these may include."""
+    """The rooms of rooms.toml. Each may include itself, the rooms that it names, and what these may include."""
 
     def __init__(self, table):
         self.table = table
         self._reach = {}
 
     def room_of(self, path):
-        """The room of a file; "" if its folder is none."""
+        """Returns the room of a file; "" if its folder is in no room."""
         folder = os.path.dirname(path)
         if folder in self.table:
             return folder
@@ -62,13 +62,13 @@ class Rooms:
 
     def may_include(self, room):
         if room not in self._reach:
-            self._reach[room] = {room}  # before the search: rooms.toml may err, and name a circle
+            self._reach[room] = {room}  # before the recursion, since rooms.toml may have a circle by mistake
             for other in self.table[room]["includes"]:
                 self._reach[room] |= self.may_include(other) if other in self.table else set()
         return self._reach[room]
 
     def errors(self):
-        """A room may only name rooms that stand before it, which makes circles impossible."""
+        """Yields errors of the table. A room may only name rooms that are before it, so that there are no circles."""
         seen = set()
         for room, line in self.table.items():
             for other in line["includes"]:
@@ -80,7 +80,7 @@ class Rooms:
 
 
 def arrows(includes, room_of):
-    """How often a room includes another: {(from, to): [includes]}."""
+    """Returns the includes between rooms: {(from, to): [includes]}."""
     found = defaultdict(list)
     for include in includes.all:
         if include.target and room_of(include.path) != room_of(include.target):
@@ -89,19 +89,19 @@ def arrows(includes, room_of):
 
 
 def upward(includes, rooms):
-    """The includes that rooms.toml does not allow."""
+    """Yields the includes that rooms.toml does not allow."""
     for (source, target), found in arrows(includes, rooms.room_of).items():
         if source and target and target not in rooms.may_include(source):
             yield from found
 
 
 def pair_of(path):
-    """The name of X.h and X.cpp. A private header in another folder than the public one is a pair of its own."""
+    """Returns the name of a pair X.h and X.cpp. Files of one name in different folders are different pairs."""
     return os.path.splitext(path)[0]
 
 
 def knots(includes):
-    """The groups of file pairs that include each other in a circle (Tarjan's strongly connected components)."""
+    """Returns the groups of file pairs that include each other in a circle (Tarjan's strongly connected components)."""
     graph = defaultdict(set)
     for include in includes.all:
         source, target = pair_of(include.path), pair_of(include.target)

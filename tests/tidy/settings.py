@@ -1,4 +1,4 @@
-"""What tests/tidy/rooms.toml says."""
+"""Reads tests/tidy/rooms.toml."""
 
 import os
 import tomllib
@@ -7,7 +7,7 @@ FILE = "tests/tidy/rooms.toml"
 
 
 class Settings:
-    """The table of the checkout that is looked at, or the one beside this script if that checkout has none."""
+    """The table of the examined checkout, or the one beside this script if that checkout has none."""
 
     def __init__(self, root):
         self.file = FILE

@@ -1,6 +1,6 @@
 """Finds the functions and classes of a C or C++ file by its braces.
 
-What stands between a brace and the end of the statement before it tells whether the brace opens a namespace, a class, a
+The tokens between a brace and the end of the statement before it decide if the brace opens a namespace, a class, a
 function, or something inside them (a block, an initialiser). Macros are not expanded: TEST(a, b) {} is a function.
 """
 
@@ -32,9 +32,9 @@ class Class:
     name: str
     line: int
     lines: int = 0
-    data: int = 0     # data members; constants of the class (static constexpr) are not counted
-    methods: int = 0  # declared or defined in it, each overload; neither defaulted nor deleted ones
-    public_type: bool = False  # of a namespace, not of another class or of a function
+    data: int = 0     # data members without constants (static constexpr)
+    methods: int = 0  # methods that it declares, with each overload; no defaulted or deleted ones
+    public_type: bool = False  # it is in a namespace, not in a class or a function
     namespace: str = ""
 
 
@@ -49,9 +49,9 @@ class Name:
 class Structure:
     functions: list = field(default_factory=list)
     classes: list = field(default_factory=list)
-    balanced: bool = True  # false if the braces of the file could not be followed
-    enums: list = field(default_factory=list)  # those of namespaces
-    aliases: list = field(default_factory=list)  # of namespaces, and concepts
+    balanced: bool = True  # false if the braces of the file do not match
+    enums: list = field(default_factory=list)  # enumerations in namespaces
+    aliases: list = field(default_factory=list)  # aliases and concepts in namespaces
 
 
 @functools.lru_cache(maxsize=None)
@@ -70,7 +70,7 @@ class _Reader:
         return self.found
 
     def _scope(self, kind, owner, namespace, is_file=False):
-        """Reads statements up to the brace that closes this scope, and answers its line."""
+        """Reads statements up to the brace that closes this scope, and returns the line of that brace."""
         head = []
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
@@ -107,21 +107,21 @@ class _Reader:
                 self.found.aliases.append(Name(texts[1], head[0].line, namespace))
 
     def _is_macro_call(self, head):
-        """True behind `MACRO(a, b)` that stands without a semicolon."""
+        """Returns true behind `MACRO(a, b)` without a semicolon."""
         if len(head) != 3 or not head[0].text.isupper() or self.at == len(self.tokens):
             return False
         following = self.tokens[self.at]
         return following.kind == "word" and following.line > self.tokens[self.at - 1].line
 
     def _arguments(self):
-        """The names of a test, which follow."""
+        """Returns the names of a test, which follow."""
         end = self.at
         while end < len(self.tokens) and self.tokens[end].text != ")":
             end += 1
         return "".join(token.text for token in self.tokens[self.at:end]).replace(",", ", ")
 
     def _group(self, opening, head):
-        """Moves on behind the bracket that closes this one; keeps only the closing bracket."""
+        """Skips the tokens up to the bracket that closes this one, and appends only that bracket to `head`."""
         closing, inside = _CLOSE[opening], []
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
@@ -136,7 +136,7 @@ class _Reader:
                 self._group(token.text, inside)
 
     def _brace(self, brace, head, kind, owner, namespace):
-        """Reads what the brace opens. Answers what is left of the statement."""
+        """Reads what the brace opens. Returns what is left of the statement."""
         texts = _outside_angles(head)
         if kind in ("namespace", "class"):
             is_linkage = texts[:1] == ["extern"] and len(head) == 2
@@ -151,7 +151,7 @@ class _Reader:
                 return [*head, brace]
         if _opens_class(texts):
             return self._class(brace, head, texts, kind, namespace)
-        if kind != "block" and texts[0:2] == ["catch", "("] and self.found.functions:  # of a body with `try`
+        if kind != "block" and texts[0:2] == ["catch", "("] and self.found.functions:  # it belongs to a body with `try`
             last = self.found.functions[-1]
             last.lines = self._scope("block", None, "") - last.line + 1
             return []
@@ -173,7 +173,7 @@ class _Reader:
                      public_type=kind == "namespace")
         self.found.classes.append(made)
         made.lines = self._scope("class", made, namespace) - made.line + 1
-        return [*head[:1], brace]  # `struct { int a; } member;` is a statement with one word more
+        return [*head[:1], brace]  # `struct { int a; } member;` is a statement that continues
 
     def _function(self, brace, head, texts, kind, owner):
         function = Function(_function_name(texts), head[0].line, 0)
@@ -187,7 +187,7 @@ def _count_member(owner, texts):
     if texts[0] in ("using", "typedef", "friend", "static_assert", "template", "enum") and not _template_method(texts):
         return
     if texts[0] in _CLASS and len(texts) == 2:
-        return  # a declaration, or the end of a nested class
+        return  # a forward declaration, or the end of a nested class
     if _template_method(texts) or _parameters(texts):
         if texts[-1] not in ("default", "delete"):
             owner.methods += 1
@@ -200,13 +200,13 @@ def _template_method(texts):
 
 
 def _more_declarators(texts):
-    """One for b in `int a = 1, b;`, none for the comma in `auto a = std::pair<int, int>();`."""
+    """Counts further variables: 1 for `int a = 1, b;`, 0 for `auto a = std::pair<int, int>();`."""
     return sum(1 for i, text in enumerate(texts) if text == "," and texts[i + 1].isidentifier() and
                (i + 2 == len(texts) or texts[i + 2] in (",", "=", "{", "[", ":")))
 
 
 def _outside_angles(head):
-    """The words of a head without template arguments, attributes, alignas and requires-clauses."""
+    """Returns the words of a head without template arguments, attributes, alignas(), decltype() and explicit()."""
     texts, depth, skip_group = [], 0, False
     assigned = False
     for index, token in enumerate(head):
@@ -236,7 +236,7 @@ def _outside_angles(head):
 
 
 def _parameters(texts):
-    """The index of the bracket that opens the parameters of a function, or None (0 is none, too)."""
+    """Returns the index of the bracket that opens the parameters of a function; None if there is none."""
     for index, text in enumerate(texts):
         if text == "=" and texts[index - 1] != "operator":
             return None
@@ -250,7 +250,7 @@ def _parameters(texts):
 
 
 def _opens_class(texts):
-    """True for `struct A : B {`; false for `struct stat status{`, for `struct stat read() {` and for enums."""
+    """Returns true for `struct A : B {`; false for `struct stat status{`, for `struct stat read() {` and for enums."""
     index = next((i for i, text in enumerate(texts) if text in _CLASS), None)
     if index is None or "enum" in texts or "=" in texts or "(" in texts:
         return False
@@ -271,7 +271,7 @@ def _is_body(texts):
 
 
 def _ends_statement(texts):
-    """Blocks of statements end here; braces of initialisers are parts of their statement."""
+    """Returns true for the head of a block. The brace of an initialiser is a part of its statement instead."""
     return not texts or texts[-1] in (")", "else", "do", "try", ":", "mutable", "noexcept", "const") or "->" in texts
 
 

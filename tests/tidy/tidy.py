@@ -24,8 +24,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 def main():
-    gc.disable()  # millions of tokens are kept until the end, and none refers to itself
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # the reader of the output may leave, as `head` does
+    gc.disable()  # it would search millions of tokens, which stay until the end and form no cycles
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a reader of the output may end early, like `head`
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", choices=["figures", "check", "list", "types"])
     parser.add_argument("names", nargs="*", metavar="NAME")

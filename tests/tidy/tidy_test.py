@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of tests/tidy: each check finds what it is for, in a small tree, and is silent without it."""
+"""Tests of tests/tidy: in a small tree, each check reports what breaks it, and nothing else."""
 
 import os
 import sys

@@ -1,4 +1,4 @@
-"""The files of a checkout, and what stands in them."""
+"""The files of a checkout, and their contents."""
 
 import functools
 import os
@@ -10,7 +10,7 @@ NOT_OURS = ("build", ".git", "__pycache__")
 
 
 class Tree:
-    """The files that git knows or would add; without git, all of them."""
+    """The files that git tracks or would add; without git, all files."""
 
     def __init__(self, root):
         self.root = os.path.abspath(root)

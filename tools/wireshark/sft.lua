@@ -1,16 +1,16 @@
--- SFT in Wireshark: a dissector for its datagrams (udp_transport/wire/wire_format.md), and one for what publishers and
--- subscribers announce and ask for (core/control/sft_control.idl), and for their heartbeats.
+-- SFT in Wireshark: dissectors for its datagrams (udp_transport/wire/wire_format.md), for the announcements and
+-- requests of publishers and subscribers (core/control/sft_control.idl), and for heartbeats.
 --
--- Copy this file into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with
--- `tshark -X lua_script:sft.lua -r capture.pcap`. The dissector recognises datagrams by their contents, whatever their
--- ports. With "Decode As...", Wireshark takes all datagrams of a port for SFT, and reports what is wrong with others.
+-- Copy this file into the folder "Personal Lua Plugins" (Help, About Wireshark, Folders), or try it with `tshark -X
+-- lua_script:sft.lua -r capture.pcap`. The dissector recognises datagrams by their contents, on any port. With "Decode
+-- As...", Wireshark treats all datagrams of a port as SFT, and reports faults in those that are not SFT.
 --
--- Control samples travel by Cyclone DDS. Wireshark's own dissector of RTPS takes them out of the datagrams, and gives
--- them to this one. Wireshark shows requests that did not fit into one datagram if the preference "Enable RTPS
+-- Cyclone DDS sends control samples. Wireshark's own dissector of RTPS takes them out of the datagrams, and passes them
+-- to the dissector here. Wireshark shows requests that did not fit into one datagram if the preference "Enable RTPS
 -- Reassembly" (rtps.enable_rtps_reassembly) is on.
 --
 -- A new kind of datagram needs an entry in `kinds`, and a new flag an entry in `flags`. A new kind of record needs an
--- entry in `bodies`. A new version of the control topics needs what is new, and `control_version`.
+-- entry in `bodies`. A new version of the control topics needs its new members here, and a new `control_version`.
 --
 -- Larger than usual: users copy one file, and datagrams are explained by the requests in the same capture.
 
@@ -19,12 +19,12 @@ local sft = Proto("sft", "Selective Field Transmission")
 local wire_version = 2
 local common_bytes = 13
 
--- The facts that the control samples of the capture have told. `names` has what subscribers asked for, by the number
--- that stands for it in datagrams, and by their topic and that number. `topics` has the topics of publishers and
--- subscribers by their ids, and `writers` those of publishers by their short ids. `types` has the types of publishers
--- and subscribers by their ids, and `leaves` how many leaves the type of a publisher has, by its short id. Publishers
--- with one short id and different topics or types have `false`. `heard` has the short ids of the publishers by which
--- datagrams came whose headers say enough to recognize them.
+-- Facts from the control samples and datagrams of the capture. `names` has the requests of subscribers, by the number
+-- that stands for a request in datagrams, and by topic and that number. `topics` has the topics of publishers and
+-- subscribers by their ids, and `writers` the topics of publishers by their short ids. `types` has the types of
+-- publishers and subscribers by their ids, and `leaves` the number of leaves of a publisher's type, by its short id.
+-- The value is `false` if several publishers have the same short id and different topics or types. `heard` has the
+-- short ids of publishers that sent datagrams with enough in their headers to recognize them.
 local known = { names = {}, types = {}, leaves = {}, topics = {}, writers = {}, heard = {} }
 
 function sft.init()
@@ -119,7 +119,7 @@ local function add_leaves(set, word, first)
   end
 end
 
--- The leaves of a set from `first` on, before `last`, as runs: pairs of the first and the last leaf.
+-- Returns the leaves of a set from `first` on and before `last`, as runs: pairs of the first and the last leaf.
 local function runs_of(set, first, last)
   local runs, begin = {}, nil
   for leaf = first, last do
@@ -133,7 +133,7 @@ local function runs_of(set, first, last)
   return runs
 end
 
--- The same as text, "0-3, 7".
+-- Returns these runs as text: "0-3, 7".
 local function runs_text(set, first, last)
   local texts = {}
   for i, run in ipairs(runs_of(set, first, last)) do
@@ -142,7 +142,7 @@ local function runs_text(set, first, last)
   return #texts == 0 and "none" or table.concat(texts, ", ")
 end
 
--- The bits of a word of the mask as text. `first` is the number of the word's lowest bit.
+-- Returns the bits of a word of the mask as text. `first` is the number of the word's lowest bit.
 local function leaves_text(word, first)
   local set = {}
   add_leaves(set, word, first)
@@ -150,7 +150,7 @@ local function leaves_text(word, first)
 end
 
 -- A position in a datagram or a control sample, which advances with each read. A read beyond the end returns nil, and
--- is reported once.
+-- the first failure is reported.
 local Cursor = {}
 Cursor.__index = Cursor
 
@@ -172,7 +172,7 @@ function Cursor:take(bytes)
   self.at = self.at + bytes
   return range
 end
--- Reads a number into a field. Returns it and its item.
+-- Reads a number into a field. Returns the number and its item in the tree.
 function Cursor:number(field, bytes)
   local range = self:take(bytes)
   if range == nil then return nil end
@@ -191,8 +191,8 @@ function Cursor:rest(field)
   self.tree:add(field, self:take(self:left()))
 end
 
--- Reads the mark of a sample that is sent to a group. Only a rate may stand beside it: a group has no late readers, and
--- each member knows the sample's position in its channel.
+-- Reads the mark of a sample that is sent to a group. The only other mark may be a rate, since a group has no late
+-- readers, and each member knows the sample's position in its channel.
 local function read_group_mark(c, set)
   if has(set, 0x04) or has(set, 0x08) then c:fail("Only a rate may stand beside a position in a group") end
   local group = c:number(f.group, 4)
@@ -202,7 +202,7 @@ local function read_group_mark(c, set)
   return { group = group, group_ordinal = ordinal }
 end
 
--- Reads the marks behind a header, as its flags say, but not the words of the mask.
+-- Reads the marks behind a header that its flags announce, but not the words of the mask.
 local function read_marks(c, set)
   if has(set, 0x02) then
     c:number(f.rate_period, 4)
@@ -221,8 +221,8 @@ local function read_marks(c, set)
   return { channel = channel, ordinal = ordinal }
 end
 
--- Reads the words of a mask. The datagram does not contain the number of leaves of the type, so that only the length of
--- a complete body tells where the words end.
+-- Reads the words of a mask. The datagram does not contain the number of leaves of the type. So only the length of a
+-- complete body shows where the words end.
 local function read_mask_words(c, body_bytes)
   local words = math.floor((c:left() - body_bytes) / 8)
   for i = 0, words - 1 do
@@ -231,15 +231,15 @@ local function read_mask_words(c, body_bytes)
   end
 end
 
--- Tells whether the sample passed a gate that has conditions and no period. `c` stands behind the mask.
+-- Returns true if the sample passed a gate that has conditions and no period. The position of `c` is behind the mask.
 local function has_conditions(c, set)
   local rate_follows = has(set, 0x02) and c:left() >= 4
   return rate_follows and c.buffer(c.at, 4):le_uint() == 0
 end
 
--- Tells whether a mask without words is more likely a hash than a list of leaves. A hash has about half of its bits
--- set, in about 16 runs. Fewer than 1 in 5000 hashes are missed. A list that is taken for a hash names scattered fields
--- of a type with about 50 leaves or more.
+-- Returns true if a mask without words is more likely a hash than a list of leaves. A hash has about half of its bits
+-- set, in about 16 runs. Fewer than 1 in 5000 hashes are missed. A list of leaves is taken for a hash only if it names
+-- scattered fields of a type with about 50 leaves or more.
 local function looks_like_hash(mask)
   local set, leaves = {}, 0
   add_leaves(set, mask, 0)
@@ -247,8 +247,8 @@ local function looks_like_hash(mask)
   return mask:higher() >= 2 ^ 16 and leaves >= 17 and #runs_of(set, 0, 64) >= 9
 end
 
--- Tells whether a mask without words is a hash, from how many leaves the publisher's type has: true, false, or nil if
--- nothing is known of the publisher, or if most hashes could be lists of so many leaves.
+-- Decides from the number of leaves of the publisher's type if a mask without words is a hash. Returns true, false, or
+-- nil if the publisher is not known, or if most hashes could be lists of that many leaves.
 local function is_hash_by_type(mask, writer)
   local leaves = known.leaves[writer]
   if not leaves then return nil end
@@ -258,9 +258,9 @@ local function is_hash_by_type(mask, writer)
   return nil
 end
 
--- Says what a mask is that is a hash without words, and that no request of the capture has. Without a gate, only parts
--- of fields make a selection that has a hash. Retained samples come without conditions, but under the name of a whole
--- request.
+-- Describes a mask that is a hash without words and that no request of the capture has. Without a gate, only a
+-- selection with parts of fields has a hash. Retained samples have no gate, but the hash of a request that may have
+-- conditions.
 local function hash_text(c, set, writer)
   if has_conditions(c, set) then return "hash of a selection with conditions" end
   if (known.leaves[writer] or 0) > 2048 then return "hash of a long mask, or of a selection" end
@@ -268,15 +268,16 @@ local function hash_text(c, set, writer)
   return "hash of a selection with parts"
 end
 
--- The request that a mask of this publisher stands for. Masks of other topics may be the same number: where the topic
--- is not known, of the publisher or of the subscriber, the first request with that mask counts.
+-- Returns the request that a mask of this publisher stands for. Requests for other topics may have the same number. If
+-- the topic of the publisher or of the subscriber is not known, it is the first request with that mask.
 local function request_of(mask, writer)
   local key, topic = mask:tohex(), known.writers[writer]
   if not topic then return known.names[key] end
   return known.names[topic .. " " .. key] or known.names["? " .. key]
 end
 
--- Explains a mask by the request that it stands for, and names the frame of that. Returns the meaning.
+-- Explains a mask by the request that it stands for, and adds the frame of that request. Returns the meaning of the
+-- mask.
 local function add_request(c, range, request)
   if request.leaves then c.tree:add(f.leaves, range, request.leaves) end
   c.tree:add(f.selection, range, request.text):set_generated()
@@ -284,9 +285,9 @@ local function add_request(c, range, request)
   return request.kind
 end
 
--- A datagram says what a mask without words is only if there are conditions without a period, which make it the hash of
--- a selection, or if several masks are merged, which makes it a list of leaves. In the other cases requests and
--- announcements in the capture tell it. Without them, the number itself is judged. Returns the meaning of the mask.
+-- Explains a mask, and returns its meaning. A datagram itself shows the meaning of a mask without words in two cases.
+-- With conditions and no period, the mask is the hash of a selection. If several masks are merged, it is a list of
+-- leaves. In other cases requests and announcements in the capture decide, and without them, the number itself.
 local function explain_mask(c, set, writer, mask, range)
   local is_merged = has(set, 0x80)
   local request = not is_merged and request_of(mask, writer)
@@ -352,7 +353,7 @@ local function read_whole(c, set, _, writer)
   if c.failed then return "" end
   local bytes = c:left()
   if has(set, 0x01) then
-    c:rest(f.payload)  -- only the type tells where the words end
+    c:rest(f.payload)  -- only the type determines where the words end
     return string.format("seq=%u ordinal=%u", sequence, ordinal)
   end
   c.tree:add(f.total, bytes):set_generated()
@@ -425,7 +426,7 @@ local function read_ack(c, _, parts)
   return string.format("channel=%u next=%s missing=%u", channel, tostring(next), parts)
 end
 
--- Reads the bodies of packed samples: `each` bytes long, or with a length in front of each if `each` is 0.
+-- Reads the bodies of packed samples. Each has `each` bytes, or if `each` is 0, a length in front of it.
 local function read_samples(c, sequence, place, samples, each)
   for i = 0, samples - 1 do
     local at, bytes = c.at, each
@@ -457,7 +458,7 @@ local function read_packed(c, set, _, writer)
   if lengths ~= (each == 0) then c:fail("All samples have the same length, or lengths follow; not both") end
   if has(set, 0x01) and not lengths then read_mask_words(c, samples * each) end
   if has(set, 0x01) and lengths then
-    c:rest(f.payload)  -- only the type tells where the words end
+    c:rest(f.payload)  -- only the type determines where the words end
   else
     read_samples(c, sequence, place, samples, each)
   end
@@ -467,7 +468,7 @@ local function read_packed(c, set, _, writer)
   return string.format("seq=%u and %u more", sequence, samples - 1) .. place_text(place)
 end
 
--- Reads a mark, or a report, which repeats most of a mark.
+-- Reads a mark or a report. A report repeats most of a mark.
 local function read_flow(c, report)
   local position = c:number(f.position, 8)
   local window = c:number(report and f.window or f.reserved, 4)
@@ -482,7 +483,7 @@ end
 local function read_mark(c) return read_flow(c, false) end
 local function read_report(c) return read_flow(c, true) end
 
--- Reads an address. Like all numbers, it has its lowest byte first.
+-- Reads an address. Its lowest byte comes first, as in all numbers.
 local function read_address(c)
   local range = c:take(4)
   if range == nil then return nil end
@@ -530,9 +531,9 @@ local function read_group_probe(c)
   return string.format("group=%u ordinal=%s", group, tostring(ordinal))
 end
 
--- The kinds of datagrams by number: the field at offset 2 (or the function that reads what stands between the kind and
--- the writer, and returns the flags), the field at offset 4 if it is not the writer, the flags that may be set, the
--- least number of bytes, and the function that reads the rest.
+-- The kinds of datagrams by number. `at_2` is the field at offset 2; or `from_1` is a function that reads everything
+-- between the kind and the writer, and returns the flags. `at_4` is the field at offset 4 if that is not the writer.
+-- `flags` may be set, `bytes` is the least length, and `read` is the function that reads the rest.
 local kinds = {
   [1] = { name = "first", at_2 = f.variant, flags = 0xef, bytes = 26, read = read_first },
   [2] = { name = "following", from_1 = read_near_variant, flags = 0xff, bytes = 14, read = read_following },
@@ -591,21 +592,21 @@ function sft.dissector(buffer, pinfo, root)
   return buffer:len()
 end
 
--- True if a first datagram may have these flags and this length.
+-- Returns true if a first datagram may have these flags and this length.
 local function plausible_flags(set, bytes)
   if has(set, 0x40) then return bytes >= 42 and not (has(set, 0x04) or has(set, 0x08)) end
   return bytes >= 42 or not has(set, 0x08)
 end
--- True if these are the upper bytes of a stamp from 1970 to 2100.
+-- Returns true if these are the upper bytes of a stamp from 1970 to 2100.
 local function plausible_stamp(range) return range:le_uint() < 0x39000000 end
--- True if a whole datagram has an ordinal and a plausible stamp. Any flags are possible.
+-- Returns true if a whole datagram has an ordinal and a plausible stamp. Any flags are possible.
 local function plausible_whole(buffer) return buffer(12, 4):le_uint() ~= 0 and plausible_stamp(buffer(20, 4)) end
 local function plausible_address(address) return address == 0 or math.floor(address / 65536) == 0xefff end
 
--- True if a datagram whose first bytes look like SFT is plausible in the other bytes, too.
+-- Returns true if the other bytes of a datagram whose first bytes look like SFT are plausible, too.
 local function plausible(buffer, number)
   if number == 1 then return plausible_flags(buffer(1, 1):uint(), buffer:len()) end
-  -- Of these only the kind is certain.
+  -- Any bytes are possible in these kinds, so that the publisher must be known from other datagrams.
   if number == 2 then return known.heard[buffer(2, 4):le_uint()] == true end
   if number == 13 then return known.heard[buffer(4, 4):le_uint()] == true end
   if number == 3 then return buffer:len() == 32 and buffer(12, 4):le_uint() == 0 end
@@ -659,7 +660,7 @@ local function read_heartbeat_of_process(buffer, tree)
   return "Process 0x" .. buffer(20, 8):le_uint64():tohex() .. " lives"
 end
 
--- By the topic sft_heartbeat, in a sample of RTPS.
+-- Dissects a heartbeat on the topic sft_heartbeat, in a sample of RTPS.
 function heartbeat.dissector(buffer, pinfo, tree)
   if not is_heartbeat(buffer) then return 0 end
   pinfo.cols.info:append(" [" .. read_heartbeat_of_process(buffer, tree) .. "]")
@@ -675,9 +676,9 @@ end
 
 heartbeat:register_heuristic("udp", looks_like_heartbeat)
 
--- Control samples from here on: the records of a process about its publishers, on the topic sft_writer, and about its
--- subscribers and what these ask for, on the topic sft_reader. The samples are little-endian CDR (XCDR1); in them are
--- the bodies of core/control/record_body.h, whose members follow each other without padding.
+-- Control samples: the records of a process about its publishers, on the topic sft_writer, and about its subscribers
+-- and their requests, on the topic sft_reader. The samples are little-endian CDR (XCDR1). They contain the bodies of
+-- core/control/record_body.h, whose members have no padding between them.
 local control = Proto("sft_control", "SFT control sample")
 
 local control_version = 15
@@ -756,7 +757,7 @@ local control_malformed = ProtoExpert.new("sft_control.malformed", "Malformed", 
                                           expert.severity.ERROR)
 control.experts = { control_malformed }
 
--- Returns the number of items of a list. Each item takes so many bytes at least.
+-- Returns the number of items of a list. Each item has at least `bytes_each` bytes.
 function Cursor:count(bytes_each)
   local range = self:take(4)
   local count = range and range:le_uint() or 0
@@ -780,7 +781,7 @@ function Cursor:byte()
   local range = self:take(1)
   return range and range:uint() or 0
 end
--- Reads an unsigned LEB128. Numbers have no superfluous bytes.
+-- Reads an unsigned LEB128. Superfluous bytes are an error.
 function Cursor:leb()
   local value = UInt64(0)
   for i = 0, 9 do
@@ -797,7 +798,7 @@ function Cursor:leb_of_32_bits()
   if value:higher() > 0 then self:fail("A number has more than 32 bits") end
   return self.failed and 0 or value:lower()
 end
--- Returns how many things follow, each of which takes a byte at least.
+-- Returns the number of items that follow. Each has at least one byte.
 function Cursor:several()
   local count = self:leb_of_32_bits()
   if count <= self:left() then return count end
@@ -809,8 +810,8 @@ function Cursor:short_text()
   local range = bytes > 0 and self:take(bytes)
   return range and range:string(ENC_UTF_8) or "", range
 end
--- Calls read() with an item of its own, which is as long as the bytes that read() takes. The first result of read()
--- becomes the text of the item, unless it is nil. Returns the results of read().
+-- Calls read() with an item of its own in the tree, which covers the bytes that read() takes. The first result of
+-- read() becomes the text of the item, unless it is nil. Returns the results of read().
 function Cursor:within(field, read)
   if self:left() <= 0 then self:take(1) end
   if self.failed then return nil end
@@ -823,10 +824,10 @@ function Cursor:within(field, read)
   self.tree = outer
   return text, result
 end
--- Returns the bytes from `begin` to the position as a string.
+-- Returns the bytes from `begin` to the present position as a string.
 function Cursor:raw_from(begin) return self.at > begin and self.buffer:raw(begin, self.at - begin) or "" end
 
--- FNV-1a, as in sft/detail/fnv1a.h: the masks of datagrams are such hashes.
+-- FNV-1a, as in sft/detail/fnv1a.h. It is the hash in datagrams that stands for a long mask or a selection.
 local fnv_begin, fnv_prime = UInt64(0x84222325, 0xcbf29ce4), UInt64(0x1b3, 0x100)
 local function mix(hash, raw)
   for i = 1, #raw do hash = hash:bxor(UInt64(raw:byte(i))) * fnv_prime end
@@ -839,7 +840,7 @@ end
 local function hash_of(raw) return mix(mix_word(fnv_begin, UInt64(#raw)), raw) end
 local function hash_of_both(a, b) return mix_word(mix_word(fnv_begin, a), b) end
 
--- Returns the number that stands in datagrams for what was asked for (FieldMask::hash(), Selection::hash()).
+-- Returns the number that stands for a request in datagrams (FieldMask::hash(), Selection::hash()).
 local function name_of(asked)
   local name = asked.words[1] or UInt64(0)
   if #asked.words > 1 then
@@ -852,10 +853,10 @@ local function name_of(asked)
   return hash_of_both(name, gate == UInt64(0) and UInt64(1) or gate)
 end
 
--- Type descriptions (typesupport/runtime/type_description.md) give leaves their names.
+-- Type descriptions (typesupport/runtime/type_description.md), from which leaves get their names.
 
--- Adds the leaves and the nodes of a struct to a type. A node is a path with the leaves below it. The leaf of a single
--- value in no list is in `scalars`.
+-- Adds the leaves and the nodes of a struct to a type. A node is a path with the leaves below it. `scalars` has the
+-- leaves that are single values and not in a list.
 local function flatten(type, struct, prefix, is_in_list)
   local function add_leaf(path, is_scalar)
     type.scalars[type.leaves] = is_scalar or nil
@@ -957,8 +958,7 @@ local function has_all(set, node)
   return true
 end
 
--- Returns the fields of a request as text, without conditions. `asked.parts` has the texts of the parts by their
--- leaves.
+-- Returns the fields of a request as text, without conditions. `asked.parts` has the texts of parts, by leaf.
 local function fields_text(asked, type)
   local whole, texts, covered = {}, {}, 0
   for leaf in pairs(asked.set) do whole[leaf] = asked.parts[leaf] == nil or nil end
@@ -1000,7 +1000,7 @@ local function ordinal_text(n)
   return string.format("%.0f", n) .. (not is_teen and endings[last] or "th")
 end
 
--- The shortest text of a real number that is read as the same number.
+-- Returns the shortest text of a real number that is read as the same number.
 local function real_text(number)
   for digits = 1, 16 do
     local text = string.format("%." .. digits .. "g", number)
@@ -1009,7 +1009,7 @@ local function real_text(number)
   return string.format("%.17g", number)
 end
 
--- Reads a range of indices. Returns its text, or nil if nothing follows.
+-- Reads a range of indices. Returns its text, or nil if no range follows.
 local function read_range(c, field, follows)
   if not follows then return nil end
   local at = c.at
@@ -1030,7 +1030,7 @@ local function read_range(c, field, follows)
   return text
 end
 
--- Compares texts by their bytes. Lua's own comparison depends on the language of the user.
+-- Returns true if `a` is before `b` in the order of bytes. Lua's own comparison depends on the user's locale.
 local function is_before(a, b)
   for i = 1, math.min(#a, #b) do
     if a:byte(i) ~= b:byte(i) then return a:byte(i) < b:byte(i) end
@@ -1095,7 +1095,7 @@ local function read_parts(c, asked, set, type)
   asked.parts_raw = c:raw_from(begin)
 end
 
--- Reads the number of a condition. Returns its text, and the number if it is not negative and not real.
+-- Reads the number of a condition. Returns its text, and its value if it is a natural number.
 local function read_number(c)
   local form = c:byte()
   if form == 1 then
@@ -1113,7 +1113,7 @@ local function read_number(c)
   return ""
 end
 
--- True if the leaves are all single values of the mask, which is what `changed` means without names.
+-- Returns true if the leaves are all single values of the mask. `changed` without names means these.
 local function are_all_scalars(leaves, set, type)
   if type == nil then return false end
   local scalars = 0
@@ -1135,7 +1135,7 @@ end
 
 local comparisons = { [0] = "<", "<=", ">", ">=", "==", "!=" }
 
--- Reads a condition that has no conditions in it. Returns its text.
+-- Reads a condition that contains no other conditions. Returns its text.
 local function read_term(c, kind, comparison, percent, set, type)
   local leaves = {}
   for i = 1, c:several() do leaves[i] = c:leb_of_32_bits() end
@@ -1152,7 +1152,7 @@ local function read_term(c, kind, comparison, percent, set, type)
   return ""
 end
 
--- Reads a condition with those in it. `tree` counts the conditions that are still to come. Returns the text.
+-- Reads a condition and those in it. `tree.left` counts the conditions that are still to be read. Returns the text.
 local function read_condition(c, tree, depth, outer)
   local at = c.at
   local form = c:byte()
@@ -1182,7 +1182,7 @@ local function read_conditions(c, asked, set, type)
   asked.conditions, asked.conditions_raw = text or "", c:raw_from(begin)
 end
 
--- Reads the mask of a selection, of which bit b of byte i is leaf 8 i + b.
+-- Reads the mask of a selection. Bit b of byte i is leaf 8 i + b.
 local function read_selection_mask(c)
   local at, set = c.at, {}
   local count = c:several()
@@ -1197,7 +1197,7 @@ local function read_selection_mask(c)
   return set
 end
 
--- Reads a selection as bytes (sft/selection.h): which parts of fields and which conditions a subscriber asks for.
+-- Reads a selection as bytes (sft/selection.h): the parts of fields and the conditions that a subscriber asks for.
 local function read_selection(c, asked, type)
   local follows = c:byte()
   if follows > 0x07 then c:fail("A selection says what is unknown") end
@@ -1229,8 +1229,8 @@ local function asked_text(asked, type)
   return fields_text(asked, type) .. (gate ~= "" and " @ " .. gate or "")
 end
 
--- Notes what stands for a request in datagrams. The frame is that of the first such request whose type is known, or
--- else of the first one.
+-- Notes the number that stands for a request in datagrams. If several requests have the same number, the first one
+-- whose type is known counts, or else the first one.
 local function note(asked, type, topic, frame)
   local is_mask = asked.parts_raw == "" and asked.conditions_raw == ""
   local kind = "hash of a selection with " .. (asked.parts_raw ~= "" and "parts" or "conditions")
@@ -1248,7 +1248,7 @@ local function note(asked, type, topic, frame)
   end
 end
 
--- Reads a request. Returns its text; nil if it is no subscriber's.
+-- Reads a request. Returns its text; nil if it is malformed or has no subscriber.
 local function read_request(c, pinfo)
   local asked = { set = {}, words = {}, parts = {}, parts_raw = "", conditions = "", conditions_raw = "", rate = "" }
   local reader = c:number(g.reader, 8)
@@ -1280,7 +1280,7 @@ local function read_request(c, pinfo)
   return "subscriber asks for " .. text
 end
 
--- Reads a type description. Notes the type of the endpoint for those who name leaves by number.
+-- Reads a type description, and notes the type of the endpoint, since requests and datagrams name leaves by number.
 local function read_type(c, id, role)
   local bytes = c:count(1)
   local range = bytes > 0 and c:take(bytes)
@@ -1295,7 +1295,7 @@ local function read_type(c, id, role)
   known.leaves[id:lower()] = (former == nil or former == type.leaves) and type.leaves
 end
 
--- IPv4 addresses are written as ::ffff:a.b.c.d.
+-- Reads an address of an endpoint. An IPv4 address has the form ::ffff:a.b.c.d.
 local function read_endpoint_address(c)
   local range = c:take(16)
   if range == nil then return nil end
@@ -1309,7 +1309,7 @@ local function read_endpoint_address(c)
   return string.format(is_ipv4 and "Address: %s:%d" or "Address: [%s]:%d", address, port)
 end
 
--- Reads where an endpoint can be reached.
+-- Reads the host, the addresses and the doorbell at which an endpoint can be reached.
 local function read_places(c)
   local host = c:take(32)
   if host then c.tree:add(g.host, host) end
@@ -1335,7 +1335,7 @@ local function read_qos(c)
   c:number(g.history_depth, 4)
 end
 
--- Reads what a publisher or a subscriber announces. Returns its text.
+-- Reads the announcement of a publisher or a subscriber. Returns its text.
 local function read_endpoint(c)
   local id = c:number(g.id, 8)
   local role = c:number(g.role, 1)
@@ -1373,9 +1373,9 @@ end
 -- Functions that read the bodies of records, by their kinds.
 local bodies = { [0] = read_endpoint, [1] = read_request, [2] = read_inquiry }
 
-local head_bytes = 36  -- of a record, before its body
+local head_bytes = 36  -- the bytes of a record before its body
 
--- Reads the members of a record before its body. Returns the kind of the record; nil if only its key is there.
+-- Reads the members of a record before its body. Returns the kind of the record; nil if the sample has only the key.
 local function read_head(c)
   local participant = c:take(16)
   if participant then c.tree:add(g.participant, participant) end
@@ -1422,7 +1422,7 @@ local function read_control(buffer, pinfo, root)
   pinfo.cols.info:append(" [" .. text .. "]")
 end
 
--- True if bytes of an unknown topic are a record: kind and version are right, and the body is as long as it says.
+-- Returns true if bytes of an unknown topic are a record: kind and version are right, and the length of the body fits.
 local function looks_like_control(buffer)
   if buffer:len() < head_bytes then return false end
   if buffer(20, 1):uint() > 2 or buffer(21, 1):uint() ~= control_version then return false end
@@ -1430,16 +1430,16 @@ local function looks_like_control(buffer)
   return buffer(22, 2):uint() == 0 and behind >= 0 and behind <= 3
 end
 
--- Wireshark's dissector of RTPS gives on what is in a sample if the type of the topic was announced in the capture. It
--- writes the name of the type in lower case, with underscores. In a capture that began later, whatever looks like a
--- control sample is dissected behind everything else.
+-- Registers the dissectors with Wireshark's dissector of RTPS, which passes on the contents of a sample if the type of
+-- the topic was announced in the capture. It writes the name of the type in lower case, with underscores. In a capture
+-- that began later, samples that look like control samples are dissected after everything else.
 local function join_rtps()
   local submessage_bytes = Field.new("rtps.sm.octetsToNextHeader")
   local encapsulation = Field.new("rtps.param.serialize.encap_kind")
   local undissected = Field.new("rtps.issueData")
   local bytes_of_fragmented = Field.new("rtps.data_frag.sample_size")
 
-  -- Wireshark gives on all bytes up to the end of the datagram. Returns how many belong to the sample.
+  -- Returns the number of bytes that belong to the sample. Wireshark passes on all bytes up to the end of the datagram.
   local function sample_bytes(buffer)
     local all, at = { submessage_bytes() }, buffer:offset()
     local last = all[#all]
@@ -1455,7 +1455,8 @@ local function join_rtps()
     return bytes
   end
 
-  -- True if the bytes from that offset on are a fragment: the header of their submessage has the size of the whole.
+  -- Returns true if the bytes from offset `at` on are a fragment. Then the header of their submessage has the size of
+  -- the whole sample.
   local function is_fragment(at)
     local begin = 0
     for _, bytes in ipairs({ submessage_bytes() }) do
@@ -1483,5 +1484,5 @@ local function join_rtps()
   types:add("sft_control_heartbeatsample", heartbeat)
 end
 
--- A Wireshark without the dissector of RTPS still shows datagrams.
+-- If Wireshark has no dissector of RTPS, datagrams are still shown.
 if not pcall(join_rtps) then print("SFT: this Wireshark does not let control samples be dissected") end

@@ -57,7 +57,7 @@ function without_comments(line, result, literal) {
   return result
 }
 
-# The name of an alias if rosidl_adapter would declare it so; otherwise nothing.
+# Returns the name of an alias if rosidl_adapter would declare it like this; otherwise an empty string.
 function alias_of(line, name, dimension) {
   sub(/^[ \t]*typedef[ \t]+/, "", line)
   name = line

@@ -17,7 +17,7 @@ function line_of(file, number, line, i) {
   return i == number ? line : ""
 }
 
-# The word or sign that starts at a column of a line.
+# Returns the word or sign that starts at a column of a line.
 function token_at(line, column) {
   line = substr(line, column)
   if (match(line, /^[A-Za-z_0-9]+/) || match(line, /^>+/)) return substr(line, 1, RLENGTH)

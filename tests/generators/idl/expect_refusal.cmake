@@ -1,5 +1,5 @@
 # cmake -D IDL=file -D OUTPUT=file "-D COMMAND=program;argument..." -P expect_refusal.cmake
-# Fails unless COMMAND fails, leaves no OUTPUT, and says each `// expect:LINE...` of IDL as `IDL:LINE...` on stderr.
+# Fails unless COMMAND fails, leaves no OUTPUT, and prints each `// expect:LINE...` of IDL as `IDL:LINE...` on stderr.
 file(STRINGS ${IDL} expectations REGEX "^// expect:")
 if(NOT expectations)
   message(FATAL_ERROR "${IDL} does not say what to expect")

@@ -1,4 +1,4 @@
-"""Captures made by hand, and what Wireshark's dissector reads in captures."""
+"""Makes captures by hand, and reads captures with Wireshark's dissector."""
 import os
 import pathlib
 import re
@@ -14,7 +14,7 @@ STAMP = 1_500_000_000_000_000_001
 
 
 def write_pcap(path, payloads):
-    """One UDP datagram per payload, over IPv4 without a link layer."""
+    """Writes a capture with one UDP datagram per payload, over IPv4 without a link layer."""
     with open(path, "wb") as out:
         out.write(struct.pack("<IHHiIII", 0xA1B2C3D4, 2, 4, 0, 0, 65535, 101))
         for number, payload in enumerate(payloads):
@@ -25,7 +25,7 @@ def write_pcap(path, payloads):
 
 
 def run_tshark(path, arguments):
-    """Returns what tshark prints about that capture. Wireshark 4.4 runs no Lua script as root: root becomes nobody."""
+    """Returns the output of tshark for a capture. As root, runs it as nobody: Wireshark 4.4 runs no Lua as root."""
     nobody = 65534
     account = {"user": nobody, "group": nobody, "extra_groups": []} if os.geteuid() == 0 else {}
     with tempfile.TemporaryDirectory() as folder:
@@ -41,8 +41,8 @@ def run_tshark(path, arguments):
 
 
 def dissect(path, fields, decode_as=False, preferences=()):
-    """For each datagram the values of these fields; of one that occurs more than once all, joined by commas."""
-    # The system gives out ports that other protocols are registered for: what a datagram looks like goes first.
+    """Returns for each datagram the values of these fields. Several values of one field are joined by commas."""
+    # The system may assign ports that are registered for other protocols. So the contents of a datagram decide first.
     arguments = ["-T", "fields", "-E", "separator=|"]
     for preference in ("udp.try_heuristic_first:TRUE", *preferences):
         arguments += ["-o", preference]
@@ -50,7 +50,7 @@ def dissect(path, fields, decode_as=False, preferences=()):
         arguments += ["-d", f"udp.port=={SFT_PORT},sft"]
     for field in fields:
         arguments += ["-e", field]
-    # Wireshark 4.4 prints truth as a word.
+    # Wireshark 4.4 prints booleans as words.
     printed = re.sub(r"\b(True|False)\b", lambda word: str(int(word[0] == "True")), run_tshark(path, arguments))
     return [dict(zip(fields, line.split("|"))) for line in printed.splitlines()]
 
@@ -63,7 +63,7 @@ NARROW_MASK = 0x20
 
 
 def mask_bytes(mask):
-    """A mask as it stands in a header, and the flag that says how long it is there."""
+    """Returns a mask as a header has it, and the flag that says how long it is."""
     return (struct.pack("<H", mask), NARROW_MASK) if mask < 1 << 16 else (struct.pack("<Q", mask), 0)
 
 
@@ -74,7 +74,7 @@ def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
 
 
 def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=STAMP, mask=0x87):
-    """`flags` are the two lower bits of the place."""
+    """Returns a whole datagram. `flags` are the two lower bits of the place."""
     packed_mask, width = mask_bytes(mask)
     place = VERSION | 10 | flags << 8 | bool(width) << 10 | variant << 11 | channel << 21
     return struct.pack("<IIIIq", place, 0x04030201, 9, ordinal, stamp) + packed_mask + body

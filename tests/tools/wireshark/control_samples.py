@@ -1,4 +1,4 @@
-"""Control samples made by hand, as bytes, and the datagrams of RTPS that bring them."""
+"""Makes control samples by hand, as bytes, and the RTPS datagrams that carry them."""
 import struct
 
 VERSION = 15
@@ -22,7 +22,7 @@ def short_text(text):
 
 
 class Body:
-    """Bytes of the body of a record: numbers are little-endian and follow each other without padding."""
+    """The bytes of a record's body: numbers are little-endian, without padding between them."""
 
     def __init__(self):
         self.bytes = b""
@@ -46,7 +46,7 @@ class Body:
 
 
 def part(leaf, rows=None, columns=None, channels=(), rule=0):
-    """Ranges are triples of begin, end (0: open) and step (0: empty)."""
+    """Returns the part of a field as bytes. Ranges are triples of begin, end (0: open) and step (0: empty)."""
     out = bytes([(rows is not None) | 2 * (columns is not None) | 4 * bool(channels) | 8 * bool(rule)]) + leb(leaf)
     out += leb(rule) if rule else b""
     for number in (rows or ()) + (columns or ()):
@@ -76,7 +76,7 @@ def joined(word, *conditions):
 
 
 def selection(leaves, parts=(), conditions=(), rate=0):
-    """`conditions` has each condition, before those in it; some may be joined already."""
+    """Returns a selection as bytes. `conditions`: each condition, before those in it; some may be joined already."""
     mask = sum(1 << leaf for leaf in leaves)
     mask = mask.to_bytes((mask.bit_length() + 7) // 8, "little")
     out = bytes([bool(parts) | 2 * bool(conditions) | 4 * bool(rate)]) + leb(len(mask)) + mask
@@ -88,7 +88,7 @@ def selection(leaves, parts=(), conditions=(), rate=0):
 
 
 class Wants:
-    """What a request has beside the mask: a period, and a selection as bytes."""
+    """The parts of a request besides the mask: a period, and a selection as bytes."""
 
     def __init__(self, period=0, selection_bytes=b""):
         self.period, self.selection_bytes = period, selection_bytes
@@ -154,7 +154,7 @@ def member(name, kind=11, shape=0, struct_number=None, attributes=b""):
 
 
 def description(*structs, enumerations=()):
-    """Each struct is a list of members; the last one is the type. An enumeration is a list of names."""
+    """Returns a type description. Structs are lists of members; the last one is the type. Enumerations are names."""
     out = b"\x01" + leb(len(enumerations))
     for names in enumerations:
         out += short_text("pkg::msg::E") + b"\x00" + leb(len(names))
@@ -188,7 +188,7 @@ HEARTBEAT = submessage(0x07, 0x01, struct.pack(">II", 0, 0x302) + struct.pack("<
 
 
 def announcement(topic):
-    """The announcement that Cyclone makes of a writer. Wireshark learns the topic and its type from it."""
+    """Returns Cyclone's announcement of a writer, from which Wireshark learns the topic and its type."""
     text = [struct.pack("<I", len(name) + 1) + name.encode() + b"\0"
             for name in (topic, ANNOUNCED.get(topic, "std::String"))]
     parameters = (parameter(0x05, text[0]) + parameter(0x07, text[1]) +
@@ -197,12 +197,12 @@ def announcement(topic):
 
 
 def sample(topic, *payloads, **more):
-    """A datagram with these samples, behind which something else follows."""
+    """Returns a datagram with these samples and a heartbeat behind them."""
     return rtps(*(data(payload, ENTITIES[topic], **more) for payload in payloads), HEARTBEAT)
 
 
 def fragments(topic, payload, size):
-    """Datagrams with a sample in fragments of so many bytes, behind which something else follows."""
+    """Returns datagrams with a sample in fragments of `size` bytes, with a heartbeat behind them."""
     data, out = b"\0\1\0\0" + payload, []
     for number, at in enumerate(range(0, len(data), size), 1):
         head = struct.pack("<HH", 0, 28) + struct.pack(">II", 0, ENTITIES[topic]) + struct.pack("<iI", 0, 1)
@@ -222,7 +222,7 @@ def hash_of(data):
 
 
 def name_of(mask, parts=b"", conditions=b""):
-    """The number that stands for a request in datagrams."""
+    """Returns the number that stands for a request in datagrams."""
     if parts:
         mask = fnv(struct.pack("<QQ", mask, hash_of(parts)))
     return fnv(struct.pack("<QQ", mask, hash_of(conditions))) if conditions else mask

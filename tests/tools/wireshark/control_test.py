@@ -1,4 +1,4 @@
-"""The Wireshark dissector on what subscribers ask for, sound and not, and on the datagrams that answer it."""
+"""Tests of the Wireshark dissector on requests of subscribers, valid and invalid, and on datagrams that answer them."""
 import pathlib
 import random
 import re
@@ -35,7 +35,7 @@ class ControlTest(unittest.TestCase):
         return rows
 
     def read_requests(self, wants, fields, before=(), leaves=(0, 1, 8), more=()):
-        """Returns how the dissector shows a request with each of these wants."""
+        """Returns for each of these wants how the dissector shows a request with it."""
         samples = [request(READER, leaves, wants=bytes_of) for bytes_of in wants]
         rows = self.read([announcement("sft_reader"), *before, *(sample("sft_reader", one) for one in samples), *more],
                          ["sft_control.malformed", *fields])
@@ -102,7 +102,7 @@ class ControlTest(unittest.TestCase):
                 self.assertEqual(row["sft_control.request.selection"], "leaves 0 @ " + text)
 
     def test_shows_the_words_between_conditions(self):
-        # The number of conditions counts those that words join, too.
+        # Conditions that `and` or `or` form count, too.
         less, more = condition(2, [0], real(3.25)), condition(2, [0], real(4.5), comparison=2)
         for tree, count, text in [(joined("and", less, more), 3, "leaf 0 < 3.25 and leaf 0 > 4.5"),
                                   (joined("or", joined("and", less, every(2)), more), 5,
@@ -311,7 +311,7 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(version_in("tools/wireshark/sft.lua", r"control_version = (\d+)\n"), version)
         self.assertEqual(str(VERSION), version)
 
-    # These tests are about datagrams, with and without requests in the capture.
+    # Datagrams, with and without requests in the capture.
 
     def read_mask(self, datagram, before=()):
         """Returns the meaning of the mask, its leaves, the request, and the frame of the request."""
@@ -368,7 +368,7 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(self.read_mask(first(mask=0x40, flags=0x80), asks), ("leaves", "6", "", ""))
 
     def test_computes_the_hashes_that_publishers_write(self):
-        # These bytes and hashes are those of datagrams of real nodes.
+        # These bytes and hashes are from datagrams of real nodes.
         of_conditions = "020200020601030002020103039a999999999909402a01090203430109010105000180ade204"
         for mask, asked, name in [(0x47B, "01027b0401020a000004", 0xDDC26ED7D98DE513),
                                   (0x200, of_conditions, 0x66CE3D99D64E73B1)]:

@@ -1,6 +1,6 @@
-"""A run of the demo, captured on the host of its publisher: what goes between the hosts is dissected, all of it.
+"""Tests that the dissector reads all traffic between the hosts of the demo, captured on the host of the publisher.
 
-The demo is best effort and publishes one sample at a time: dissector_test.py has the other kinds.
+The demo is best effort and publishes one sample at a time: dissector_test.py has the other kinds of datagrams.
 """
 import collections
 import contextlib
@@ -17,12 +17,12 @@ import captures
 
 DEMO = sys.argv.pop()
 PUBLISHER = "10.77.0.5"
-UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # we never are; what nodes say of themselves to each other may be
-DATAGRAMS = 10000  # the first ones: what was agreed on, and two clouds
+UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # SFT's datagrams never have IP fragments; those of Cyclone DDS may
+DATAGRAMS = 10000  # limit of the capture: enough for the negotiation and two clouds
 
 
 def networks_of(process):
-    """Paths of the network namespaces that it holds open."""
+    """Yields the paths of the network namespaces that a process holds open."""
     folder = pathlib.Path(f"/proc/{process.pid}/fd")
     for link in list(folder.iterdir()):
         try:
@@ -52,13 +52,14 @@ class DemoTest(unittest.TestCase):
 
     def capture(self, folder):
         pcap = folder / "demo.pcapng"
-        # So long that it begins as soon as discovery is quiet, and does not listen first to what goes on then.
+        # With a run of this length, the demo starts as soon as discovery is quiet, without a period that measures idle
+        # traffic.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
             subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,
                             "-B", "64", "-c", str(DATAGRAMS), "-a", "duration:20", "-w", str(pcap)],
                            check=True, capture_output=True, timeout=30)
-            demo.kill()  # the kernel ends its hosts
+            demo.kill()  # then the kernel ends its hosts, too
         return pcap
 
     def test_dissects_every_datagram(self):

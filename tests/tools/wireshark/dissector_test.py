@@ -1,4 +1,4 @@
-"""The Wireshark dissector on datagrams of every kind, sound and not."""
+"""Tests of the Wireshark dissector on valid and invalid datagrams of every kind."""
 import pathlib
 import random
 import struct
@@ -151,7 +151,7 @@ class DissectorTest(unittest.TestCase):
                       first(flags=0x48, marks=channel() + group())]
         rows = self.read(strangers, ["sft.kind"])
         taken = [row for row in rows if row["sft.kind"]]
-        self.assertLessEqual(len(taken), 2)  # of which the first bytes happen to be right
+        self.assertLessEqual(len(taken), 2)  # the first bytes of a few happen to be right
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-"""Real nodes, captured on a host of their own: datagrams are explained by the requests that they answer."""
+"""Tests with captures of real nodes: the dissector explains datagrams by the requests that they answer."""
 import os
 import pathlib
 import signal
@@ -13,7 +13,7 @@ import captures
 SFT = sys.argv.pop()
 MESSAGE = "{ranges: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], range_max: 2.5}"
 SHAPE = "angle_min, angle_max, angle_increment, time_increment, "
-# The texts that subscribers ask for, and how the dissector shows them: with the fields that describe a part.
+# The selections of subscribers, and how the dissector shows them: with the fields that describe a part.
 SELECTIONS = {
     "range_max": "range_max",
     "ranges[::4]": SHAPE + "ranges[::4]",

@@ -1,6 +1,5 @@
-# Our types beside Cyclone DDS's, of the same IDL files: those of this folder and of tests/generators/idl, and what ROS
-# 2's own tool
-# makes of the common packages and of ROS 2's test messages.
+# Compares our types with Cyclone DDS's types of the same IDL files. These are the files of this folder and of
+# tests/generators/idl, and the IDL that ROS 2's own tool makes of the common packages and of ROS 2's test messages.
 find_package(CycloneDDS REQUIRED)
 
 file(GLOB ros_packages LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/typesupport/interfaces/*_*)
@@ -29,7 +28,7 @@ add_custom_command(
   VERBATIM)
 sft_generate(TARGET sft_ros_idl_interfaces FILES ${ros_idl} BASE_DIR ${ros_idl_dir})
 
-# C types of all IDL files. idlc prints that its C has no default values, again and again.
+# C types of all IDL files. Their output is hidden, since idlc prints for each member that its C has no default values.
 set(cyclone_dir ${CMAKE_CURRENT_BINARY_DIR}/cyclone)
 set(cyclone_c)
 function(cyclone_types base_dir)
@@ -64,7 +63,7 @@ add_library(sft_cyclone_test_support STATIC
 target_link_libraries(sft_cyclone_test_support PUBLIC sft_test_values cyclone_test_types PRIVATE sft_warnings)
 
 # sft_differential_test(NAME PARTS n SHARDS n INTERFACES target... [OURS_ONLY header...] [SOURCES file...])
-# Runs over all types that sft_generate makes for INTERFACES; of OURS_ONLY there are no C types.
+# Adds a test that compares all types which sft_generate makes for INTERFACES. The types of OURS_ONLY have no C types.
 function(sft_differential_test name)
   cmake_parse_arguments(PARSE_ARGV 1 arg "" "PARTS;SHARDS" "INTERFACES;OURS_ONLY;SOURCES")
   sft_list_types(parts ${name} PARTS ${arg_PARTS} INTERFACES ${arg_INTERFACES} DEPENDS ${cyclone_c}
@@ -84,9 +83,9 @@ endfunction()
 sft_differential_test(differential_test
   PARTS 2 SHARDS 2
   INTERFACES sft_common_interfaces sft_proof_interfaces sft_test_interfaces
-  OURS_ONLY torture.hpp  # members called `int`, bitmask constants, on which stock idlc crashes
+  OURS_ONLY torture.hpp  # stock idlc crashes on its members called `int` and its bitmask constants
   SOURCES differential_projection_test.cpp)
-if(NOT SFT_SANITIZE)  # the same types once more, made of other files
+if(NOT SFT_SANITIZE)  # the same types once more, from IDL files of ROS 2's tool
   sft_differential_test(ros_differential_test
     PARTS 6 SHARDS 4
     INTERFACES sft_ros_idl_interfaces)

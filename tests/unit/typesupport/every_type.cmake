@@ -1,7 +1,7 @@
-# Lists of generated types, and the one of all types that there are.
+# Lists of generated types, and the list of all types.
 
 # sft_list_types(VARIABLE NAME PARTS n INTERFACES target... [OPTIONS option...] [DEPENDS file...])
-# Makes C++ files that list all types that sft_generate makes for INTERFACES, in parts, and names them in VARIABLE.
+# Makes C++ files that list, in parts, all types which sft_generate makes for INTERFACES. Sets VARIABLE to the files.
 function(sft_list_types variable name)
   cmake_parse_arguments(PARSE_ARGV 2 arg "" "PARTS" "INTERFACES;OPTIONS;DEPENDS")
   set(headers)
@@ -25,7 +25,8 @@ function(sft_list_types variable name)
   set(${variable} ${parts} PARENT_SCOPE)
 endfunction()
 
-# A process for each test of each type would take longer than the tests.
+# Divides the tests of a program among few processes. A process for each test of each type would take longer than the
+# test.
 function(sft_add_shards name shards)
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
@@ -44,7 +45,7 @@ target_link_libraries(sft_every_type
   PUBLIC sft_typesupport_test_support
   PRIVATE ${every_interface} sft_warnings)
 
-# The projection law over all of them.
+# Tests of the projection law with all types.
 add_executable(every_type_law_test every_type_law_test.cpp)
 target_link_libraries(every_type_law_test PRIVATE sft_every_type GTest::gtest_main sft_warnings)
 if(SFT_SANITIZE)
@@ -53,19 +54,19 @@ endif()
 add_dependencies(unit_tests every_type_law_test)
 sft_add_shards(every_type_law_test 2)
 
-# What they are as text.
+# Tests of all types as text.
 sft_unit_test(every_type_text_test SEARCH
   SOURCES json_law_test.cpp msg_text_test.cpp
   LIBRARIES sft_every_type)
 target_compile_definitions(every_type_text_test PRIVATE SFT_INTERFACES="${PROJECT_SOURCE_DIR}/typesupport/interfaces")
 
 if(SFT_SANITIZE)
-  return() # what follows is only compiled
+  return() # the rest is only compiled
 endif()
 
 # Every getter of every view of the common packages compiles.
 sft_list_types(every_view_parts every_view PARTS 4 INTERFACES sft_common_interfaces OPTIONS --views)
-list(POP_FRONT every_view_parts)  # which joins the lists
+list(POP_FRONT every_view_parts)  # the first file only joins the lists
 add_library(sft_every_view OBJECT ${every_view_parts})
 target_link_libraries(sft_every_view PRIVATE sft_typesupport_test_support sft_warnings)
 target_compile_options(sft_every_view PRIVATE -O0 -g0)

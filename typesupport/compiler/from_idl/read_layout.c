@@ -14,7 +14,8 @@ struct rules {
   size_t count;
 };
 
-// A node has at most one: idlc refuses another one that differs, and drops one that does not.
+// Returns the layout annotation of a node. There is at most one: idlc refuses a second one that differs, and
+// drops one that is equal.
 const idl_annotation_appl_t* sft_layout_of(const idl_node_t* node) {
   const idl_annotation_appl_t* annotation;
   IDL_FOREACH(annotation, node->annotations) {

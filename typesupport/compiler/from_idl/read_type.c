@@ -37,7 +37,7 @@ static void read_primitive(struct sft_reading* reading, idl_type_t type, struct 
   }
 }
 
-// The declarations of the file before the last one are complete. The last one is being read.
+// Only the declarations before the last one are complete, because the last one is still being read.
 static bool is_complete(const struct sft_file* file, const void* definition, const char* name) {
   if (!sft_is_of_main_file(file, definition)) return true;
   for (size_t i = 0; i + 1 < file->declaration_count; ++i) {

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
 """compare.py VALUES_JSON DESCRIBE_OF_MSG DESCRIBE_OF_IDL DESCRIBE_OF_OUR_IDL
 
-Fails unless the types made from .msg files are those made from rosidl's IDL, and their constants and defaults are the
-values that rosidl's parser read; and unless our own IDL, which has no defaults and units, has the same structure and
-constants.
+Fails if the types made from .msg files differ from those made from rosidl's IDL, or if their constants and defaults
+differ from the values that rosidl's parser read. Fails, too, if our own IDL, which has no defaults and units, gives
+another structure or other constants.
 """
 import json
 import struct
@@ -16,7 +16,7 @@ def described_by(program):
 
 
 def equal(read, ours):
-    """Whether `ours`, maybe a float32, is the value that rosidl read."""
+    """Returns true if `ours`, maybe a float32, is the value that rosidl read."""
     if isinstance(read, list):
         return len(read) == len(ours) and all(map(equal, read, ours))
     if isinstance(read, float) and abs(read) < 3e38:

@@ -5,10 +5,10 @@ write_project("sft_generate(TARGET t FILES a/msg/A.msg INCLUDES other)")
 configure()
 expect_error("${source}/a/msg/B.msg:4: there is no c/msg/Missing.msg or .idl below ${source}, ${source}/other: \
 name the directory above the package in INCLUDES")
-# Once it is there, all is well.
+# When the missing message exists, the configuration succeeds.
 write(c/msg/Missing.msg "float64 x\n")
 expect_generated(t a/msg/A a/msg/B c/msg/Missing)
-# A header is what ROS 1 had in every package.
+# The type `Header` without a package, which ROS 1 accepted in every package.
 write(a/msg/B.msg "Header header\n")
 configure()
 expect_error("there is no a/msg/Header.msg or .idl below ${source}, ${source}/other: did you mean std_msgs/Header?")

@@ -2,7 +2,7 @@ include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 write(a/msg/A.msg "float64 x\n")
 write(b/msg/B.idl "module b { module msg { struct B { double y; }; }; };")
 
-# The SFT in use is one whose compilers do not run here.
+# The project uses an SFT whose compilers do not run on this machine.
 set(msgc ${SFT_MSGC})
 set(plugin ${SFT_IDL_PLUGIN})
 file(WRITE ${WORK}/foreign_msgc "no program of this machine")
@@ -21,7 +21,7 @@ build_headers(t)
 expect_success()
 expect_headers(t a/msg/A b/msg/B)
 
-# An emulator is told which program to run: this one runs another.
+# An emulator gets the program to run as an argument. This one runs another program instead.
 file(REMOVE_RECURSE ${build})
 file(WRITE ${WORK}/emulator "#!/bin/sh\nshift\nexec '${msgc}' \"$@\"\n")
 file(CHMOD ${WORK}/emulator PERMISSIONS OWNER_READ OWNER_EXECUTE)

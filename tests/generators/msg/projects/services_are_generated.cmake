@@ -17,9 +17,9 @@ expect_in_header(t a/srv/SetMode "struct SetMode {
   using Call = SetMode_Call;
   using Reply = SetMode_Reply;
 };")
-# A struct has no member of its own name.
+# A struct cannot have a member with its own name.
 expect_in_header(t a/srv/Request "struct Request_ {\n  using Request = Request_Request;")
-# It is generated once, and again when what it nests changes.
+# A service is generated once, and again if a type that it nests changes.
 expect_generated(linked a/msg/Other)
 let_time_pass()
 write(b/msg/Result.msg "Missing m\n")

@@ -1,9 +1,9 @@
-# The language of the tests in this folder. Each test makes a project that uses sft_generate(), in a directory with a
-# space in its name. It gets WORK (an empty directory), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
+# Functions for the tests in this folder. Each test makes a project that uses sft_generate(), in a directory with a
+# space in its name. A test gets WORK (an empty directory), GENERATOR, SFT_CMAKE_DIR, SFT_MSGC and SFT_IDL_PLUGIN.
 cmake_minimum_required(VERSION 3.22)
 set(source "${WORK}/a project")
 set(build "${WORK}/its build")
-set(generated "${build}/sft_generated")  # a folder per target
+set(generated "${build}/sft_generated")  # contains a folder for each target
 file(REMOVE_RECURSE "${WORK}")
 
 # Writes a file of the project.
@@ -29,7 +29,7 @@ endfunction()
 
 macro(run)
   execute_process(COMMAND ${ARGN} RESULT_VARIABLE status OUTPUT_VARIABLE output ERROR_VARIABLE errors)
-  # Messages of CMake are wrapped.
+  # CMake wraps its messages, so line breaks become spaces.
   string(REGEX REPLACE "[ \n]+" " " said "${output} ${errors}")
 endmacro()
 
@@ -64,7 +64,7 @@ function(expect_generated target)
   expect_headers(${target} ${ARGN})
 endfunction()
 
-# Exactly these, as pkg/msg/Name.
+# Expects that exactly these headers were generated, given as pkg/msg/Name.
 function(expect_headers target)
   set(directory "${generated}/${target}")
   file(GLOB_RECURSE headers RELATIVE "${directory}" "${directory}/*.hpp")
@@ -77,7 +77,7 @@ function(expect_headers target)
   endif()
 endfunction()
 
-# In the header `name` that is made for `target`.
+# Expects that the header `name`, generated for `target`, contains the text.
 function(expect_in_header target name text)
   file(READ "${generated}/${target}/${name}.hpp" header)
   string(FIND "${header}" "${text}" position)
@@ -86,7 +86,7 @@ function(expect_in_header target name text)
   endif()
 endfunction()
 
-# What the project is built with next has a later time stamp than what is there.
+# Makes all present files ten seconds older, so that files which are written later have later time stamps.
 function(let_time_pass)
   file(GLOB_RECURSE files "${WORK}/*")
   foreach(file IN LISTS files)
