@@ -53,8 +53,7 @@ struct SimProcess {
   std::vector<std::pair<Role, std::uint64_t>> open{};
 };
 
-/// The simulated networks and processes. The class is larger than usual, because it has a function for each
-/// kind of event on the networks.
+/// Larger than usual: it has a function for each kind of event on the simulated networks.
 class ControlWorld {
  public:
   explicit ControlWorld(std::uint64_t seed) : random_(seed) {}
