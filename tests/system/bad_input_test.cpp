@@ -229,7 +229,7 @@ TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
 TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   Node a = udp_node("a");
   NodeOptions options = node_options(Way::udp, "b");
-  options.udp.port = 17'000;  // the system assigns ports of 32'768 and more
+  options.udp.port = 17'000;  // the system itself assigns ports of 32'768 and more
   Node b = Node::open(options).value();
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = b.subscriber<PointCloud2, F::height>("points").value();

@@ -17,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-/// A node with all kinds of callbacks (`here`), and another one that triggers them (`there`).
+/// A node `here` with all kinds of callbacks, a node `there` whose endpoints trigger them, and a third node.
 struct Scene {
   std::optional<Node> here, there, other_node;
   std::optional<Publisher<PointCloud2>> calling_publisher, other_publisher, far_publisher;
@@ -91,7 +91,7 @@ const std::map<std::string, Act> acts{
 
 enum class Kind { sample, event, readers, log };
 
-/// A row of the table in the guide.
+/// A row of the table in docs/guide.md.
 struct Rule {
   std::string act;
   std::string for_samples, for_others, by_a_thread;

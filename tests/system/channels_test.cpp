@@ -16,8 +16,8 @@ using sensor_msgs::msg::LaserScan;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Four points in two rows, with gaps between their channels. The values of a point are functions of the
-/// number of the cloud.
+/// Returns a cloud with four points in two rows, and with gaps between their channels. The values of a point
+/// are functions of the number of the cloud.
 PointCloud2 numbered(std::uint32_t number) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = static_cast<std::int32_t>(number);

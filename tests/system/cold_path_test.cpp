@@ -76,7 +76,7 @@ bool all_sleep(pid_t process) {
   return std::ranges::all_of(tasks, [](const auto& task) { return sleeps(task.path()); });
 }
 
-/// Returns the lower quartile.
+/// Returns the lower quartile of the values.
 std::int64_t usual(std::vector<std::int64_t> values) {
   std::ranges::sort(values);
   return values[values.size() / 4];

@@ -47,7 +47,7 @@ struct Taken {
     std::atomic<std::uint64_t> received{0}, lost{0}, withheld{0};
   };
   std::atomic<bool> failed{false};
-  /// A sample came that should not have passed, came out of turn, or was not the part that was asked for.
+  /// True if a sample came that should not have passed, was out of order, or was not the requested part.
   std::atomic<bool> wrong{false};
   std::array<Reader, readers_max> readers{};
 };

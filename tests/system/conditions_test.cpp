@@ -1,5 +1,5 @@
-// Many subscribers of one publisher, each with conditions, and subscribers with conditions that come and go.
-// Over every transport.
+// Many subscribers of one publisher, each with conditions, and subscribers with conditions that come and go,
+// over every transport.
 #include <gmock/gmock.h>
 #include <malloc.h>
 #include <unistd.h>

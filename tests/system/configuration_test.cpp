@@ -36,7 +36,8 @@ class ConfigurationTest : public ::testing::Test {
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
-  /// Uses a domain that no other test of this process has opened.
+  /// Returns options with that configuration, and with a domain that no other test of this process has
+  /// opened.
   NodeOptions with(const std::string& cyclonedds_config) {
     NodeOptions options;
     options.domain = domain_;

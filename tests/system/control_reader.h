@@ -23,7 +23,7 @@
 
 namespace sft::test {
 
-/// The DDS domain of the host that the test runs on.
+/// Returns the DDS domain of the host on which the test runs.
 inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
 
 /// A participant of plain Cyclone DDS that exchanges samples with the nodes of this host.

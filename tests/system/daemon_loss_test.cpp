@@ -124,7 +124,8 @@ class PublishingProcess {
 /// A subscriber in this process with two selections, and an account of the samples that came by each.
 class Reading {
  public:
-  /// Takes samples until one has come that way by each selection. Returns when the last of these came.
+  /// Takes samples until one has come by the transport `way` for each selection. Returns when the last of
+  /// these came; empty if they do not come.
   std::optional<Clock::time_point> hears_by(TransportKind way) {
     std::array<bool, 2> heard{};
     std::optional<Clock::time_point> all_heard;
@@ -246,7 +247,7 @@ class Pair {
         << number;
     return taken;
   }
-  /// Passes clouds on until one comes by that transport.
+  /// Publishes and takes clouds until one comes by that transport.
   bool goes_by(TransportKind way) {
     return eventually([&] {
       const Taken taken = pass_on(cloud(1), 1);

@@ -34,7 +34,7 @@ struct Report {
   std::atomic<std::uint64_t> liveliness_lost{0};
   std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow their predecessor
   std::atomic<std::size_t> addresses{0};       ///< addresses that the publisher's node reports
-  std::atomic<double> share_of_a_core{1};      ///< CPU time of the process while it waited
+  std::atomic<double> share_of_a_core{1};      ///< CPU time of the process divided by the time that it waited
 };
 
 class NodeProcess : public NodeProcessWith<Report> {
@@ -218,7 +218,8 @@ TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
 /// it would not arrive.
 TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed) {
   for (const std::size_t number : {0U, 1U}) {
-    // ldb [0]; jeq 1, drop, pass: the program looks at the first byte of a multicast's hardware address.
+    // The BPF program, ldb [0]; jeq 1, drop, pass, checks the first byte of the destination's hardware
+    // address, which is 1 for a multicast.
     if (!filter_what_is_sent(number, "4,48 0 0 0,21 0 1 1,6 0 0 2,6 0 0 0")) return;
   }
   const DiscoverySettings here{.peers = {address(1)}, .interfaces = {}};
@@ -283,7 +284,7 @@ class LossyDiscoveryTest : public DiscoveryTest, public testing::WithParamInterf
  protected:
   void SetUp() override {
     DiscoveryTest::SetUp();
-    // ld rand; mod 5; jeq 0, drop, pass
+    // The BPF program: ld rand; mod 5; jeq 0, drop, pass
     for (const std::size_t number : {0U, 1U}) {
       if (!IsSkipped()) filter_what_is_sent(number, "5,32 0 0 4294963256,148 0 0 5,21 1 0 0,6 0 0 0,6 0 0 2");
     }
@@ -318,7 +319,7 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
 TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
   const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());
-  // ldh the port that the datagram goes to; jeq drop, pass
+  // The BPF program: ldh the destination port; jeq drop, pass
   for (const std::size_t number : {0U, 1U}) {
     if (!filter_what_is_sent(number, "4,40 0 0 36,21 1 0 " + port + ",6 0 0 0,6 0 0 2")) return;
   }

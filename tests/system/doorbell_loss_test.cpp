@@ -104,7 +104,7 @@ class Talking {
   bool is_heard(TransportKind way, std::size_t listeners = 1) {
     return is_heard_by(listeners, [way](TransportKind came) { return came == way; });
   }
-  /// The same, by any transport.
+  /// Does the same, but accepts any transport.
   bool is_heard_by(std::size_t listeners) {
     return is_heard_by(listeners, [](TransportKind) { return true; });
   }

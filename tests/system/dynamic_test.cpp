@@ -330,7 +330,7 @@ class DynamicNodesTest : public ::testing::Test {
  protected:
   static Node udp_node(const std::string& name) { return Node::open(node_options(Way::udp, name)).value(); }
 
-  /// Another definition of PointCloud2, with a wider height.
+  /// Returns another definition of PointCloud2, with a wider height.
   static DynamicType taller() {
     std::vector<Member> members(TypeTable<PointCloud2>::members.begin(),
                                 TypeTable<PointCloud2>::members.end());

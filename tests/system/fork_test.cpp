@@ -144,7 +144,7 @@ TEST_P(ForkTest, AProcessThatOpensANodeIsToldWhyItCannot) {
   expect_undisturbed();
 }
 
-/// daemon(3) forks, and the program goes on in the copy.
+/// daemon(3) forks, and the program continues in the child.
 TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
   EXPECT_EQ(forked([] {
               const auto refuses = [](const auto& result) {

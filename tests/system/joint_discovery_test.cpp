@@ -213,7 +213,7 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_TRUE(TopicMonitor("sft_writer").readers_become(1));
 }
 
-// The rest of the configuration, without that number, is equal.
+// The configurations are equal except for that number.
 TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumber) {
   const auto numbered = [](int domain) {
     return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +

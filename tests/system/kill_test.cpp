@@ -229,7 +229,7 @@ TEST_F(KillTest, WhenTheDaemonIsKilledSamplesGoOnByUdpAndThenThroughANewOne) {
   publishing.join();
 }
 
-// Together with the tests above and the other tests that kill daemons, these are 30 kills.
+// Together with the three tests above and the other tests that kill daemons, these are 30 kills.
 TEST_F(KillTest, OfTheDaemonAtRandomMomentsEachSampleIsTakenOnceOrCountedAndHeldOnesStayValid) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
@@ -429,7 +429,7 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
 
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
-  // By selection.
+  // Counts of events, by selection.
   std::array<std::atomic<int>, 2> lost{}, recovered{};
   const auto note = [&](const Event& event) {
     lost.at(event.selection) += event.kind == Event::Kind::liveliness_lost ? 1 : 0;

@@ -1,4 +1,4 @@
-// Large samples of ordinary robots, with no option set.
+// Samples as large as those of ordinary robots, with default options.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -37,7 +37,7 @@ struct Report {
   std::atomic<bool> may_close_files{false};
   std::atomic<std::size_t> matched{0};
   std::atomic<std::uint64_t> taken{0};
-  std::array<std::atomic<char>, 400> discovery{};  ///< NodeStatus::discovery of its node
+  std::array<std::atomic<char>, 400> discovery{};  ///< the text of NodeStatus::discovery
 
   void tell(const std::string& text) {
     for (std::size_t i = 0; i < discovery.size(); ++i) discovery[i] = i < text.size() ? text[i] : '\0';
@@ -159,7 +159,7 @@ class LinksTest : public ::testing::Test {
   std::vector<hosts::NetworkNamespace> spaces_;
 };
 
-/// The interfaces that the user of a robot lists. "huc" leads to the laptop.
+/// A robot, and the interfaces that its user lists. Its interface "huc" leads to the laptop.
 struct Cell {
   const char* name;
   std::vector<std::string> listed;
@@ -205,8 +205,8 @@ TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
   }
 }
 
-/// Changes of the robot's network, with the publisher on either host, because either side may notice a
-/// change late.
+/// Tests with a publisher on the robot and a subscriber on the laptop, whose network changes while samples
+/// come.
 class ChangesOfNetwork : public LinksTest {
  protected:
   void SetUp() override {

@@ -36,7 +36,7 @@ class LossyCable {
   void become(bool bad) { notes_->bad = bad; }
 
   static constexpr std::size_t samples_max = 4096;
-  /// The faults since the cable was made.
+  /// The state of the cable, and its faults so far.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
     std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< counts of frames

@@ -1,4 +1,4 @@
-// Publishing and subscribing, which has to work in the same way over every transport.
+// Tests of publishing and subscribing that every transport has to pass in the same way.
 #include <algorithm>
 #include <array>
 #include <atomic>

@@ -188,7 +188,7 @@ TEST_P(QosTest, WhoeverPublishesInTimeMissesNoDeadline) {
   auto sub =
       b.subscriber<PointCloud2, F::height>("points", {.deadline = 1s, .on_event = requested.callback()})
           .value();
-  // It may take longer than the deadline until shared memory is there.
+  // It may take longer than the deadline until shared memory is ready.
   ASSERT_TRUE(eventually([&] {
     pub.publish(cloud(1));
     return served(pub) == 1;
@@ -470,7 +470,7 @@ TEST(HistoryTest, LiveSamplesForOthersInSharedMemoryDoNotOvertakeIt) {
 INSTANTIATE_TEST_SUITE_P(Ways, RateTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 INSTANTIATE_TEST_SUITE_P(Ways, QosTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 
-/// Expects that 3 MB take about 0.3 s, at a limit of 10 MB/s.
+/// Expects that 3 MB take more than 250 ms, because a limit of 10 MB/s is set.
 void expect_paced(const NodeOptions& sending, const PublisherOptions& published) {
   Node a = Node::open(sending).value();
   Node b = Node::open(node_options(Way::udp, "b")).value();

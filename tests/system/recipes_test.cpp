@@ -38,7 +38,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Printed lines arrive at once. Newer C libraries refuse to change the buffering after the first output.
+/// Makes each printed line arrive at once. Newer C libraries refuse to change the buffering after the first
+/// output, so this is done at the start.
 [[maybe_unused]] const int line_buffered = std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
 
 class RecipesTest : public testing::Test {

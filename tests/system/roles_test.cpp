@@ -1,5 +1,5 @@
-// A node receives the records of endpoints in the opposite role of its own ones, and all records once it is
-// told to.
+// A node with readers receives the records of writers, and a node with writers those of readers. Each
+// receives all records once it is told to.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

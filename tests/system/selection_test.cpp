@@ -81,7 +81,7 @@ TEST_P(SelectionNodesTest, WhatTheQueueLosesIsToldFromWhatWasWithheld) {
   publish({200});
   EXPECT_THAT(until(sub, 200), ElementsAre(200));
   publish({2, 100, 3, 4, 101, 5, 102, 6, 103});
-  // In shared memory the reader counts them when it takes the next sample.
+  // In shared memory the reader counts discarded samples when it takes the next sample.
   ASSERT_TRUE(in_shared_memory() || eventually([&] { return sub.status().discarded == 2; }));
   EXPECT_THAT(until(sub, 103), ElementsAre(102, 103));
   EXPECT_EQ(sub.status().lost, 2U);
@@ -127,7 +127,7 @@ TEST_P(SelectionNodesTest, TheConditionsOfACompiledSubscriberStandInItsOptions) 
               HasSubstr("column 17"));
 }
 
-// Each has conditions of its own: "height >= 1", "height >= 2", and so on.
+// Each reader has its own condition: "height >= 1", "height >= 2", and so on.
 TEST_P(SelectionNodesTest, SixtyFourReadersWithSixtyFourConditionsGetWhatTheyAskedFor) {
   constexpr std::uint32_t readers = 64;
   const DynamicType type = this->type();

@@ -91,7 +91,7 @@ TEST_P(SeveralSelectionsTest, ASampleHasTheFieldsAndTheSelectionThatItCameBy) {
   EXPECT_THAT(seen, UnorderedElementsAre("0: height", "1: width"));
 }
 
-// The selections are the pose of each sample, and the covariance of each third.
+// The first selection asks for the pose of each sample, the second for the covariance of every third one.
 TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsWhatTheSampleHas) {
   using nav_msgs::msg::Odometry;
   auto odometry = a.publisher<Odometry>("odometry", {.reliability = Reliability::reliable}).value();
@@ -245,7 +245,7 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
       a.publisher<PointCloud2>("promised", {.reliability = Reliability::reliable, .deadline = 2s}).value();
   auto sub =
       b.subscriber("promised", b.find_type("promised", hang_timeout).value(), "height", options).value();
-  // It may take longer than the deadline until shared memory is there.
+  // It may take longer than the deadline until shared memory is ready.
   ASSERT_TRUE(eventually([&] {
     promising.publish(cloud(1));
     return served(promising) == 2;

@@ -20,7 +20,7 @@ class NodeSnapshotTest : public PubSubTest {
     while (subscriber.take()) ++taken;
     return taken;
   }
-  /// Waits until every published sample is counted as received or lost.
+  /// Waits until every published sample is counted as received, lost or withheld.
   template <class S>
   void expect_all_accounted_for(S& subscriber, std::uint64_t published) {
     EXPECT_TRUE(eventually([&] {

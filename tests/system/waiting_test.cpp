@@ -13,7 +13,7 @@
 namespace sft::test {
 namespace {
 
-/// An event loop that the program has itself.
+/// An event loop of a program.
 class Loop {
  public:
   explicit Loop(int fd, std::uint32_t events = EPOLLIN) {
