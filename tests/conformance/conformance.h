@@ -43,7 +43,7 @@ struct Stage {
 struct ReaderOptions {
   std::vector<std::string> masks{"*"};  ///< the selections that the reader accepts; it asks for the first
   std::uint32_t depth = 250;
-  bool best_effort = false;  ///< even if the medium's readers usually ask for reliability
+  bool best_effort = false;  ///< best-effort, even if the medium's readers are usually reliable
   const TypeSupport* type = &udp::test::type_support<Image>();
 };
 
@@ -118,7 +118,7 @@ class Writer {
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
-  /// Return the port as the kind of port that the medium has.
+  /// Return the port by its own type, for media of shared memory and networks respectively.
   core::LendingWriter& lending_port() { return *port_.memory(); }
   core::NetworkWriter& network_port() { return *port_.network(); }
   /// Returns the bytes sent over a network; 0 for shared memory.
@@ -166,7 +166,7 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
   Traits traits() const { return stage.medium->traits(); }
 
   const testing::ScopedTrace repeat{__FILE__, __LINE__,
-                                    test::how_to_repeat()};  ///< of random faults of a medium
+                                    test::how_to_repeat()};  ///< names the seed of the medium's random faults
   Stage stage{GetParam().make()};
 };
 

@@ -57,7 +57,7 @@ class FakeInbox {
   const std::size_t depth_;
   core::GuardedCall<> notify_listener_;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::vector<core::Accepted> accepted_;
   std::vector<Writer> writers_;
   std::deque<core::SampleHandle> queue_;  ///< samples of all writers, in the order of arrival

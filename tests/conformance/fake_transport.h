@@ -7,7 +7,7 @@
 //   FakeTransport   opens ports, and says where its readers are reached. Any address will do here, because
 //                   FakeNetwork finds readers by their ids.
 //   FakeWriter      has one Line for each route: the fields that the reader asked for, its gate, its tally in
-//                   the delivery book, and what waits for the reader until it was given its history.
+//                   the delivery book, and the samples that wait until the reader has its history.
 //   FakeReader      is FakeInbox behind the seam: a queue of the newest samples of each writer, and the count
 //                   of the samples that were pushed out of it.
 //

@@ -35,7 +35,7 @@ struct Target {
 
 enum class Attacker : std::uint8_t {
   other_account,  ///< an account without rights on the publisher's host
-  owner,          ///< the account of the honest programs, by mistake
+  owner,          ///< the honest programs' own account, by mistake
   neighbour,      ///< root on another host of the network
 };
 

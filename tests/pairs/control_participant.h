@@ -39,7 +39,7 @@ class ControlParticipant {
 
   /// Writes a record of its own, which its heartbeats count.
   void write(core::Role role, const core::RecordKey& key, core::Record record);
-  /// These functions write the sample as it is, and dispose of its key.
+  /// Write the sample as it is, or dispose of its key.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
   /// Sends a heartbeat with the digests of its own records.

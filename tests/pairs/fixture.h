@@ -46,7 +46,7 @@ bool comes_true(Condition condition, std::chrono::milliseconds within = hang_tim
 json reader_of(Peer& publisher, const Peer& subscriber);
 /// Returns the subscriber's entry of the publisher; null if there is none.
 json writer_of(const Peer& publisher, Peer& subscriber);
-/// Returns what the subscriber has taken of this publisher.
+/// Returns the subscriber's account of the samples that it has taken from this publisher.
 json taken_of(const Peer& publisher, Peer& subscriber);
 
 bool is_served(Peer& publisher, const Peer& subscriber);

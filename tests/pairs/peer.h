@@ -64,7 +64,7 @@ class Peer {
   json look_at(const std::string& node) { return ask({{"do", "look"}, {"node", node}}); }
   pid_t pid() const { return process_->pid(); }
 
-  /// SIGSTOP, SIGCONT
+  /// Sends SIGSTOP or SIGCONT to the peer.
   void signal(int number) { process_->signal(number); }
   void kill_now() { process_->kill_now(); }
   /// Makes the peer return from main(). Returns its exit code.

@@ -268,7 +268,7 @@ GateReference::Node GateReference::tree(const std::vector<Condition>& conditions
 bool GateReference::holds(const FieldValues& sample, std::int64_t stamp_ns) {
   ++asked_about_;
   was_close_ = false;
-  period_from_ns_ = std::min(period_from_ns_, stamp_ns);  // the clock was set back
+  period_from_ns_ = std::min(period_from_ns_, stamp_ns);  // if the clock was set back
   return !root_ || holds(*root_, sample, stamp_ns);
 }
 

@@ -26,8 +26,8 @@ class RandomConditions {
 
   /// Returns conditions of all kinds, up to the number and depth that a selection allows; often only a few.
   std::vector<Condition> conditions();
-  /// Returns their text as it stands behind the "@". It has more parentheses and blanks than needed at
-  /// random.
+  /// Returns their text as it stands behind the "@". Randomly adds parentheses and blanks that are not
+  /// needed.
   std::string text(const TypeSupport& type, const std::vector<Condition>& conditions);
 
   /// Changes some single values of a message, so that it becomes the next message of a stream.

@@ -14,8 +14,8 @@ using Payload = std::vector<std::byte>;  ///< encapsulation and body
 /// Returns the directory of the recordings.
 std::filesystem::path recorded_data();
 
-/// Returns the content of a file, unpacked if its name ends with .xz. Empty if it cannot be read or there is
-/// no program xz.
+/// Returns the content of a file, unpacked if its name ends with .xz. Empty if that needs the program xz,
+/// which is not installed. Throws if the file cannot be read.
 std::optional<Payload> read_recording(const std::filesystem::path& file);
 
 /// Returns the payloads of a .cdrlog file. Each of its records is u64 time, u32 length, payload.

@@ -12,8 +12,8 @@ namespace sft::test {
 using Random = std::mt19937_64;
 
 /// Returns $SFT_TEST_SEED if that is set. Otherwise returns a fixed seed if $SFT_TEST_FIXED_SEEDS is set, as
-/// in CI, so that no change fails there by chance, or else a new seed for each process. The first call
-/// prints the seed to the standard error.
+/// in CI, so that CI never fails by chance, or else a new seed for each process. The first call prints the
+/// seed to the standard error.
 std::uint64_t test_seed();
 
 /// Returns how often a random test repeats what it does: `usual` times, or in longer runs $SFT_TEST_TIMES

@@ -22,7 +22,7 @@ class ControlPlaneTest : public RandomTest {
     int networks = 1;
     int steps = 300;
     Time::duration pause = 300ms;  ///< the longest pause between two steps
-    double changes = 0.8;          ///< the probability at each step, as with the others
+    double changes = 0.8;          ///< probability of a change at each step; the others likewise
     double kills = 0;
     double attacks = 0;
     double claims = 0;

@@ -84,7 +84,7 @@ void ControlWorld::announce(SimLink& link, bool asks) {
   });
 }
 
-/// An announcement comes. Cyclone answers it if it did not know the participant.
+/// Handles an announcement. Cyclone answers it if it did not know the participant.
 void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bool is_answer) {
   if (!reaches(of, hearer)) return;
   Channel& known = channel(hearer, of);

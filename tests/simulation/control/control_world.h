@@ -35,7 +35,7 @@ struct SimLink {
   std::vector<std::pair<Heartbeat, Time>> unread{};
 };
 
-/// What the actions of Peers alone say of the records of other processes.
+/// The records of other processes, as the actions of Peers alone report them.
 using Mirror = std::map<ProcessId, PerRole<std::map<RecordKey, Record>>>;
 
 struct SimProcess {

@@ -90,8 +90,8 @@ struct WorldNode {
 
   /// Returns true if the reader has told this node that the history of the writer has begun to come.
   bool has_begun(Id writer, Id reader, const AskedRequests& asked) const;
-  /// Marks the history as not given where the reader has not begun to get it. A reader that lost a writer
-  /// and found it again begins anew.
+  /// Marks the history of each writer as not given to the reader if the reader has not begun to get it. A
+  /// reader that lost a writer and found it again begins anew.
   void owe_what_has_not_begun(Id reader, const AskedRequests& asked);
   /// Marks the history as not given to that reader. Its writers treat a reader that comes back as a new one.
   void forget_history(Id reader);

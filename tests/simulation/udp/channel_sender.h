@@ -34,7 +34,7 @@ class ChannelSender {
   void send(Time now);
   /// Takes an ack, or a report of the flow.
   void hear(const Bytes& bytes, Time now);
-  /// The time of the next send().
+  /// Returns the time of the next send().
   Time next(Time now) const;
 
  private:

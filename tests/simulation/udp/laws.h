@@ -73,7 +73,7 @@ class Laws {
 
   // Checks.
 
-  /// Checks what must hold after each event. `arrivals`: null while the process of the readers is away.
+  /// Checks what must hold after each event. `arrivals`: null while the process of the readers is down.
   void check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals);
   /// Checks what must hold when nothing is under way any more. `channel`: the last channel of the writer.
   void check_end(const udp::ResendWindow& sent, std::uint32_t channel);
@@ -90,14 +90,15 @@ class Laws {
     std::set<std::uint64_t> last_names{};  ///< selections under which that sample came
     bool changed = false;                  ///< the reader was changing its wish at that time
     std::set<std::uint64_t> names{};       ///< hashes of all its wishes
-    std::set<std::uint64_t> gates{};       ///< possible for samples after the last one; 0: without conditions
-    std::set<std::uint64_t> later_gates{};  ///< those after the next sample; empty: the same
-    std::uint64_t gate = 0;                 ///< gate of its latest wish
-    std::uint64_t known_from = 0;           ///< first sequence under that wish; 0: none yet
-    bool is_settled = false;                ///< has got a sample that was sent under its latest wish
-    std::set<std::uint64_t> withheld{};     ///< sequences of the samples that were withheld
-    core::SequenceAccount numbers{};        ///< counts missing samples as a subscriber does
-    core::AskedGates asked{};               ///< follows gates as a subscriber does
+    std::set<std::uint64_t> gates{};       ///< gates that samples after the last may have; 0: no gate
+    /// Gates that samples after the next one may have; empty: as `gates`.
+    std::set<std::uint64_t> later_gates{};
+    std::uint64_t gate = 0;              ///< gate of its latest wish
+    std::uint64_t known_from = 0;        ///< first sequence under that wish; 0: none yet
+    bool is_settled = false;             ///< has got a sample that was sent under its latest wish
+    std::set<std::uint64_t> withheld{};  ///< sequences of the samples that were withheld
+    core::SequenceAccount numbers{};     ///< counts missing samples as a subscriber does
+    core::AskedGates asked{};            ///< follows gates as a subscriber does
   };
 
   bool is_sound(const core::SampleBuffer& sample, const std::string& which);
