@@ -1,6 +1,6 @@
 // A writer that may wait for its reliable readers, on any medium. While it waits, these readers lose
-// nothing. It waits for no other readers, and never longer than it may. If it may not wait, a reader knows
-// what it lost.
+// nothing. It waits for no other readers, and never longer than it may. If the writer does not wait, a
+// reader knows what it lost.
 #include <utility>
 
 #include "tests/conformance/conformance.h"

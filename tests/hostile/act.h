@@ -42,9 +42,9 @@ enum class Attacker : std::uint8_t {
 /// The harm to honest programs that cannot be avoided.
 enum class Harm : std::uint8_t {
   none,    ///< no harm: all pairs are served
-  floods,  ///< the act takes so much network or CPU time that samples may not come
+  floods,  ///< the act takes so much network or CPU time that samples might not come
   /// The act sends messages in the names of honest programs, which cannot be distinguished from true ones.
-  /// Samples may not come, unless the honest programs have certificates.
+  /// Samples might not come, unless the honest programs have certificates.
   forges,
   stops_near,  ///< the act stops the subscriber on the publisher's host
   /// Files stay that only the attacker's account or root can remove. Until then a pair may be served by UDP

@@ -279,7 +279,8 @@ TEST_F(DiscoveryTest, NodesOfOtherDomainsAreNotFound) {
   EXPECT_EQ(there.report().matched, 0U);
 }
 
-/// Both sides lose a fifth of the packets that they send.
+/// Tests in which both hosts lose a fifth of the packets that they send. The parameter is true for discovery
+/// by multicast, and false for a list of peers.
 class LossyDiscoveryTest : public DiscoveryTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
@@ -315,7 +316,7 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
   EXPECT_TRUE(publisher.matches(0, 4s));
 }
 
-/// A firewall that knows only the ports of DDS may drop them.
+/// A firewall that knows only the ports of DDS may drop heartbeats.
 TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
   const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());

@@ -414,7 +414,7 @@ TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLogg
   EXPECT_EQ(writer.mismatch->difference, "height: uint64 here, uint32 there");
   EXPECT_THAT(writer.mismatch->here, HasSubstr("uint64 height;"));
   EXPECT_THAT(writer.mismatch->there, HasSubstr("uint32 height;"));
-  auto more = b.subscriber("points", taller(), "width").value();  // the pairs are judged again
+  auto more = b.subscriber("points", taller(), "width").value();  // now all pairs are compared again
   ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 2; }));
   EXPECT_TRUE(eventually([&] {
     const std::scoped_lock lock(mutex);

@@ -385,7 +385,7 @@ TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
   may_return = true;
 }
 
-// The agent, which takes the subscriber down, also answers what the callback asks the node.
+// The agent removes the subscriber, and also answers what the callback asks the node.
 TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   Node a = open("a");
   Node b = open("b");
@@ -396,7 +396,7 @@ TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
                  if (!complete) return;
                  sub.reset();
-                 expect_served(pub, 0);  // the agent has taken the subscriber down
+                 expect_served(pub, 0);  // the agent has removed the subscriber
                  topics = b.topics().size();
                }).value());
   complete = true;

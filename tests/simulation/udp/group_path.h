@@ -24,7 +24,7 @@ class GroupPath {
   bool exists() const { return group_.has_value(); }
   /// Takes the process out of its group until the next change().
   void leave() { group_.reset(); }
-  /// Moves the process to another group or to none, or makes it deaf to its group, or ends its deafness.
+  /// Moves the process to another group or to none, or changes whether datagrams of its group reach it.
   void change();
   /// Notes that the process has crashed and was started again. If it was in a group, it gets into another
   /// one.

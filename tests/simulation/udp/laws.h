@@ -33,7 +33,7 @@ class Laws {
   // Reports of the writer.
 
   void published(std::uint64_t sequence, Cloud cloud, Time now);
-  /// Notes that the sample was sent to that reader. The writer may not know yet that the reader has left.
+  /// Notes that the sample was sent to that reader. The writer might not know yet that the reader has left.
   void owes(core::EndpointId reader, const Variant& sample) {
     if (!left_.contains(reader)) readers_[reader].owed.push_back(sample);
   }
