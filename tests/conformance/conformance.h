@@ -1,5 +1,5 @@
-// The words that the conformance suite is written in: a writer on one node and readers on another, which
-// sleep until their transport wakes them. Nothing here polls for samples, so a lost wake-up is a failed test.
+// The helpers of the conformance suite: a writer on one node, and readers on another, which sleep until
+// their transport wakes them. Nothing here polls for samples, so a lost wake-up fails a test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -34,16 +34,16 @@ struct Stage {
   explicit Stage(std::unique_ptr<Medium> chosen) : medium(std::move(chosen)) {}
 
   const std::unique_ptr<Medium> medium;
-  AnyTransport there;  ///< of the writers
-  AnyTransport here;   ///< of the readers
+  AnyTransport there;  ///< the transport of the writers
+  AnyTransport here;   ///< the transport of the readers
   const std::unique_ptr<core::DoorbellPage> bells = core::DoorbellPage::create();
   std::atomic<std::uint32_t> readers{0};  ///< the number of readers so far
 };
 
 struct ReaderOptions {
-  std::vector<std::string> masks{"*"};  ///< selections that it accepts; it asks for the first
+  std::vector<std::string> masks{"*"};  ///< the selections that the reader accepts; it asks for the first
   std::uint32_t depth = 250;
-  bool best_effort = false;  ///< whatever the medium's readers ask for
+  bool best_effort = false;  ///< best-effort, even if the medium's readers are usually reliable
   const TypeSupport* type = &udp::test::type_support<Image>();
 };
 
@@ -53,28 +53,28 @@ class Reader final : private core::ArrivalListener {
  public:
   explicit Reader(Stage& stage, const ReaderOptions& options = {});
 
-  /// Waits until it is connected.
+  /// Connects the reader to the writer, and waits until it is connected.
   void hear(const Writer& writer);
   core::Source source(const Writer& writer) const;
-  /// The route that the writer needs to serve this reader.
+  /// Returns the route by which a writer serves this reader.
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
   core::Route route(const Selection& asked) const;
-  /// Over a network: it takes samples under these selections from now on.
+  /// Takes samples under these selections from now on. Only for networks.
   void accept(std::vector<core::Accepted> accepted);
 
   core::SampleHandle take();
-  /// The next sample, as soon as it has come; empty after `hang_timeout`.
+  /// Waits for the next sample and returns it; empty after `hang_timeout`.
   core::SampleHandle next();
-  /// Waits for so many samples, and returns their sequences; fewer if they do not come.
+  /// Waits for that number of samples, and returns their sequences; fewer if some do not come.
   std::vector<std::uint64_t> next_sequences(std::size_t count);
-  /// Returns the sequences of the samples that are there.
+  /// Takes all samples that have come, and returns their sequences.
   std::vector<std::uint64_t> take_sequences();
 
   core::ReaderPort& port() { return *port_; }
   std::uint64_t discarded() const { return port_->counters().discarded; }
   std::uint64_t lost_unnoticed() const { return port_->counters().lost_unnoticed; }
-  /// The number of times that its doorbell was rung so far.
+  /// Returns how often this reader's doorbell has been rung so far.
   std::uint32_t rings() const { return bell_.rings; }
   void destroy_port() { port_.reset(); }
 
@@ -85,14 +85,13 @@ class Reader final : private core::ArrivalListener {
   const TypeSupport& type_;
   const bool reliable_;
   core::Route route_;
-  AnyReader port_;  // goes first: then nobody calls any more
+  AnyReader port_;  // destroyed first, after which it does not call arrived()
 };
 
-/// A writer whose sample number n is an image made of the seed n, unless it is given messages of another
-/// type.
+/// A writer. Its sample number n is an image made from the seed n, unless make_of() gets another message.
 class Writer {
  public:
-  /// Waits for reliable readers for so long.
+  /// `max_blocking`: how long the writer may wait for reliable readers.
   explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {},
                   const TypeSupport& type = udp::test::type_support<Image>());
 
@@ -100,12 +99,13 @@ class Writer {
   std::uint64_t sequence() const { return sequence_; }
   bool waits() const { return waits_; }
   void serve(std::vector<core::Route> routes) { port_->set_routes(std::move(routes)); }
-  /// Makes it hear and be served, alone.
+  /// Connects the reader to this writer, and serves it and no other reader.
   void serve(Reader& reader);
 
-  /// The next sample, not sent; empty where there is no memory for it, or for so many bytes behind its body.
+  /// Makes the next sample without sending it. Empty if there is no memory for it and for `bytes_behind`
+  /// bytes behind its body.
   core::SampleHandle make(std::size_t data_bytes, std::size_t bytes_behind = 0);
-  /// The same with a message of the writer's type.
+  /// Makes the next sample from a message of the writer's type.
   template <class Message>
   core::SampleHandle make_of(const Message& message, std::size_t bytes_behind = 0) {
     const FieldMask all = udp::test::type_support<Message>().full();
@@ -114,14 +114,14 @@ class Writer {
     return sample;
   }
   core::SendStatus publish(std::size_t data_bytes = 50);
-  /// Waits until the reader has noticed it.
+  /// Publishes a sample, and waits until it has arrived at the reader.
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
-  /// The port as the kind that such a medium has.
+  /// Return the port by its own type, for media of shared memory and networks respectively.
   core::LendingWriter& lending_port() { return *port_.memory(); }
   core::NetworkWriter& network_port() { return *port_.network(); }
-  /// Over a network.
+  /// Returns the bytes sent over a network; 0 for shared memory.
   std::uint64_t bytes_sent() const {
     return port_.network() == nullptr ? 0 : port_.network()->counters().bytes_sent;
   }
@@ -152,11 +152,11 @@ class Flood {
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->sequence; }
 std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 
-/// True if the sample has what its writer put there, of the fields that its mask names, and nothing else.
-/// Of images, as text (selection.md); closed.
+/// Returns the closed selection that `text` names (selection.md).
 Selection selection(const std::string& text, const TypeSupport& type = udp::test::type_support<Image>());
+/// Succeeds if the sample has exactly the fields of the writer's image that its mask names.
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
-/// True if the sample has just what that selection says of what its writer put there.
+/// Succeeds if the sample is exactly the part that the selection takes from the writer's image.
 testing::AssertionResult is_part(const core::SampleHandle& sample, std::size_t data_bytes,
                                  const Selection& wanted);
 
@@ -166,20 +166,20 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
   Traits traits() const { return stage.medium->traits(); }
 
   const testing::ScopedTrace repeat{__FILE__, __LINE__,
-                                    test::how_to_repeat()};  ///< of what a medium makes random
+                                    test::how_to_repeat()};  ///< names the seed of the medium's random faults
   Stage stage{GetParam().make()};
 };
 
-/// Runs on media whose readers ask for reliability.
+/// Tests for media whose readers ask for reliability.
 class BackPressure : public Conformance {};
 
-/// Runs on transports that can send one reader something apart from all others.
+/// Tests for transports that can send samples to one reader only.
 class LateReaders : public Conformance {};
 
-/// Runs on transports that send each reader only its fields.
+/// Tests for transports that send each reader only its fields.
 class Projection : public Conformance {};
 
-/// Runs on networks.
+/// Tests for networks.
 class Transmissions : public Conformance {};
 
 }  // namespace sft::conformance

@@ -16,7 +16,7 @@ FakeInbox::FakeInbox(const core::ReaderSpec& spec)
       }) {}
 
 bool FakeInbox::put(SampleHandle sample) {
-  std::vector<SampleHandle> surplus;  // released after the lock
+  std::vector<SampleHandle> surplus;  // released after the mutex
   const std::scoped_lock lock(mutex_);
   Writer* writer = find(sample->writer);
   if (writer == nullptr || !writer->connected || !wants(*sample)) return false;
@@ -40,7 +40,8 @@ bool FakeInbox::wants(const SampleBuffer& sample) const {
   });
 }
 
-/// Keeps as many samples as the depth allows of all writers that are counted together.
+/// Removes the oldest samples until the depth allows the rest. Only samples of writers for which
+/// `is_counted` holds are counted and removed.
 template <class Condition>
 void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& surplus) {
   const auto counted = [&](const SampleHandle& sample) { return is_counted(*find(sample->writer)); };
@@ -54,7 +55,8 @@ void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& sur
   }
 }
 
-/// No gap shows what of these writers was thrown away behind the last sample that was taken.
+/// Removes disconnected writers that have no samples left. Samples of theirs that were dropped after the
+/// last taken one count as lost unnoticed, because no gap will show them.
 void FakeInbox::forget_the_finished() {
   std::erase_if(writers_, [this](const Writer& writer) {
     const auto is_its = [&](const SampleHandle& sample) { return sample->writer == writer.id; };
@@ -85,7 +87,7 @@ void FakeInbox::connect(const core::Source& source) {
 }
 
 void FakeInbox::disconnect(EndpointId id) {
-  std::vector<SampleHandle> surplus;  // released after the lock
+  std::vector<SampleHandle> surplus;  // released after the mutex
   const std::scoped_lock lock(mutex_);
   Writer* writer = find(id);
   if (writer == nullptr) return;

@@ -1,5 +1,5 @@
-// The samples that have arrived for one reader of the fake transport, and the counts of those that were
-// pushed out.
+// The queue of samples that have arrived for one reader of the fake transport, and the counts of samples
+// that were pushed out.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@ class FakeInbox {
  public:
   explicit FakeInbox(const core::ReaderSpec& spec);
 
-  /// False if the sample is not for this reader.
+  /// Queues the sample. Returns false if it is not for this reader.
   bool put(core::SampleHandle sample);
   /// Calls the listener.
   void announce() noexcept { notify_listener_(); }
-  /// When it returns, the listener is not called any more, and no call is inside any more but the one in
-  /// which it is called itself.
+  /// After it returns, the listener is not called any more, and no other thread is still in a call of it.
+  /// The listener may call detach() itself.
   void detach() noexcept { notify_listener_.clear(); }
 
   core::SampleHandle take();
@@ -40,11 +40,11 @@ class FakeInbox {
   struct Writer {
     core::EndpointId id;
     bool connected = true;
-    bool history_first = false;  ///< still, see core::Source
-    std::uint64_t newest = 0;    ///< sequence that has arrived
+    bool history_first = false;  ///< history still to come, see core::Source
+    std::uint64_t newest = 0;    ///< greatest sequence that has arrived
     std::uint64_t arrivals = 0;
-    bool begun = false;         ///< from the sample taken last on, gaps tell what is missing
-    std::uint64_t dropped = 0;  ///< samples dropped since then
+    bool begun = false;         ///< a sample was taken, so that gaps show what is missing
+    std::uint64_t dropped = 0;  ///< samples dropped since the last taken one
   };
   const Writer* find(core::EndpointId id) const;
   Writer* find(core::EndpointId id);
@@ -57,10 +57,10 @@ class FakeInbox {
   const std::size_t depth_;
   core::GuardedCall<> notify_listener_;
 
-  mutable std::mutex mutex_;  // guards what follows
+  mutable std::mutex mutex_;  // guards the members below
   std::vector<core::Accepted> accepted_;
   std::vector<Writer> writers_;
-  std::deque<core::SampleHandle> queue_;  ///< of all writers, as they came
+  std::deque<core::SampleHandle> queue_;  ///< samples of all writers, in the order of arrival
   std::uint64_t discarded_ = 0;
   std::uint64_t lost_unnoticed_ = 0;
 };

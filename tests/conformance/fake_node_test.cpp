@@ -1,5 +1,5 @@
-// Whole nodes on the fake: discovery, negotiation, publishers and subscribers work over a network that is not
-// UDP, as long as it is a core::Network.
+// Whole nodes on the fake transport. Discovery, negotiation, publishers and subscribers work over any
+// core::Network, not only over UDP.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -19,7 +19,7 @@ using namespace std::chrono_literals;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// A publisher and a subscriber of one topic, on nodes of their own that share a fake network.
+/// A publisher and a subscriber of one topic, on two nodes that share a fake network.
 class FakeNodes : public ::testing::Test {
  protected:
   Publisher<PointCloud2> publisher(const PublisherOptions& options = {}) {
@@ -100,7 +100,7 @@ TEST_F(FakeNodes, GiveALateSubscriberTheRetainedSamplesFirst) {
   }
 }
 
-/// A transport that does nothing, and has counts that the test chooses.
+/// A transport that does nothing, with counters that the test chooses.
 template <class Idle>
 class Counting final : public Idle {
  public:

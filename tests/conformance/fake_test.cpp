@@ -1,4 +1,5 @@
-// The suite on the fake, so that what is tested with it is tested with what transports do.
+// The suite on the fake transport. It shows that the fake behaves as transports do, so that other tests may
+// rely on it.
 #include "tests/conformance/conformance.h"
 #include "tests/conformance/fake_transport.h"
 

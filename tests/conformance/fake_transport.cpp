@@ -60,7 +60,7 @@ struct FakeNode {
   std::atomic<std::uint64_t> over_limit{0};
 };
 
-/// The way to one reader. The newest routes and those of the present sample may share it.
+/// The path to one reader. The newest routes and those of the present sample may share a Line.
 struct Line {
   core::Route route;
   std::shared_ptr<const ProjectionPlan> plan;
@@ -79,16 +79,16 @@ class FakeWriter final : public core::NetworkWriter {
         book_(spec.book),
         copier_(core::RemoteCopy::make(type_, node_->pool)) {}
 
-  // The publisher's thread.
+  // Called by the publisher's thread.
 
   SendStatus send(const SampleHandle& sample) noexcept override {
     begin_sample();
     return send_begun(sample, Reach::usual_routes);
   }
-  void set_timeout(std::chrono::nanoseconds) noexcept override {}  // nobody is ever waited for
+  void set_timeout(std::chrono::nanoseconds) noexcept override {}  // this writer never waits
   bool takes_postponed() const noexcept override { return false; }
 
-  // The agent's thread.
+  // Called by the agent's thread.
 
   void set_routes(std::vector<core::Route> routes) override {
     core::DeliveryBook::Page page;
@@ -115,14 +115,15 @@ class FakeWriter final : public core::NetworkWriter {
   }
   bool history_sent(EndpointId) noexcept override { return true; }
 
-  // Any thread.
+  // Called by any thread.
 
   Counters counters() const noexcept override { return {.bytes_sent = bytes_sent_}; }
   std::string multicast(EndpointId) const override { return {}; }
   std::string path_trouble(EndpointId) const override { return {}; }
 
  private:
-  /// Listeners are called at its end, which comes after that of a lock taken later.
+  /// The destructor calls the listeners. A lock that is taken after this object was made is released before
+  /// that.
   struct Arrivals {
     std::vector<std::shared_ptr<FakeInbox>> inboxes{};
     ~Arrivals() {
@@ -167,7 +168,7 @@ class FakeWriter final : public core::NetworkWriter {
     }
   }
 
-  // A batch spares nothing here: samples leave at once.
+  // Samples of a batch leave at once, because holding them back would save nothing here.
   void hold(core::BatchTimeout) noexcept override {}
   std::size_t flush() noexcept override { return 0; }
 
@@ -176,15 +177,16 @@ class FakeWriter final : public core::NetworkWriter {
     return line.route.gate == nullptr || line.route.gate->passes();
   }
 
-  /// A sample that a gate withholds from a reader with a fallback route is counted where that reader usually
-  /// is served.
+  /// Returns the entry of a line in the delivery book. A fallback route has no gate there: what a gate
+  /// withholds is counted by the route that usually serves the reader.
   static std::pair<EndpointId, core::DeliveryMeter> entry_of(const Line& line) {
     const bool fallback = line.route.fallback;
     return {line.route.reader,
             {.tally = line.tally, .gate = fallback ? nullptr : line.route.gate, .diverted = fallback}};
   }
 
-  /// A reader that is still late goes on where it was.
+  /// Returns the line for a route. A reader that is still late keeps its line, so that it continues where it
+  /// was.
   std::shared_ptr<Line> line_for(core::Route route) const {
     auto plan = std::make_shared<const ProjectionPlan>(type_, route.selection);
     const auto goes_on = [&](const auto& known) {
@@ -197,7 +199,8 @@ class FakeWriter final : public core::NetworkWriter {
     return *known;
   }
 
-  /// False where there is no memory for it. A reader that left misses nothing.
+  /// Delivers a copy of the sample. Returns false if there is no memory for it. A reader that has left
+  /// counts as served.
   bool deliver(const Line& line, const core::SampleBuffer& sample, Arrivals& arrivals) noexcept {
     std::shared_ptr<FakeInbox> inbox = node_->network->find(line.route.reader);
     if (inbox == nullptr) return true;
@@ -223,7 +226,7 @@ class FakeWriter final : public core::NetworkWriter {
     return true;
   }
 
-  /// Memory of the reader's own: the writer's may be used again.
+  /// Copies the sample into memory for the reader, because the writer may use its memory again.
   SampleHandle copy_of(const core::SampleBuffer& sample) noexcept {
     const std::size_t bytes = sample.header().body_offset + sample.header().body_bytes;
     SampleHandle copy = node_->pool->take(bytes);
@@ -238,13 +241,13 @@ class FakeWriter final : public core::NetworkWriter {
 
   const TypeSupport& type_;
   const std::shared_ptr<FakeNode> node_;
-  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: nobody asks what became of samples
+  const std::shared_ptr<core::DeliveryBook> book_;  ///< null if deliveries are not counted
   std::atomic<std::uint64_t> bytes_sent_{0};
 
-  std::mutex mutex_;  // guards what follows; not held while listeners are called, which may send
+  std::mutex mutex_;  // guards the following members; not held while listeners are called, which may send
   const std::shared_ptr<core::RemoteCopy> copier_;
   Lines newest_;
-  Lines begun_;  ///< of the present sample
+  Lines begun_;  ///< the routes of the present sample
 };
 
 class FakeReader final : public core::NetworkReader {
@@ -271,7 +274,7 @@ class FakeReader final : public core::NetworkReader {
   void accept(std::vector<core::Accepted> accepted) override { inbox_->accept(std::move(accepted)); }
   void announced(const Source&) override {}
 
-  // Samples come on the thread that sends: there is nothing to receive.
+  // There is nothing to receive, because the sending thread delivers.
   bool receive(const core::Waiting&) noexcept override { return false; }
   void share_reader() override {}
 
@@ -300,8 +303,8 @@ class FakeTransport final : public core::Network {
     return std::make_unique<FakeReader>(spec, node_);
   }
 
-  // A node announces an address, without which nobody could serve its readers. FakeNetwork does not look at
-  // it, and no interface comes or goes.
+  // A node must announce an address, without which its readers are not served. FakeNetwork ignores it, and
+  // no interface comes or goes.
   std::vector<core::UdpAddress> addresses() const override {
     return {{.ip = core::loopback_ipv4, .port = 1}};
   }

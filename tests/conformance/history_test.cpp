@@ -1,5 +1,5 @@
-// A late reader gets what was retained, then what came meanwhile, then what comes, without gap or repetition;
-// others notice nothing of it.
+// A late reader gets the retained samples, then those that were published meanwhile, then live ones, without
+// gap or repetition. Other readers are not affected.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {
@@ -11,7 +11,7 @@ using core::SendStatus;
 
 constexpr std::uint32_t history_depth = 3;
 
-/// The route of a reader that is to be served from retained samples on.
+/// Returns the route of a reader that gets the retained samples first.
 core::Route late(const Reader& reader) {
   core::Route route = reader.route();
   route.history = history_depth;

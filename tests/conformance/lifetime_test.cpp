@@ -1,4 +1,4 @@
-// Samples outlive the ports and transports that they came from; ports come and go while samples flow.
+// Samples outlive the ports and transports that they came from. Ports come and go while samples flow.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {

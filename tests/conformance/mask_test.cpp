@@ -1,5 +1,5 @@
-// Each sample decodes under the mask that it names, which is what its reader asked for or, where all share
-// one sample, all of it; also while routes change under way.
+// Each sample decodes under the mask that it names, also while routes change. That mask is the one that its
+// reader asked for, or the full mask if all readers share one sample.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {

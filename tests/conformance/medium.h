@@ -1,5 +1,4 @@
-// A medium, on which the conformance suite runs: a way for samples to travel between two nodes of this
-// process.
+// A medium on which the conformance suite runs. It carries samples between two nodes of this process.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,14 +13,15 @@
 
 namespace sft::conformance {
 
-/// The differences that transports may have in the same test (conformance.md says why they have them).
+/// The differences between transports that one test may meet (conformance.md gives the reasons).
 struct Traits {
-  bool projects = true;  ///< a reader gets the fields that it asked for, or else the whole sample
-  bool counts_before_first_taken = true;  ///< what a queue pushed out before anything was taken from it
-  bool reliable = false;                  ///< readers ask for that
+  bool projects = true;                   ///< a reader gets only its fields; if false, the whole sample
+  bool counts_before_first_taken = true;  ///< counts samples pushed out before the first take
+  bool reliable = false;                  ///< readers ask for reliability
 };
 
-/// Something of shared memory, or of a network, used as what both have in common.
+/// Owns an object of shared memory or of a network, and gives access to the interface that both have in
+/// common.
 template <class Common, class OfMemory, class OfNetwork>
 class Either {
  public:
@@ -33,7 +33,7 @@ class Either {
 
   Common& operator*() const { return *common_; }
   Common* operator->() const { return common_.get(); }
-  /// Null if it is the other one.
+  /// Return null if the object is of the other kind.
   OfMemory* memory() const { return memory_; }
   OfNetwork* network() const { return network_; }
   void reset() { *this = Either(); }
@@ -51,13 +51,13 @@ using AnyReader = Either<core::ReaderPort, core::BorrowingReader, core::NetworkR
 class Medium {
  public:
   virtual ~Medium() = default;
-  /// The reason why the medium cannot be had here; empty if it can.
+  /// Returns why the medium is not available here; empty if it is.
   virtual std::string refusal() { return {}; }
   virtual Traits traits() const { return {}; }
 
-  /// A node's transport, ready. REQUIRES: no refusal.
+  /// Opens a node's transport, which is ready. REQUIRES: refusal() is empty.
   virtual AnyTransport open() = 0;
-  /// The address of a reader that belongs to a node and waits at a doorbell.
+  /// Returns the address of a reader of `node` that waits at the doorbell `bell`.
   virtual core::Locator locator(const AnyTransport& node, const core::DoorbellAddress& bell) = 0;
 };
 
@@ -65,7 +65,6 @@ struct MediumChoice {
   std::string name;
   std::function<std::unique_ptr<Medium>()> make;
 };
-/// Returns the name that GoogleTest prints.
 inline std::string name_of(const testing::TestParamInfo<MediumChoice>& choice) { return choice.param.name; }
 inline std::ostream& operator<<(std::ostream& out, const MediumChoice& choice) { return out << choice.name; }
 

@@ -1,4 +1,4 @@
-// Samples of one writer come in the order in which they were sent, each once.
+// Samples of one writer come in the order in which they were sent, and each comes once.
 #include <map>
 
 #include "tests/conformance/conformance.h"

@@ -1,5 +1,5 @@
-// Over networks each reader gets the parts of fields that it asked for, also while it asks for others.
-// Whoever shares the memory of a sample gets all of it.
+// Over networks each reader gets the parts of fields that it asked for, also while it changes its request.
+// Readers that share the memory of a sample get the whole sample.
 #include "core/seam/gate.h"
 #include "tests/conformance/conformance.h"
 
@@ -85,7 +85,7 @@ TEST_P(Conformance, GivesAReaderOfAPartThisPartOrTheSharedSample) {
   }
 }
 
-/// A gate for every second sample, whatever the samples say.
+/// Returns a gate that lets every second sample pass, whatever its content.
 std::shared_ptr<core::Gate> every_second() {
   const TypeSupport& type = udp::test::type_support<Image>();
   const Selection::Gate gate = type.parse_selection("* @ every 2nd").value().gate();

@@ -1,4 +1,4 @@
-// The suite on shared memory, each test on a host and with a daemon of its own.
+// The suite on shared memory. Each test has its own isolated host and its own daemon.
 #include <atomic>
 #include <optional>
 #include <thread>
@@ -27,7 +27,7 @@ class ShmMedium final : public Medium {
   AnyTransport open() override {
     shm::ShmOptions options = test::own_daemon();
     options.port_wait = options.port_deadline =
-        hang_timeout;  // the daemon may have to wait for a processor; a node would ask again
+        hang_timeout;  // a daemon may get the CPU late; a node would ask again
     auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
       return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;
@@ -38,7 +38,7 @@ class ShmMedium final : public Medium {
   core::Locator locator(const AnyTransport&, const core::DoorbellAddress& bell) override { return bell; }
 
  private:
-  static constexpr unsigned shm_mebibytes = 1600;  // the largest samples fit
+  static constexpr unsigned shm_mebibytes = 1600;  // enough for the largest samples
   const bool reliable_;
   std::optional<test::ShmOfSize> shm_;
 };
@@ -50,7 +50,7 @@ const auto reliable_iceoryx =
 INSTANTIATE_TEST_SUITE_P(Shm, Conformance, iceoryx, name_of);
 INSTANTIATE_TEST_SUITE_P(Shm, BackPressure, reliable_iceoryx, name_of);
 
-// There is one sample, whole, for all of a writer's readers.
+// All readers of a writer share one whole sample, so that these tests do not apply.
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LateReaders);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Projection);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Transmissions);
@@ -58,7 +58,7 @@ GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Transmissions);
 class ShmSamples : public Conformance {};
 INSTANTIATE_TEST_SUITE_P(Shm, ShmSamples, iceoryx, name_of);
 
-/// A reader that wants what was retained before all else, at a writer that has three samples retained.
+/// Tests with a writer that retains three samples, and a reader that wants the retained samples first.
 class ShmHistory : public Conformance {
  protected:
   void SetUp() override {
@@ -152,7 +152,7 @@ TEST_P(ShmSamples, ComeToALateReaderThatDoesNotWaitForWhatWasRetained) {
   EXPECT_EQ(late.port().history(writer.id()), core::HistoryProgress::came) << "it awaits none";
 }
 
-/// A gate for every sample, or for none.
+/// Returns a gate that lets every sample pass, or none.
 std::shared_ptr<core::Gate> gate(bool is_open) {
   const TypeSupport& type = udp::test::type_support<Image>();
   const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
@@ -165,8 +165,8 @@ std::shared_ptr<core::Gate> gate(bool is_open) {
 class ShmWaiting : public Conformance {};
 INSTANTIATE_TEST_SUITE_P(Shm, ShmWaiting, reliable_iceoryx, name_of);
 
-/// The writer has chosen whom to wake before the reader asked for something else, and has put the sample into
-/// the reader's queue after that.
+/// The writer chooses which readers to wake; then the reader changes its conditions; then the writer puts
+/// the sample into the reader's queue.
 TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
   using namespace std::chrono_literals;
   constexpr std::uint32_t depth = 8;

@@ -1,5 +1,5 @@
-// The promises of a network about single transmissions and batches: fallback routes carry only what is meant
-// for them, and nothing of a batch stays behind.
+// The promises of a network about single transmissions and batches. Fallback routes carry only samples that
+// are meant for them, and all samples of a batch leave at its end.
 #include <utility>
 
 #include "tests/conformance/conformance.h"
@@ -12,7 +12,7 @@ using core::SendStatus;
 
 TEST_P(Transmissions, ReachAReaderWithAFallbackRouteOnlyIfTheyAreMeantForIt) {
   Writer writer(stage);
-  Reader usual(stage), elsewhere(stage, {.masks = {"name"}});  // else one datagram would do for both
+  Reader usual(stage), elsewhere(stage, {.masks = {"name"}});  // otherwise one datagram could serve both
   usual.hear(writer);
   elsewhere.hear(writer);
   core::Route fallback = elsewhere.route();
@@ -43,7 +43,7 @@ TEST_P(Transmissions, OfABatchHaveAllLeftAtItsEnd) {
   for (std::uint64_t first = 1; first <= 21; first += 10) {
     core::Batch batch = writer.network_port().batch(core::BatchTimeout::fresh);
     for (int i = 0; i < 10; ++i) ASSERT_EQ(writer.publish(10), SendStatus::sent);
-    if (first == 21) break;  // a batch that is let go of leaves as well
+    if (first == 21) break;  // a batch also leaves when it is destroyed
     ASSERT_EQ(std::move(batch).flush(), 0U);
   }
   EXPECT_EQ(reader.next_sequences(30), numbers(1, 30));

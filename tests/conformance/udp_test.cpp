@@ -1,4 +1,4 @@
-// The suite on UDP, with both of its backends: best effort, over IPv4 and IPv6, and reliable on a link that
+// The suite on UDP with both of its backends: best-effort over IPv4 and IPv6, and reliable over a link that
 // loses, repeats and swaps datagrams.
 #include "tests/conformance/conformance.h"
 #include "tests/support/test_seed.h"

@@ -1,7 +1,7 @@
-// A reader asks for one window of an image or a cloud after the other, while its writer publishes. The type
-// of the message says by a layout rule how its data is made of rows and columns, and which other fields a
-// part changes. Each sample that comes is the part that it names, as a reference cuts it, and names a window
-// that may have been in force when it was sent. Where readers share the whole sample, they take the part
+// A reader asks for one window of an image or a cloud after the other, while its writer publishes. A layout
+// rule of the message type says how the data consists of rows and columns, and which other fields a part
+// changes. Each sample that comes equals the part that it names, as a reference cuts it, and names a window
+// that may have been in force when it was sent. If readers share the whole sample, they take the part
 // themselves.
 #include <atomic>
 #include <sensor_msgs/msg/Image.hpp>
@@ -24,7 +24,8 @@ using Picture = sensor_msgs::msg::Image;
 
 constexpr std::uint32_t rows_most = 24, columns_most = 32;
 
-/// Each byte of the data tells its place and the number. There is padding behind the rows.
+/// Returns an image in which each byte depends on its place and on the number. There is padding behind the
+/// rows.
 Picture message_of(std::uint32_t number, const Picture&) {
   Picture picture;
   picture.header.stamp.sec = static_cast<std::int32_t>(number);
@@ -38,7 +39,7 @@ Picture message_of(std::uint32_t number, const Picture&) {
   return picture;
 }
 
-/// There are gaps between the channels as well.
+/// Returns such a cloud, which also has gaps between the channels.
 PointCloud2 message_of(std::uint32_t number, const PointCloud2&) {
   using sensor_msgs::msg::PointField;
   PointCloud2 cloud;
@@ -56,7 +57,7 @@ PointCloud2 message_of(std::uint32_t number, const PointCloud2&) {
   return cloud;
 }
 
-/// A range of so many rows or columns, which may reach beyond the edge.
+/// Returns a random range for a message with up to `most` rows or columns. It may reach beyond the edge.
 std::string any_range(test::Random& random, std::uint32_t most) {
   const std::uint64_t begin = random() % most, end = begin + 1 + random() % most;
   return std::to_string(begin) + ":" + std::to_string(end) + ":" + std::to_string(1 + random() % 3);
@@ -91,7 +92,7 @@ class MovingWindow {
     writer_.serve({reader_.route(asked_[0])});
   }
 
-  /// Moves the window each time after at least one sample was sent while it stood still.
+  /// Moves the window again and again. Between two moves at least one sample is sent.
   void move(const std::stop_token& stop) {
     for (std::size_t change = 1; change <= changes; ++change) {
       const std::size_t sent = published_;
@@ -105,7 +106,7 @@ class MovingWindow {
       done_ = change;
     }
   }
-  /// Two samples behind the last change, too.
+  /// Publishes and compares samples until all changes are done, and two samples more.
   void publish_and_compare() {
     for (std::size_t left = 2; left > 0; left -= done_ == changes ? 1 : 0) {
       ASSERT_NO_FATAL_FAILURE(publish());
@@ -121,7 +122,7 @@ class MovingWindow {
   }
 
  private:
-  /// The windows that may have been in force while a sample was sent, by their numbers.
+  /// The numbers of the first and the last window that may have been in force while a sample was sent.
   struct Span {
     std::size_t first = 0, last = 0;
   };
@@ -130,10 +131,11 @@ class MovingWindow {
   static Message message(std::uint64_t sequence) {
     return message_of(static_cast<std::uint32_t>(sequence), Message());
   }
-  /// A sample of best effort may be overtaken by one under another selection.
+  /// Returns how many samples may be under way at a time. Best-effort samples must not, because samples
+  /// under another selection may overtake them.
   std::uint64_t in_flight() const { return stage_.medium->traits().reliable ? 8 : 0; }
 
-  /// The writer sends few samples between two changes.
+  /// Publishes a sample, but only a few between two changes.
   void publish() {
     while (published_ >= still_since_ + 4 && done_ < changes) std::this_thread::yield();
     Span span{.first = done_};
@@ -144,7 +146,7 @@ class MovingWindow {
     spans_.push_back(span);
     ++published_;
   }
-  /// Waits until no more than so many samples are under way.
+  /// Takes and checks samples until at most `under_way` of the published ones are outstanding.
   void take_and_compare(std::uint64_t under_way) {
     while (taken_ + under_way < published_) {
       const SampleHandle sample = reader_.next();
@@ -163,7 +165,7 @@ class MovingWindow {
     }
     FAIL() << "sample " << sample.sequence << " names a window that was not in force";
   }
-  /// The sample that all readers share, of which this one takes the part that it asks for.
+  /// Checks a sample that all readers share. This reader takes the part that it asks for.
   void expect_part_of_whole(const core::SampleBuffer& sample) {
     const Selection& asked = asked_[spans_[sample.sequence].last];
     ASSERT_EQ(sample.parts, 0U);
@@ -179,16 +181,17 @@ class MovingWindow {
   }
 
   Stage& stage_;
-  std::vector<Selection> asked_;  ///< one after the other
+  std::vector<Selection> asked_;  ///< in the order in which the reader asks for them
   Writer writer_{stage_, 1, {}, type()};
   Reader reader_{stage_, {.type = &type()}};
   core::AcceptedRequests requests_;
   std::vector<Span> spans_{1};  ///< the span of each sample, by sequence
   std::atomic<std::size_t> published_{0};
-  std::atomic<std::size_t> still_since_{0};      ///< so many were published before the last change
-  std::atomic<std::size_t> begun_{0}, done_{0};  ///< changes that have begun, and that are done
+  std::atomic<std::size_t> still_since_{0};  ///< number of samples published before the last change
+  /// Numbers of the last change that has begun, and of the last one that is done.
+  std::atomic<std::size_t> begun_{0}, done_{0};
   std::uint64_t taken_ = 0;
-  std::set<std::uint64_t> came_;  ///< the selections under which samples came
+  std::set<std::uint64_t> came_;  ///< hashes of the selections under which samples came
 };
 
 template <class Message>

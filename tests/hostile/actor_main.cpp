@@ -1,7 +1,7 @@
 // hostile_actor ACT ACCOUNT SEED: performs the act against the programs of that account until its standard
-// input, a socket, is closed or says something. Tells there when the act has begun, and in the end what it
-// got. `hostile_actor --list` prints all acts;
-// `hostile_actor --sftd-status` ends as `sftd status` does, without its output.
+// input, a socket, is closed or receives something. Writes to the socket when the act has begun, and at the
+// end what the act gained. `hostile_actor --list` prints all acts. `hostile_actor --sftd-status` ends with
+// the exit code of `sftd status`, without its output.
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -21,7 +21,8 @@ constexpr int pause_ms = 10;
 
 void tell(const std::string& text) { (void)!send(STDIN_FILENO, text.data(), text.size(), MSG_NOSIGNAL); }
 
-/// Takes what it is told, since the other side would get an error in place of the answer otherwise.
+/// Returns true if the other side has sent something or closed the socket. Reads the data, because otherwise
+/// the other side would get an error instead of the answer.
 bool is_told_to_end(int within_ms) {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   char word[16];

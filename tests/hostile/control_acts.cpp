@@ -19,12 +19,12 @@ using core::Role;
 
 constexpr std::uint64_t last_number = std::numeric_limits<std::uint64_t>::max();
 
-/// A process that is made up.
+/// Returns a forged process with a random id.
 std::shared_ptr<ForgedControl> forged_control_of(Target& target) {
   return std::make_shared<ForgedControl>(target.random() | 1);
 }
 
-/// Calls `say` for every honest endpoint of that role, every time.
+/// Returns an act that calls `say` for every honest endpoint of that role at each tick.
 Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const Endpoint&)> say) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), role, say = std::move(say)] {
             for (const Endpoint& endpoint : forged_control->heard(role)) say(*forged_control, endpoint);
@@ -32,8 +32,8 @@ Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const 
           }};
 }
 
-/// A node that is made up, with so many endpoints for each honest one of that role. It says so many of these
-/// at a time, and that it lives.
+/// Returns an act of a forged node, which announces `count` endpoints made from an honest one of that role,
+/// some at each tick, and keeps itself alive.
 Act crowd(Target& target, Role role, std::size_t count,
           std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
   struct State {
@@ -53,18 +53,18 @@ Act crowd(Target& target, Role role, std::size_t count,
           }};
 }
 
-/// Addresses where nobody listens: the port "discard".
+/// Returns an address at which no program listens: the port "discard".
 std::vector<core::UdpAddress> nobody() { return {own_address(9)}; }
 
 std::uint64_t id_of(std::uint64_t node, std::uint64_t number) { return node + (number << 20) + number; }
 
-/// A name as a type description has it.
+/// Returns the name in the form of type descriptions.
 std::string described(const std::string& name) {
   return std::string(1, static_cast<char>(name.size())) + name;
 }
 
-/// Describes a type of that name with 4096 leaves, in some 200 bytes: twelve structs of two members, each of
-/// which is the struct before. `number` is part of each leaf's name.
+/// Returns the description of a type with 4096 leaves, in some 200 bytes. It has twelve structs of two
+/// members, and both members are of the preceding struct's type. `number` is part of each leaf's name.
 std::vector<std::byte> deep_description(const std::string& type_name, std::uint64_t number) {
   constexpr int structs = 12;
   constexpr char uint8 = 4;
@@ -83,7 +83,7 @@ std::vector<std::byte> deep_description(const std::string& type_name, std::uint6
   return {first, first + text.size()};
 }
 
-/// Describes the honest type with another name for one member.
+/// Returns the description of the honest type with another name for one member.
 std::vector<std::byte> renamed_description(std::vector<std::byte> description, std::uint64_t number) {
   constexpr std::string_view member = "is_bigendian";
   auto* text = reinterpret_cast<char*>(description.data());
@@ -105,7 +105,7 @@ Endpoint numbered_reader(const Endpoint& writer, std::uint64_t node, std::uint64
   return reader;
 }
 
-/// A reader at an address that never answers. What comes there is counted.
+/// Announces a reader at an address that never answers, and counts the bytes that come there.
 Act reflection_to(Target& target, bool own_host_of_the_writer) {
   struct State {
     explicit State(std::uint64_t id) : node(id) {}
@@ -150,7 +150,7 @@ Act requests_to_nobody(Target& target) {
   });
 }
 
-/// Repeats records of others, as a cache may do, though not by their writers.
+/// Repeats the records of others by its own writers, as a cache may do.
 Act repeated_announcements(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target)] {
             for (const auto& heard : forged_control->records_heard())
@@ -205,7 +205,7 @@ Act names_with_control_characters(Target& target) {
       });
 }
 
-/// Records whose bytes are nothing in particular: an announcement that is changed, cut, or longer.
+/// Writes records with random bytes: announcements that are changed, cut or extended.
 Act senseless_announcements(Target& target) {
   const auto random = std::make_shared<Random>(target.random());
   return to_each(target, Role::writer, [random](ForgedControl& forged_control, const Endpoint& writer) {
@@ -220,7 +220,7 @@ Act senseless_announcements(Target& target) {
   });
 }
 
-/// Writers of which the short id is that of an honest one, and the whole one is smaller.
+/// Announces writers that have the short id of an honest one, and a smaller whole id.
 Act twin_writers(Target& target) {
   const std::uint64_t node = target.random();
   return to_each(target, Role::writer, [node](ForgedControl& forged_control, const Endpoint& writer) {
@@ -234,7 +234,7 @@ Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
 
-/// The act reports about endpoints of others. Only what a process says of its own endpoints counts.
+/// Reports progress of endpoints of others. Only reports of a process about its own endpoints count.
 Act false_progress(Target& target) {
   const auto sent = std::make_shared<std::uint64_t>(1'000'000);
   return to_each(target, Role::writer, [sent](ForgedControl& forged_control, const Endpoint& writer) {
@@ -242,7 +242,7 @@ Act false_progress(Target& target) {
   });
 }
 
-/// The act reports accounts of pairs of each endpoint with all others.
+/// Reports accounts of the pairs of each endpoint with all others.
 Act false_accounts(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             const std::vector<Endpoint> all = forged_control->heard();
@@ -261,7 +261,7 @@ Act false_accounts(Target& target) {
           }};
 }
 
-/// About all topics, and many that there are not, for accounts and progress in turns.
+/// Inquires about all topics and many that do not exist, alternately for accounts and progress.
 Act questions_without_end(Target& target) {
   const auto asked = std::make_shared<std::uint64_t>(0);
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), asked] {
@@ -277,7 +277,7 @@ Act questions_without_end(Target& target) {
           }};
 }
 
-/// The act writes records of kinds and versions that do not exist, in its own name and in those of others.
+/// Writes records of kinds and versions that do not exist, in its own name and in the names of others.
 Act unknown_records(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             for (ForgedControl::HeardRecord heard : forged_control->records_heard()) {
@@ -294,7 +294,7 @@ Act unknown_records(Target& target) {
           }};
 }
 
-/// Announcements that are none, each in a slot of its own.
+/// Writes senseless announcements, each in its own slot.
 Act slots_without_end(Target& target) {
   const auto slots = std::make_shared<std::uint64_t>(0);
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), slots, &random = target.random] {
@@ -305,14 +305,14 @@ Act slots_without_end(Target& target) {
           }};
 }
 
-/// A process of whose records something seems to be missing all the time.
+/// Sends heartbeats with random digests, so that records of this process always seem to be missing.
 Act heartbeats_without_records(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             forged_control->live({random(), random()});
           }};
 }
 
-/// The act gives heartbeats of hosts that do not exist.
+/// Sends heartbeats of hosts that do not exist.
 Act flood_of_heartbeats(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             constexpr int at_a_time = 300;

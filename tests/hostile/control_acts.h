@@ -1,4 +1,4 @@
-// Acts on the control topics: what a process says of itself, and too much of it.
+// Acts on the control topics in which a process lies about itself, or writes too much.
 #pragma once
 
 #include "tests/hostile/act.h"

@@ -29,7 +29,7 @@ void signal_all(const std::vector<pid_t>& processes, int number) {
   for (const pid_t process : processes) kill(process, number);
 }
 
-/// An sftd that this process runs, and starts again when it ends.
+/// An sftd of the attacker's own, which is started again when it ends.
 class OwnDaemon {
  public:
   void keep_running() {
@@ -50,7 +50,7 @@ class OwnDaemon {
   pid_t pid_ = -1;
 };
 
-/// Calls it for all files and sockets of this account in the directories of shared memory.
+/// Calls `use` for all files and sockets of this account in the directories of shared memory.
 void for_each_own_file(const std::function<void(const std::string&)>& use) {
   for (const char* directory : {"/dev/shm", "/tmp"}) {
     std::error_code ignored;
@@ -88,7 +88,8 @@ class FalseNeighbour {
  public:
   explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), forged_control_(node_) {}
 
-  /// Once for each publisher. `make_page` is given the name of the reader's page of doorbells.
+  /// Announces the reader once to each publisher. `make_page` gets the path of the reader's page of
+  /// doorbells.
   void announce_to_all(const std::function<void(const std::string&)>& make_page) {
     for (const core::Endpoint& writer : forged_control_.heard(core::Role::writer)) {
       if (!writer.host.known() || !known_.insert({writer.id, writer.host.bytes}).second) continue;
@@ -134,7 +135,7 @@ Act doorbell_that(Target& target, std::function<void(const std::string&)> make,
               }};
 }
 
-/// Long enough for all slots of a page.
+/// Makes a file that has the length of a page of doorbells.
 void make_page(const std::string& path) {
   const int page = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
   if (page < 0 || ftruncate(page, core::DoorbellPage::slots * sizeof(core::Doorbell)) != 0) return;
@@ -147,7 +148,8 @@ void remove_all_in(const char* directory) {
   for (const auto& entry : fs::directory_iterator(directory, ignored)) remove_quietly(entry.path());
 }
 
-/// Leaves a process that has run for a moment no further descriptor, so that its start is not what fails.
+/// Limits the descriptors of processes so that they cannot open further ones. A process has run for a moment
+/// before that, so that its start does not fail.
 class DescriptorLimits {
  public:
   void impose(const std::vector<pid_t>& processes) {
@@ -205,7 +207,7 @@ Act doorbell_of_nobody(Target& target) {
   return doorbell_that(target, [](const std::string&) {});
 }
 
-/// A link from the page that is announced to one that an honest reader waits at.
+/// Makes the announced page a link to one at which an honest reader waits.
 Act doorbells_of_the_honest(Target& target) {
   return doorbell_that(target, [](const std::string& page) {
     for (const std::string& honest : shared_files("sft_bell")) (void)!symlink(honest.c_str(), page.c_str());

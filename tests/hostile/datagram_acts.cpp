@@ -20,7 +20,7 @@ using udp::FirstHeader;
 
 constexpr std::uint32_t channels_swept = 16;
 
-/// A sample of two small fields that claims to be of this writer.
+/// Returns the header of a sample of two small fields that claims to be of this writer.
 FirstHeader sample_header(const Endpoint& writer, const Endpoint& reader, std::uint32_t sequence,
                           std::uint16_t variant) {
   FirstHeader header;
@@ -43,7 +43,8 @@ struct Senders {
 using PairUse =
     std::function<void(const Sender&, const Endpoint& writer, const Endpoint& reader, const sockaddr_in& to)>;
 
-/// Calls it for each honest writer and each address of each honest reader, again and again.
+/// Returns an act that at each tick calls `use` for each honest writer and each address of each honest
+/// reader.
 Act to_each_reader(PairUse use) {
   const auto senders = std::make_shared<Senders>();
   return {.begin = {}, .go_on = [senders, use = std::move(use)] {
@@ -56,7 +57,8 @@ Act to_each_reader(PairUse use) {
           }};
 }
 
-/// The same, but each pair is attacked once in half a second: what follows is to heal that.
+/// Returns such an act that attacks each pair once in half a second, so that the pair can recover in
+/// between.
 Act once_to_each_reader(PairUse use) {
   constexpr int ticks_between = 50;
   const auto ticks = std::make_shared<std::map<std::pair<core::EndpointId, core::EndpointId>, int>>();
@@ -66,7 +68,7 @@ Act once_to_each_reader(PairUse use) {
       });
 }
 
-/// Calls it for each honest writer and each address of its node.
+/// Returns an act that at each tick calls `use` for each honest writer and each address of its node.
 Act to_each_writer(std::function<void(const Sender&, const Endpoint& writer, const sockaddr_in& to)> use) {
   const auto senders = std::make_shared<Senders>();
   return {.begin = {}, .go_on = [senders, use = std::move(use)] {
@@ -76,7 +78,7 @@ Act to_each_writer(std::function<void(const Sender&, const Endpoint& writer, con
           }};
 }
 
-/// Returns the address of a host that does not exist, in a network that nobody is in.
+/// Returns the address of a host that does not exist, in a network without hosts.
 sockaddr_in made_up_host(unsigned number) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -94,7 +96,7 @@ Act sequence_jumps(Target&) {
       });
 }
 
-/// Three in a row, in a channel as well, so that each is confirmed by the next.
+/// Sends three such samples in a row, also in a channel, so that each is confirmed by the next.
 Act sequence_jumps_confirmed(Target&) {
   return once_to_each_reader(
       [](const Sender& sender, const Endpoint& writer, const Endpoint& reader, const sockaddr_in& to) {
@@ -222,7 +224,7 @@ Act garbage(Target& target) {
   });
 }
 
-/// Half of it begins as what DDS says begins.
+/// Half of the datagrams begin like messages of DDS.
 Act garbage_for_discovery(Target& target) {
   const auto sender = std::make_shared<Sender>();
   return {.begin = {}, .go_on = [sender, &random = target.random] {

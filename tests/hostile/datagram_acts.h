@@ -1,4 +1,4 @@
-// Acts with datagrams, made up from what the control topics tell.
+// Acts with forged datagrams, which use information from the control topics.
 #pragma once
 
 #include "tests/hostile/act.h"

@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t block_bytes = 1024 * 1024;
 
-/// Puts something at each name that is free, and removes in the end what it put there.
+/// Returns an act that calls `put` for each free name, and at the end removes what was put there.
 Act at_every_name(const Target& target, std::function<bool(const std::string&)> put) {
   const auto taken = std::make_shared<std::vector<std::string>>();
   const auto take = [names = names_of(target.account), put = std::move(put), taken] {
@@ -51,11 +51,11 @@ bool make_socket(const std::string& path) {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;
   std::strncpy(address.sun_path, path.c_str(), sizeof address.sun_path - 1);
-  const int listener = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);  // stays open and answers nobody
+  const int listener = socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);  // stays open and never answers
   return bind(listener, reinterpret_cast<const sockaddr*>(&address), sizeof address) == 0;
 }
 
-/// Returns the paths of all files in /dev/shm and /tmp that can be opened for reading.
+/// Returns the paths of all files in /dev/shm, /tmp and /run that can be opened for reading.
 std::vector<std::string> readable_files() {
   std::vector<std::string> files;
   for (const char* directory : {"/dev/shm", "/tmp", "/run"}) {
@@ -70,7 +70,7 @@ std::vector<std::string> readable_files() {
   return files;
 }
 
-/// Writes until there is no space, and frees it in the end.
+/// Returns an act that writes a file until no space is left, and frees the space at the end.
 Act filled(const std::string& path) {
   const auto fill = [path] {
     const std::string block(block_bytes, 'x');
@@ -92,7 +92,7 @@ struct OpenFiles {
   }
 };
 
-/// Locks what can be read, each file once. `how` is called for its descriptor.
+/// Returns an act that opens each readable file once, and calls `how` with its descriptor to lock it.
 Act locks(std::function<void(int)> how) {
   const auto locked = std::make_shared<OpenFiles>();
   const auto known = std::make_shared<std::vector<std::string>>();
@@ -159,7 +159,7 @@ Act hard_links(Target& target) {
 
 Act sockets(Target& target) { return at_every_name(target, make_socket); }
 
-/// Does the same as fifos(), but at the very moment at which a name becomes free.
+/// Does the same as fifos(), but at the moment at which a name becomes free.
 Act snatched_names(Target& target) {
   Act act = fifos(target);
   act.go_on = [snatch = act.go_on] {
@@ -176,7 +176,8 @@ Act read_locks(Target&) {
   });
 }
 
-/// Each is waited for by a process of its own, and granted when the honest holder is gone.
+/// Requests each lock in a separate process, which waits. The lock is granted when the honest holder is
+/// gone.
 Act waiting_read_locks(Target&) {
   const auto waiting = std::make_shared<std::vector<pid_t>>();
   Act act = locks([waiting](int descriptor) {
@@ -198,7 +199,7 @@ Act full_shared_memory(Target&) { return filled("/dev/shm/full"); }
 
 Act full_tmp(Target&) { return filled("/tmp/full"); }
 
-/// Files without content use up what the file system can number.
+/// Makes empty files until the file system has no inodes left.
 Act no_file_numbers(Target&) {
   constexpr int files = 20'000;
   const std::string directory = "/dev/shm/many";

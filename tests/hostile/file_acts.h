@@ -1,4 +1,4 @@
-// Acts with files: obstacles at names that sftd and programs use, locks, memory that is full.
+// Acts with files: obstacles at names that sftd and programs use, locks, and full memory.
 #pragma once
 
 #include "tests/hostile/act.h"

@@ -15,13 +15,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Multicasts of the loopback have ports of their own.
+/// Multicasts on the loopback use ports of their own.
 constexpr const char* loopback_ports =
     "<Ports><MulticastMetaOffset>2</MulticastMetaOffset><MulticastDataOffset>3</MulticastDataOffset></Ports>";
 
 }  // namespace
 
-/// A Cyclone domain on one interface, which is domain 0 on the wire.
+/// A Cyclone domain on one interface, which is domain 0 on the network.
 class DomainOfLink {
  public:
   DomainOfLink(dds_domainid_t number, const std::string& interface) {
@@ -56,7 +56,7 @@ ForgedControl::ForgedControl(core::ProcessId process) : own_(process, core::Timi
 
 ForgedControl::~ForgedControl() = default;
 
-/// A withdrawn endpoint is kept: attacks go on against it.
+/// Keeps a record of others. Withdrawn endpoints stay known, so that attacks on them continue.
 void ForgedControl::note(const test::ControlParticipant::Came& came) {
   auto& known = records_[{came.participant, came.role, came.key}];
   if (came.record.revision < known.record.revision) return;

@@ -1,5 +1,5 @@
-// Participants of the control topics that say whatever they like, on the network and, for nodes of their own
-// host, on the loopback. They are one process, and hear what the honest ones announce.
+// Participants of the control topics that write anything, on the network and, for nodes of their own host,
+// on the loopback. Together they act as one process, and receive what honest nodes announce.
 #pragma once
 
 #include <cstddef>
@@ -23,14 +23,14 @@ namespace sft::hostile {
 
 class ForgedControl {
  public:
-  /// Speaks in the domain that the honest nodes use, as a process with this id. With 0 it only listens, and
-  /// is no process to others. Throws if there is no network.
+  /// Joins the domain of the honest nodes as a process with this id. With 0 it only listens, and other nodes
+  /// see no process. Throws if there is no network.
   explicit ForgedControl(core::ProcessId process = 0);
   ~ForgedControl();
   ForgedControl(const ForgedControl&) = delete;
   ForgedControl& operator=(const ForgedControl&) = delete;
 
-  /// Everything that honest nodes announced, with the newest request of each reader.
+  /// Returns all endpoints that honest nodes have announced, with the newest request of each reader.
   std::vector<core::Endpoint> heard();
   std::vector<core::Endpoint> heard(core::Role role);
   struct HeardRecord {
@@ -38,34 +38,36 @@ class ForgedControl {
     dds_guid_t writer{};
     sft_control_Record sample{};
   };
-  /// The newest records of others, withdrawn ones included. Their bodies are valid until the next call.
+  /// Returns the newest records of others, including withdrawn ones. Their bodies are valid until the next
+  /// call.
   std::vector<HeardRecord> records_heard();
-  /// The participants of others on the network, also those with certificates.
+  /// Returns the other participants on the network, including those with certificates.
   std::vector<test::ControlParticipant::Other> participants() const;
 
-  // Records of its own. They may say anything of anybody's endpoints.
+  // Records of its own. They may claim anything about any endpoint.
 
-  /// A reader's announcement comes with its request.
+  /// Announces an endpoint; for a reader also its request.
   void announce(const core::Endpoint& endpoint);
   void request(const core::Request& request);
-  /// Writes these bytes as its announcement of the endpoint.
+  /// Writes these bytes as the announcement of the endpoint.
   void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
   void inquire(std::uint64_t owner, const core::Inquiry& inquiry);
-  /// Tells those that inquire, by a topic of its own.
+  /// Sends a report to the nodes that inquire, by the topic of reports.
   void report(const core::NodeReport& report);
   /// Writes a sample in its own name. Its heartbeats do not count it.
   void write_as_own(core::Role role, sft_control_Record sample);
-  /// Gives a heartbeat if one is due.
+  /// Sends a heartbeat if one is due.
   void live();
-  /// Gives one with these digests.
+  /// Sends a heartbeat with these digests.
   void live(const core::PerRole<std::uint64_t>& digests);
 
-  // Whatever is not its own.
+  // Messages in other names.
 
-  /// Writes the sample as it is on all links: names, keys and versions are not checked.
+  /// Write the sample as it is on all links, or dispose of its key. Names, keys and versions are not
+  /// checked.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
-  /// Sends it by the network.
+  /// Sends the heartbeat by the network.
   void send(const core::Heartbeat& heartbeat);
   /// Returns the heartbeats of others that have come by the network since the last call.
   std::vector<core::Heartbeat> overheard();
@@ -84,14 +86,14 @@ class ForgedControl {
   std::map<core::EndpointId, core::Request> requests_;
 };
 
-/// The name of nodes that attackers make up.
+/// The name of forged nodes.
 inline constexpr const char* made_up = "made up";
 
-/// A reader that would fit this writer, at an address, as another node would announce it. It asks for all
-/// fields and listens to the writer.
+/// Returns a reader that fits this writer, as another node would announce it. It asks for all fields and
+/// listens to the writer at these addresses.
 core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
                               std::vector<core::UdpAddress> addresses);
-/// A writer that would fit this reader.
+/// Returns a writer that fits this reader.
 core::Endpoint made_up_writer(const core::Endpoint& reader, std::uint64_t id, std::uint64_t node);
 
 }  // namespace sft::hostile

@@ -25,7 +25,7 @@ using test::RtpsMessage;
 
 constexpr std::uint64_t greatest_revision = std::numeric_limits<std::uint64_t>::max();
 
-/// Calls `act` each tenth time, which is ten times a second.
+/// Returns a function that calls `act` at each tenth call, which is ten times a second.
 std::function<void()> now_and_then(std::function<void()> act) {
   constexpr int ticks_between = 10;
   return [act = std::move(act), ticks = std::make_shared<int>(0)] {
@@ -39,8 +39,8 @@ core::ParticipantGuid octets_of(const dds_guid_t& guid) {
   return octets;
 }
 
-/// Writes each record of this kind of others, changed, in the name of its writer, with the greatest revision.
-/// `change` returns the new body; nothing if the record is not of interest.
+/// Returns an act that changes each record of this kind and writes it in the name of its writer with the
+/// greatest revision. `change` returns the new body; empty to skip the record.
 Act rewritten(core::RecordKind kind,
               std::function<std::vector<std::byte>(core::Role, std::span<const std::byte>)> change) {
   const auto forged_control = std::make_shared<ForgedControl>();
@@ -62,7 +62,8 @@ Act rewritten(core::RecordKind kind,
   return {.begin = {}, .go_on = now_and_then(rewrite)};
 }
 
-/// The act changes control messages of honest programs and sends them again, also in their names.
+/// Returns an act that changes control messages of honest programs and sends them again, also in their
+/// names.
 Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Random&)> change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
@@ -104,7 +105,8 @@ void cut_body(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.
 
 }  // namespace
 
-/// Withdraws the records of the first slots as well. Where the writers are hidden it guesses them.
+/// Disposes of all records, and withdraws those of the first slots in their writers' names. Guesses the
+/// writers if they are hidden.
 Act forged_disposals(Target& target) {
   const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
   const auto dispose = [forged_control] {
@@ -123,7 +125,7 @@ Act forged_disposals(Target& target) {
   return {.begin = {}, .go_on = now_and_then(dispose)};
 }
 
-/// Disposes of the participants themselves, as if their processes had ended.
+/// Disposes of participants, as if their processes had ended.
 Act forged_deaths(Target&) {
   const auto forged_control = std::make_shared<ForgedControl>();
   const auto dispose = [forged_control] {
@@ -159,7 +161,7 @@ Act altered_announcements(Target&) {
   });
 }
 
-/// Cyclone DDS takes all that these writers say afterwards for old.
+/// Uses great sequence numbers, so that Cyclone DDS takes all later samples of these writers for old.
 Act outdated_records(Target&) {
   const auto forged_control = std::make_shared<ForgedControl>();
   const auto outdate = [forged_control] {
@@ -174,7 +176,8 @@ Act outdated_records(Target&) {
   return {.begin = {}, .go_on = now_and_then(outdate)};
 }
 
-/// Its records withdraw what these processes have, and its heartbeats count them.
+/// Makes participants that claim to belong to honest processes, replaces the announcements of these, and
+/// counts its own records in its heartbeats.
 Act claimed_processes(Target&) {
   struct State {
     ForgedControl honest;
@@ -197,7 +200,8 @@ Act claimed_processes(Target&) {
   return {.begin = {}, .go_on = now_and_then(claim)};
 }
 
-/// Announces others' endpoints as its own, as they were first. Who hears of them first here has them so.
+/// Announces the endpoints of others as its own, in their first state. A node that receives these first
+/// keeps them.
 Act copied_endpoints(Target& target) {
   const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
   const auto first = std::make_shared<std::vector<core::Endpoint>>();
@@ -209,7 +213,7 @@ Act copied_endpoints(Target& target) {
           }};
 }
 
-/// Each heartbeat is followed by others in the same name, with the digests of other records.
+/// Sends heartbeats in the names of honest participants, with wrong digests.
 Act false_life(Target& target) {
   const auto forged_control = std::make_shared<ForgedControl>();
   const auto known = std::make_shared<std::map<core::ParticipantGuid, core::Heartbeat>>();

@@ -1,5 +1,6 @@
-// Acts in the names of honest participants, by datagrams of RTPS and by heartbeats, and with what they say on
-// the control topics. Certificates make them vain: without, what they leave behind heals (SECURITY.md).
+// Acts in the names of honest participants, by datagrams of RTPS, by heartbeats, and with their own control
+// messages. Certificates make these acts ineffective. Without certificates, their effects end after the act
+// (SECURITY.md).
 #pragma once
 
 #include "tests/hostile/act.h"

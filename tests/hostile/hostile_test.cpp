@@ -1,6 +1,6 @@
-// After an act all honest programs work as before. The test tries each act of the table, begun before, while,
-// or after the programs start. How soon all work again is measured by `./run bench recovery`, which has the
-// bound.
+// After an act all honest programs work as before. The test tries each act of the table; it begins before,
+// while or after the programs start. `./run bench recovery` measures how soon all programs work again, and
+// has the limit for that.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -13,7 +13,7 @@
 
 namespace sft::hostile {
 
-/// For GoogleTest, which looks for it here.
+/// Declared in this namespace, where GoogleTest looks for it.
 void PrintTo(const Entry& entry, std::ostream* out) { *out << entry.name; }
 
 namespace {
@@ -36,7 +36,7 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
     for (const std::string& complaint : stage.end()) ADD_FAILURE() << complaint;
   }
 
-  /// At one of the three moments; or, with SFT_TEST_TIMES=3 or more, at all of them in turns.
+  /// Tries the act at one of the three moments or, with SFT_TEST_TIMES=3 or more, at all of them in turn.
   void expect_that_all_works_again(Certificates certificates) {
     const std::uint64_t first = random();
     for (std::uint64_t i = 0; i < test::test_rounds(1); ++i)
@@ -51,7 +51,8 @@ class HostileToCertified : public Hostile {};
 
 TEST_P(HostileToCertified, ActsCostNothing) { expect_that_all_works_again(Certificates::all); }
 
-/// DDS Security does not protect the end of a participant (SECURITY.md).
+/// Returns the acts in the names of others, except forged_deaths: DDS Security does not protect the end of a
+/// participant (SECURITY.md).
 std::vector<Entry> forging_acts() {
   std::vector<Entry> forging;
   std::ranges::copy_if(acts(), std::back_inserter(forging), [](const Entry& entry) {

@@ -1,4 +1,5 @@
-// The names at which sftd and programs keep files and sockets, and obstacles that can lie there.
+// The paths at which sftd and programs keep files and sockets, and functions to find and remove files and
+// processes.
 #pragma once
 
 #include <sys/types.h>
@@ -9,18 +10,18 @@
 
 namespace sft::hostile {
 
-/// Returns the names that sftd uses if that account runs it (shm_transport/host/same_host.md).
+/// Returns the paths that sftd uses if that account runs it (shm_transport/host/same_host.md).
 std::vector<std::string> names_of(uid_t account);
 
-/// Files in /dev/shm whose names begin so.
+/// Returns the files in /dev/shm whose names begin with `prefix`.
 std::vector<std::string> shared_files(const std::string& prefix);
 
-/// Removes a file, or a directory with all that is in it. A path that is not there is no error.
+/// Removes a file, or a directory with its content. A path that does not exist is no error.
 void remove_quietly(const std::filesystem::path& path);
 
-/// Process ids of programs that run, by the name of the program's file.
+/// Returns the ids of the processes that run a program file of that name.
 std::vector<pid_t> processes(const std::string& program);
-/// The processes of the honest programs whose names begin so: "near".
+/// Returns the processes of the honest programs whose names begin with `name`, such as "near".
 std::vector<pid_t> honest_program(const std::string& name);
 
 }  // namespace sft::hostile

@@ -19,7 +19,7 @@ udp::DatagramKind kind_of(const Overheard& heard) {
   return udp::kind_of(heard.payload).value_or(udp::DatagramKind::first);
 }
 
-/// Calls it for all that was overheard since the last time.
+/// Returns an act that at each tick calls `use` for each datagram overheard since the last tick.
 Act with_overheard(std::function<void(const Overheard&)> use) {
   const auto listener = std::make_shared<Listener>();
   return {.begin = {}, .go_on = [listener, use = std::move(use)] {
@@ -27,7 +27,7 @@ Act with_overheard(std::function<void(const Overheard&)> use) {
           }};
 }
 
-/// Some datagrams of each kind, the newest, and what is sent of them.
+/// The newest few datagrams of each kind.
 class Collection {
  public:
   void keep(const Overheard& heard) {
@@ -49,7 +49,8 @@ class Collection {
 
 using Change = std::function<void(Bytes&, Random&)>;
 
-/// Each tick sends that many of those overheard datagrams that are wanted, changed, to where they were going.
+/// Returns an act that at each tick changes `at_a_time` of the overheard datagrams that are `wanted`, and
+/// sends them to their original destinations.
 Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)> wanted, Change change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
@@ -68,7 +69,7 @@ Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)
             for (int i = 0; i < at_a_time; ++i) {
               Overheard one = state->collection.any(state->random);
               change(one.payload, state->random);
-              // Half of them claim to come from where the true ones come from.
+              // Half of them have the true source address.
               state->random() % 2 == 0 ? state->spoofer.send(one.payload, one.from, one.to)
                                        : state->sender.send(one.payload, one.to);
             }
@@ -82,8 +83,8 @@ void put(Bytes& bytes, std::size_t at, Number number) {
   if (at + sizeof number <= bytes.size()) std::memcpy(bytes.data() + at, &number, sizeof number);
 }
 
-/// A multiple of `step`, where numbers stand in most headers, or any place: those of following datagrams
-/// stand elsewhere.
+/// Returns a random place in the headers: a multiple of `step`, where most headers have their numbers, or
+/// any place, because following datagrams have them elsewhere.
 std::size_t any_place(const Bytes& bytes, Random& random, std::size_t step) {
   constexpr std::size_t headers_bytes = 72;
   if (random() % 2 == 0) step = 1;
@@ -138,8 +139,8 @@ void mutate(Bytes& bytes, Random& random) {
   }
 }
 
-/// For each heartbeat that is overheard, sends the writer an ack that `answer` makes of it, in the reader's
-/// name.
+/// Returns an act that answers each overheard heartbeat by an ack from `answer` to the writer, in the
+/// reader's name.
 Act for_heartbeats(std::function<udp::Ack(const udp::Heartbeat&)> answer) {
   const auto spoofer = std::make_shared<Spoofer>();
   return with_overheard([spoofer, answer = std::move(answer)](const Overheard& heard) {
@@ -152,7 +153,7 @@ Act for_heartbeats(std::function<udp::Ack(const udp::Heartbeat&)> answer) {
 
 }  // namespace
 
-/// With the numbers of channels that are in use, and twice, so that one confirms the other.
+/// Uses the numbers of channels in use, and sends two heartbeats, so that the second confirms the first.
 Act heartbeats_a_little_ahead(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto ticks = std::make_shared<int>(0);
@@ -200,8 +201,8 @@ Act forged_reports(Target&) {
   });
 }
 
-/// Sends heartbeats in the name of the writer's channels; the acks would go to a host that never asked for
-/// them.
+/// Sends heartbeats for the writer's channels that name another host, to which acks would go although it
+/// never asked for them.
 Act heartbeats_that_name_another_host(Target&) {
   const auto drain = std::make_shared<Drain>();
   const auto sender = std::make_shared<Sender>();
@@ -227,7 +228,7 @@ Act replayed_datagrams(Target&) {
   });
 }
 
-/// Sends the first datagrams again and again. They come later and later.
+/// Sends the first overheard datagrams again and again, which become older and older.
 Act replayed_datagrams_of_long_ago(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto first = std::make_shared<std::vector<Overheard>>();

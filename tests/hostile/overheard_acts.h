@@ -1,4 +1,5 @@
-// Acts with datagrams that were overheard on the network: repeated, altered, and answered in others' names.
+// Acts with datagrams that were overheard on the network. They are repeated, altered, and answered in the
+// names of others.
 #pragma once
 
 #include "tests/hostile/act.h"

@@ -24,14 +24,15 @@ using test::json;
 
 namespace {
 
-constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group: sftd needs the name of its group
+constexpr uid_t honest_user = 1;  // "daemon" in every /etc/group; sftd needs a group with a name
 constexpr uid_t other_user = 65534;
-constexpr const char* programs = "/srv";  // where accounts find them that may not enter the checkout
+constexpr const char* programs = "/srv";  // for accounts that must not enter the checkout
 constexpr std::chrono::microseconds publishing_period = 5ms;
 constexpr Ms hang_timeout = test::hang_timeout;
 constexpr Ms timeout_while_setting_up = 2s;
 
-/// In this process's own mount namespace, which all hosts are copies of.
+/// Returns the account, and mounts the programs for it. The hosts are copies of this process's mount
+/// namespace.
 test::Account account(uid_t user) {
   if (access((std::string(programs) + "/sftd").c_str(), X_OK) != 0 &&
       mount(test::program_directory().c_str(), programs, nullptr, MS_BIND, nullptr) != 0)
@@ -39,10 +40,10 @@ test::Account account(uid_t user) {
   return {user, programs};
 }
 
-/// Beside /tmp and /dev/shm, of which each host has its own.
+/// Not in /tmp or /dev/shm, because each host has its own of these.
 constexpr const char* certificates_directory = "/media/certificates";
 
-/// Makes the certificate of the honest programs. Returns whether they are to have one.
+/// Makes the certificate of the honest programs if they are to have one. Returns its argument.
 Certificates made(Certificates certificates) {
   if (certificates == Certificates::none || access(certificates_directory, X_OK) == 0) return certificates;
   if (mount("tmpfs", "/media", "tmpfs", 0, "size=4m") != 0)
@@ -56,7 +57,7 @@ Certificates made(Certificates certificates) {
 
 json honest_policies(bool is_reliable) { return {{"reliable", is_reliable}}; }
 
-/// One end of a pair, in short.
+/// Describes one end of a pair in short.
 std::string describe(const json& entry) {
   if (entry.is_null()) return "knows nothing of it";
   const bool is_up = entry.value("served", entry.value("matched", false) && entry.value("alive", false));
@@ -104,27 +105,27 @@ std::string_view to_string(Moment moment) {
   return "";
 }
 
-/// A subscriber, and what it gets of the publisher.
+/// A subscriber, and counts of the samples that it gets from the publisher.
 struct Stage::Pair {
   std::string name;
   const test::Host& host;
-  std::string transport;  ///< that serves it when nothing is wrong
+  std::string transport;  ///< the transport that serves it in the normal case
   bool is_reliable;
   std::unique_ptr<test::Peer> subscriber{};
-  std::uint64_t received = 0;     ///< by any path, when it was looked at last
-  std::uint64_t received_by = 0;  ///< by that transport
+  std::uint64_t received = 0;     ///< samples by any path, at the last look()
+  std::uint64_t received_by = 0;  ///< samples by `transport`, at the last look()
   std::string state{};
-  bool falls_back = false;  ///< served by UDP, while the status of shared memory names the file in its way
-  bool is_stopped = false;  ///< by the present act: the subscriber cannot answer
+  bool falls_back = false;  ///< served by UDP, and the status names an obstructing file
+  bool is_stopped = false;  ///< the present act has stopped the subscriber
 
-  /// The numbers of samples at one moment; later ones show whether so many more have come.
+  /// The numbers of samples at one moment, with which later ones are compared.
   struct Noted {
     std::uint64_t received, received_by;
   };
   Noted note() const { return {received, received_by}; }
 };
 
-/// A hostile_actor while it acts.
+/// A process of hostile_actor that performs an act.
 class Stage::Actor {
  public:
   Actor(const Stage& stage, const Entry& entry) : name_(entry.name) {
@@ -142,7 +143,7 @@ class Stage::Actor {
         account(user));
     close(ends[1]);
   }
-  /// An act that was not ended is ended here, so that no honest program stays stopped.
+  /// Ends the act if end() was not called, so that no honest program stays stopped.
   ~Actor() {
     if (!has_ended_) {
       (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
@@ -156,7 +157,7 @@ class Stage::Actor {
   void await_begin() {
     if (hear() != "begun") throw std::runtime_error("act " + name_ + " does not begin");
   }
-  /// Ends the act and returns what it got.
+  /// Ends the act and returns what it gained.
   std::string end() {
     has_ended_ = true;
     (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
@@ -213,14 +214,14 @@ json Stage::options(bool start_daemon) const {
   return options;
 }
 
-/// Messages in the names of others harm only programs without certificates.
+/// Returns the harm to expect. Messages in the names of others harm only programs without certificates.
 Harm Stage::harm_of(const Entry& entry) const {
   return entry.harm == Harm::forges && certificates_ == Certificates::all ? Harm::none : entry.harm;
 }
 
 void Stage::launch() {
   if (!publisher_) {
-    // Nobody takes the one that was killed for it.
+    // Each publisher has a new name, so that it is not mistaken for a killed one.
     const std::string name = "publisher " + std::to_string(++publishers_);
     publisher_ = std::make_unique<test::Peer>(here_, name, options(true), honest_);
     publisher_->advertise(honest_policies(true));
@@ -235,9 +236,9 @@ void Stage::launch() {
   }
 }
 
-/// Returns true if both sides say that the pair is served by the transport that is meant for it. A subscriber
-/// that the act has stopped is not asked, since it could not answer: nothing is demanded of it until the act
-/// ends.
+/// Asks both sides, and returns true if both report that the pair is served by its usual transport. A
+/// subscriber that the act has stopped is not asked, because it cannot answer. It counts as served until the
+/// act ends.
 bool Stage::look(Pair& pair) {
   if (pair.is_stopped) return true;
   const json reader = publisher_->look_at(pair.name)["reader"];
@@ -280,7 +281,7 @@ bool Stage::start() {
       hang_timeout, 10ms);
 }
 
-/// Waits until the subscriber that the act stops has come to a halt: a signal takes effect a little later.
+/// Waits until the act has really stopped its subscriber, because a signal takes effect a little later.
 void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   if (entry.harm != Harm::stops_near) return;
   for (const auto& pair : pairs_) {
@@ -290,7 +291,8 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   }
 }
 
-/// Expects samples of every pair, by whatever path. A pair that is being set up gets a moment for that.
+/// Expects that samples come to every subscriber by any path. A pair that is being set up gets time for
+/// that.
 void Stage::expect_samples(Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
@@ -304,7 +306,8 @@ void Stage::expect_samples(Outcome& outcome) {
   }
 }
 
-/// Samples that were under way do not count: two more have to come than were there when the act ended.
+/// Waits until all pairs are served as before and samples come. More than two further samples have to come,
+/// because some may have been under way when the act ended.
 void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
@@ -324,9 +327,9 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
   }
 }
 
-/// The daemon's own command must answer, too, and the pairs must be served while it does. They may have gone
-/// on in the memory of a daemon that is about to start afresh: then no daemon runs for a moment, or it does
-/// not answer yet. Nothing else is excused.
+/// Waits until `sftd status` answers while all pairs are served. The pairs may have continued in the memory
+/// of a daemon that is about to be replaced. Then no daemon runs for a moment, or it does not answer yet.
+/// Any other failure is a complaint.
 void Stage::await_command_line(const Entry& entry, Clock::time_point ended, Outcome& outcome) {
   auto code = shm::ExitCode::not_running;
   const auto is_over = [&] {
@@ -351,7 +354,7 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
       outcome.complaints.push_back("Before the act not all are served:" + state());
       return outcome;
     }
-    // A stopped program answers no command, so it has to have subscribed before it is stopped.
+    // A stopped program answers no command, so it must have subscribed before.
     if (entry.harm == Harm::stops_near) launch();
     Actor actor(*this, entry);
     if (moment == Moment::while_they_start) launch();

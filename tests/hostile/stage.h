@@ -1,6 +1,6 @@
-// Two hosts with honest programs, a third one for whoever attacks from the network, and what is demanded of
-// the honest ones: that they live, that samples come while an act lasts, and that all is as before soon
-// after.
+// Two hosts with honest programs, a third one for attackers on the network, and the checks of the honest
+// programs: they stay alive, samples come while an act lasts, and soon after the act everything is as
+// before.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace sft::hostile {
 using Clock = std::chrono::steady_clock;
 using Ms = std::chrono::milliseconds;
 
-/// When the act begins, seen from the honest programs.
+/// When the act begins, relative to the start of the honest programs.
 enum class Moment : std::uint8_t { before_they_start, while_they_start, after_they_started };
 inline constexpr std::array moments{Moment::after_they_started, Moment::while_they_start,
                                     Moment::before_they_start};
@@ -28,15 +28,15 @@ std::string_view to_string(Moment moment);
 
 /// The result of an act for the honest programs.
 struct Outcome {
-  std::vector<std::string> complaints{};  ///< sentences; empty if all was well
-  /// The time from the end of the act until each pair was served as before; empty if that did not come true.
+  std::vector<std::string> complaints{};  ///< sentences; empty if there was no fault
+  /// The time from the end of the act until each pair was served as before; empty if that did not happen.
   std::optional<Ms> recovery{};
-  /// The time from the end of the act until `sftd status` answered and each pair was served; empty if it was
-  /// not asked, or that did not come true.
+  /// The time from the end of the act until `sftd status` answered and each pair was served; empty if that
+  /// was not tried or did not happen.
   std::optional<Ms> command_line{};
 };
 
-/// Says which honest programs have certificates of DDS Security (tools/security).
+/// Which honest programs have certificates of DDS Security (tools/security).
 enum class Certificates : std::uint8_t { none, all };
 
 /// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with
@@ -52,16 +52,16 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// Starts the honest programs that do not run. False if they are not all served in time.
+  /// Starts the honest programs that do not run. Returns false if they are not all served in time.
   bool start();
-  /// Performs an act. Moments before the start begin with new programs. The act lasts `length` from the
-  /// moment that all honest programs run.
+  /// Performs an act, and starts new honest programs if `moment` requires that. The act lasts `length` from
+  /// the moment at which all honest programs run.
   Outcome perform(const Entry& entry, Moment moment, Ms length);
-  /// Ends the honest programs. Says which of them crashed or hung.
+  /// Ends the honest programs. Returns complaints about those that crashed or hung.
   std::vector<std::string> end();
 
-  /// kill -9 of the publisher and its start: how long until all pairs are served. The floor of all
-  /// recoveries.
+  /// Kills the publisher and starts another one. Returns the time until all pairs are served. No recovery
+  /// that needs a new publisher can be faster.
   std::optional<Ms> restart_publisher();
 
  private:
@@ -80,14 +80,14 @@ class Stage {
   std::string state();
 
   std::uint64_t seed_;
-  // Before the hosts, which are copies of what these mount.
+  // Declared before the hosts, because these copy the mounts that the next two make.
   test::Account honest_;
   const Certificates certificates_;
   test::Network network_;
   test::Host here_;
   test::Host there_;
   test::Host elsewhere_;
-  int publishers_ = 0;  ///< that were started
+  int publishers_ = 0;  ///< number of publishers started
   std::unique_ptr<test::Peer> publisher_;
   std::vector<std::unique_ptr<Pair>> pairs_;
 };

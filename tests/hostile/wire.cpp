@@ -54,7 +54,7 @@ bool looks_like_sft(std::span<const std::byte> payload) {
   return version == udp::wire_version && kind >= 1 && kind <= static_cast<unsigned>(udp::DatagramKind::far);
 }
 
-/// Messages of RTPS, and heartbeats of participants.
+/// Returns true for messages of RTPS and for heartbeats of participants.
 bool looks_like_control(std::span<const std::byte> payload) {
   const auto begins_with = [&](std::string_view magic) {
     return payload.size() >= magic.size() && std::memcmp(payload.data(), magic.data(), magic.size()) == 0;
@@ -67,7 +67,7 @@ bool is_of(Listener::Traffic traffic, std::uint16_t port, std::span<const std::b
   return (port < dds_ports_begin || port >= dds_ports_end) && looks_like_sft(payload);
 }
 
-/// Multicasts go by eth0, too.
+/// Makes the socket send multicasts by eth0. Returns the socket.
 int with_multicast(int socket) {
   ip_mreqn interface {};
   interface.imr_ifindex = static_cast<int>(if_nametoindex("eth0"));
@@ -75,7 +75,7 @@ int with_multicast(int socket) {
   return socket;
 }
 
-/// Empty if the frame is not of interest.
+/// Returns the datagram in the frame; empty if it is not of that traffic.
 Overheard parse_frame(std::span<const std::byte> frame, Listener::Traffic traffic) {
   iphdr ip{};
   udphdr udp{};

@@ -1,4 +1,4 @@
-// Datagrams from an attacker's host: sent, sent in another host's name, and overheard.
+// Datagrams of an attacker's host: sending them, sending them in another host's name, and overhearing them.
 #pragma once
 
 #include <netinet/in.h>
@@ -21,14 +21,14 @@ inline constexpr std::uint64_t far_future = std::uint64_t{1} << 62;
 /// Returns an address of this host as an endpoint announces it.
 core::UdpAddress own_address(std::uint16_t port);
 
-/// Addresses in network byte order. IPv4 only: the hosts of these tests have nothing else.
+/// Addresses in network byte order. The hosts of these tests have only IPv4.
 sockaddr_in to_sockaddr(const core::UdpAddress& address);
-/// Returns where an endpoint receives; empty if it does not say.
+/// Returns the addresses at which an endpoint receives; empty if it announces none.
 std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint);
 
 sockaddr_in to_port(std::uint32_t address, std::uint16_t port);
 
-/// A datagram that is nothing but this header.
+/// Returns a datagram that consists of this header only.
 template <class Header>
 Bytes encoded(const Header& header, std::size_t bytes) {
   Bytes datagram(bytes);
@@ -50,7 +50,7 @@ class Sender {
   int socket_;
 };
 
-/// Datagrams that claim to come from somewhere else. Needs CAP_NET_RAW.
+/// Sends datagrams with a forged source address. Needs CAP_NET_RAW.
 class Spoofer {
  public:
   Spoofer();
@@ -63,7 +63,7 @@ class Spoofer {
   int socket_;
 };
 
-/// A socket that never answers.
+/// A socket that counts bytes and never answers.
 class Drain {
  public:
   Drain();
@@ -71,7 +71,7 @@ class Drain {
   Drain(const Drain&) = delete;
   Drain& operator=(const Drain&) = delete;
   std::uint16_t port() const { return port_; }
-  /// Bytes that have come so far.
+  /// Returns the number of bytes that have come so far.
   std::uint64_t count();
 
  private:
@@ -86,8 +86,8 @@ struct Overheard {
   Bytes payload{};
 };
 
-/// Hears what other hosts of this network send each other, as on a network without switches. It hears only
-/// datagrams that look like SFT's: samples and what goes with them, or what is said for the control plane.
+/// Receives datagrams between other hosts, as on a network without switches. It keeps only those that look
+/// like SFT's: samples and their answers, or messages of the control plane.
 class Listener {
  public:
   enum class Traffic : std::uint8_t { data, control };
@@ -95,7 +95,7 @@ class Listener {
   ~Listener();
   Listener(const Listener&) = delete;
   Listener& operator=(const Listener&) = delete;
-  /// Returns what came since the last call.
+  /// Returns the datagrams that came since the last call.
   std::vector<Overheard> listen();
 
  private:

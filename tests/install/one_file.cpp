@@ -1,4 +1,5 @@
-// A program of one file, which a compiler and pkg-config suffice for: publishes and subscribes to a string.
+// A program of one file that a compiler and pkg-config can build. It publishes a string and subscribes to
+// it.
 #include <sft/sft.h>
 
 #include <chrono>

@@ -1,4 +1,5 @@
-// All rows, in any order: whatever happened before, in the end both sides agree, and all is accounted for.
+// The events of all rows of negotiation.md in random order. Whatever happened before, in the end both sides
+// agree, and all samples are accounted for.
 #include <array>
 #include <functional>
 #include <memory>
@@ -13,7 +14,7 @@ class AnyOrder : public NegotiationTest, public testing::WithParamInterface<int>
  protected:
   using Event = std::function<void()>;
 
-  /// A publisher on this host and a reader on that one, to which such things happen.
+  /// Runs a publisher on this host and a reader on `host_of_reader`, with random ones of these events.
   void run(const Host& host_of_reader, const std::vector<Event>& events) {
     host_of_reader_ = &host_of_reader;
     start_publisher();
@@ -93,7 +94,7 @@ class AnyOrder : public NegotiationTest, public testing::WithParamInterface<int>
   T one_of(const std::array<T, N>& choices) {
     return choices[random() % N];
   }
-  /// Mostly less than a lease.
+  /// Returns a random time, mostly less than a lease.
   std::chrono::milliseconds some_time() {
     return std::chrono::milliseconds(random() % (random() % 3 != 0 ? 200 : 3000));
   }

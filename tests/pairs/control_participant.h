@@ -1,5 +1,5 @@
-// A participant of the control topics that any program can make with Cyclone DDS alone: it says of itself
-// what it likes, reads what others have and ask for, and writes records with any fields.
+// A participant of the control topics that any program can make with Cyclone DDS alone. It may announce
+// anything about itself, reads the records of others, and writes records with any fields.
 #pragma once
 
 #include <dds/dds.h>
@@ -19,8 +19,8 @@ namespace sft::test {
 
 class ControlParticipant {
  public:
-  /// In that domain of this process, which is domain 0 on the wire; heartbeats go by the interface. Process
-  /// 0: the participant has no user data. Throws if Cyclone DDS or the system refuses it.
+  /// Joins `domain`, a number within this process for domain 0 on the network. Heartbeats go by `interface`.
+  /// If `process` is 0, the participant has no user data. Throws if Cyclone DDS or the system refuses.
   ControlParticipant(dds_domainid_t domain, const std::string& interface, core::ProcessId process);
   ~ControlParticipant();
   ControlParticipant(const ControlParticipant&) = delete;
@@ -29,7 +29,7 @@ class ControlParticipant {
   /// A record of another participant.
   struct Came {
     core::Role role{};
-    core::ParticipantGuid participant{};  ///< as the record says
+    core::ParticipantGuid participant{};  ///< the owner that the record names
     dds_guid_t writer{};
     core::RecordKey key{};
     core::Record record{};
@@ -37,28 +37,28 @@ class ControlParticipant {
   /// Calls `use(came)` for each record that has come since the last call.
   void take(const std::function<void(const Came&)>& use);
 
-  /// Writes a record of its own. Its heartbeats count it.
+  /// Writes a record of its own, which its heartbeats count.
   void write(core::Role role, const core::RecordKey& key, core::Record record);
-  /// Writes the sample as it is, and disposes of its key.
+  /// Write the sample as it is, or dispose of its key.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
-  /// Gives a heartbeat with the digests of its records.
+  /// Sends a heartbeat with the digests of its own records.
   void give_heartbeat();
 
-  /// Tells those that inquire. May get lost.
+  /// Sends a report to the nodes that inquire. The report may get lost.
   void report(const core::NodeReport& report);
-  /// Sends a heartbeat in any name, also to programs of its own host.
+  /// Sends a heartbeat in the name of any participant, also to programs on its own host.
   void send(const core::Heartbeat& heartbeat);
-  /// Returns the heartbeats of others that have come by UDP since the last call. Those that it has sent are
-  /// none.
+  /// Returns the heartbeats of others that have come by UDP since the last call. Those that it has sent
+  /// itself do not count.
   std::vector<core::Heartbeat> overheard();
 
-  /// Another participant, as it says of itself.
+  /// Another participant, as it announces itself.
   struct Other {
     dds_guid_t guid{};
     std::string user_data{};
   };
-  /// Returns the participants that are there, also those with certificates.
+  /// Returns the other participants, including those with certificates.
   std::vector<Other> others() const;
 
   void set_user_data(const std::string& data);
@@ -67,7 +67,7 @@ class ControlParticipant {
   core::ProcessId process() const { return process_; }
 
  private:
-  dds_entity_t participant_ = 0, participants_ = 0;  ///< itself, and a reader of others
+  dds_entity_t participant_ = 0, participants_ = 0;  ///< this participant, and a reader of others
   const core::ProcessId process_;
   core::ParticipantGuid guid_{};
   core::PerRole<dds_entity_t> readers_{}, writers_{};
@@ -77,7 +77,7 @@ class ControlParticipant {
   std::set<core::HeartbeatDatagram> sent_;
 };
 
-/// A sample with these fields. Its body is that of the record, which must outlive it.
+/// Returns a sample with these fields. Its body is that of the record, which must outlive the sample.
 sft_control_Record to_sample(const core::ParticipantGuid& participant, const core::RecordKey& key,
                              const core::Record& record);
 

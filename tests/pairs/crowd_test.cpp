@@ -1,4 +1,4 @@
-// Rows "Join", "Leave" and "Leases" with many nodes at once, each on a host of its own.
+// Rows "Join", "Leave" and "Leases" of negotiation.md with many nodes at once, each on its own host.
 #include <algorithm>
 #include <array>
 #include <cstdlib>
@@ -42,7 +42,7 @@ class Crowd : public NegotiationTest {
   Peer& publisher() { return *publisher_; }
   Peer& reader(std::size_t i) { return *readers_[i]; }
 
-  /// All at once: no reader waits for another.
+  /// Starts these readers at once, so that none waits for another.
   void start(std::size_t from, std::size_t to) {
     static constexpr std::array masks{"data", "height, width", "*"};
     for (std::size_t i = from; i < to; ++i)
@@ -59,8 +59,8 @@ class Crowd : public NegotiationTest {
   bool all_are_served() {
     return std::ranges::all_of(readers_, [&](const auto& reader) { return is_served(publisher(), *reader); });
   }
-  /// Publishes no more samples than may wait for one destination, and returns when the first `count` readers
-  /// have taken them. So none of these samples has to go for another one, however slow the machine is.
+  /// Publishes as many samples as may wait for one destination, and returns when the first `count` readers
+  /// have taken them. So none of these samples is dropped for a newer one, however slow the machine is.
   testing::AssertionResult get_a_few(std::size_t count) {
     static constexpr std::uint64_t lane_depth = 4;  // send_queue_depth
     publisher().publish(lane_depth);
@@ -76,8 +76,8 @@ class Crowd : public NegotiationTest {
     }
     return testing::AssertionSuccess();
   }
-  /// Publishes until the queues to all readers behind the first `survivors`, which were killed, have become
-  /// full. The survivors get all samples meanwhile.
+  /// Publishes until the queues to all readers after the first `survivors`, which were killed, are full. The
+  /// survivors get all samples meanwhile.
   testing::AssertionResult get_all_while_others_hang(std::size_t survivors) {
     testing::AssertionResult got = testing::AssertionSuccess();
     const auto is_stuck = [&](const auto& killed) {
@@ -103,8 +103,8 @@ class Crowd : public NegotiationTest {
     return static_cast<std::size_t>(
         std::ranges::count_if(readers, [](const json& reader) { return reader["served"].get<bool>(); }));
   }
-  /// Waits for a second in which the network carries no more frames than that, and no more of them wake a
-  /// thread of the publisher's process.
+  /// Waits for a second in which the network carries at most `frames_most` frames, and threads of the
+  /// publisher's process are woken at most `wakes_most` times.
   testing::AssertionResult has_a_quiet_second(std::uint64_t frames_most, std::uint64_t wakes_most) {
     auto begin = std::chrono::steady_clock::now();
     std::uint64_t frames = network().frames(), wakes = wakes_of(publisher().pid());
@@ -143,9 +143,8 @@ TEST_F(Crowd, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
   expect_all_accounted();
 }
 
-/// The survivors are sent samples by best effort, so nothing makes up for a sample that is lost. The
-/// publisher waits for them, because a publisher that does not wait drops samples where the machine does not
-/// keep up.
+/// The survivors get best-effort samples, so that a lost sample is not repaired. The publisher waits for
+/// them, because otherwise it would drop samples on a slow machine.
 TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothing) {
   start(0, size);
   ASSERT_TRUE(are_served());
@@ -165,7 +164,7 @@ TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothi
   EXPECT_TRUE(comes_true([&] { return served() == size; })) << "the killed ones are still served";
 }
 
-/// Each node gives one sign of life a second. The signs of the others wake no thread of a node.
+/// Each node sends one sign of life per second. Those of other nodes wake no thread of a node.
 TEST_F(Crowd, ThatIsAsleepSaysLittleAndWakesNobody) {
   start(0, size);
   ASSERT_TRUE(are_served());

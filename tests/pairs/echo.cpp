@@ -22,7 +22,7 @@ core::Endpoint marker_like(const core::Endpoint& model) {
   core::Endpoint marker = model;
   marker.role = core::Role::reader;
   marker.node = "echo";
-  marker.addresses.clear();  // nobody can send it anything
+  marker.addresses.clear();  // no publisher can send samples to it
   marker.request = marker_request(1);
   marker.id = marker.request.reader;
   return marker;

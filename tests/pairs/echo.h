@@ -1,5 +1,5 @@
-// Hears what nodes say on the control topics and says it all once more: what networks and caches do with old
-// messages, only worse.
+// Receives what nodes write on the control topics, and writes it all again. Networks and caches may repeat
+// old messages in this way, though not as much.
 #pragma once
 
 #include <memory>
@@ -14,8 +14,9 @@ class Echo final : private core::DiscoveryListener {
  public:
   Echo();
 
-  /// All announcements and requests that came so far, the oldest last; and behind them the announcement and
-  /// the second request of a reader called "echo", so that others can tell when they have heard them.
+  /// Repeats all announcements and requests that have come so far, the oldest last. After them it writes an
+  /// announcement and the second request of a reader called "echo", by which others see that they have
+  /// received all.
   void repeat();
 
  private:

@@ -1,5 +1,5 @@
-// Somebody on the network who speaks for others on the control topics: with Cyclone DDS alone, as any program
-// can, and with datagrams of RTPS in their participants' names.
+// An attacker on the network that writes in the names of others on the control topics: with Cyclone DDS
+// alone, as any program can, and with datagrams of RTPS in the names of their participants.
 #pragma once
 
 #include <dds/dds.h>
@@ -24,25 +24,27 @@ class Forger {
   Forger(const Forger&) = delete;
   Forger& operator=(const Forger&) = delete;
 
-  /// Disposes of all records of others, and writes for each that it was withdrawn.
+  /// Disposes of all records of others, and writes a withdrawal for each.
   void withdraw_all();
-  /// Says for all readers that they listen to nobody, in requests that are that far ahead of theirs: in the
-  /// names of their participants, and of a process that announces the same readers.
+  /// Writes requests for all readers, as if they listened to no writer. The sequences are `ahead` of the
+  /// true ones. The requests are in the names of the readers' participants, and of a process that announces
+  /// the same readers.
   void mute_all(std::uint64_t ahead);
-  /// Makes a participant for each other process that says it belongs to that one, which has none of its
-  /// endpoints any more.
+  /// Makes a participant for each other process, which claims to belong to that process, and withdraws all
+  /// its endpoints.
   void claim_processes();
-  /// Says in the name of each writer of records that nothing before a great number is left.
+  /// Announces in the name of each writer of records that it has no samples before a great sequence number.
   void outdate_announcements();
-  /// Says for all readers that have made a request that they listen to nobody, as their own writers.
+  /// Writes requests for all readers that have made one, as if they listened to no writer. Uses the names of
+  /// their own writers of records.
   void ask_for_nothing();
-  /// Answers each heartbeat that has come on eth0 since the last call with others: in the same name, with the
-  /// digests of other records, and in the name of a process that is made up.
+  /// Answers each heartbeat that has come on eth0 since the last call with forged ones: in the same name
+  /// with digests of other records, and in the name of a process that does not exist.
   void forge_heartbeats();
-  /// Sends a heartbeat by the topic in the name of each writer that may be one of it, with a sequence number
-  /// so far ahead that all that the writer says afterwards is old.
+  /// Sends heartbeats by their topic in the name of each writer that may exist. The sequence number is so
+  /// far ahead that Cyclone takes all later samples of the writer for old.
   void outdate_heartbeats();
-  /// Says that it is a participant whose control topics are of that version.
+  /// Announces a participant whose control topics have that version.
   void claim_version(unsigned version);
 
  private:
@@ -53,14 +55,14 @@ class Forger {
   };
 
   void look();
-  /// The writers of this topic that others have. Those of participants that hide them are guessed: their
-  /// entities have the same numbers as those of others.
+  /// Returns the writers of this topic that other participants have. If a participant hides its writers they
+  /// are guessed, because their entities have the same numbers as those of others.
   std::vector<dds_guid_t> writers_of(const std::string& topic);
 
-  ControlParticipant self_;                   ///< without user data: it belongs to no process
+  ControlParticipant self_;                   ///< without user data, so that it belongs to no process
   dds_entity_t publications_ = 0;             ///< a reader
   std::map<RecordOf, Known> known_;           ///< the newest record of each key
-  std::unique_ptr<ControlParticipant> twin_;  ///< of a process that announces the readers of others
+  std::unique_ptr<ControlParticipant> twin_;  ///< its process announces the readers of others
   std::map<core::ProcessId, std::unique_ptr<ControlParticipant>> impostors_;
 };
 

@@ -1,5 +1,6 @@
-// A program on the network that speaks in the names of others: with Cyclone DDS alone, by heartbeats, and by
-// datagrams of RTPS. What cannot be told from true words heals by a link that is made anew.
+// A program on the network writes in the names of others: with Cyclone DDS alone, by heartbeats, and by
+// datagrams of RTPS. If a forgery cannot be distinguished from a true message, a link that is made anew
+// repairs its effect.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -15,7 +16,7 @@ class Forgeries : public NegotiationTest {
     forger_.emplace(there(), "forger");
   }
 
-  /// A pair to whom samples come, and somebody who listens to what both say.
+  /// Starts a pair with samples under way, and a forger that receives the control messages of both.
   void begin(const std::string& fields) {
     publisher().advertise();
     reader().subscribe(fields);
@@ -35,8 +36,7 @@ class Forgeries : public NegotiationTest {
   Peer& reader() { return *reader_; }
   Peer& forger() { return *forger_; }
 
-  /// Returns true if samples come again within a second and a half after the forger stops, on a machine that
-  /// may be slow.
+  /// Waits until some more samples have come to the reader. Returns false if they do not come.
   bool flows(Peer& reader) {
     const std::uint64_t received = reader.status()["subscriber"]["received"];
     return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });
@@ -45,7 +45,7 @@ class Forgeries : public NegotiationTest {
     const auto end = std::chrono::steady_clock::now() + duration;
     while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
   }
-  /// True if an endpoint was told that another one did not answer, or had left.
+  /// Returns true if an endpoint was told that another one did not answer or had left.
   static bool missed_somebody(const json& status) {
     return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
   }
@@ -53,7 +53,8 @@ class Forgeries : public NegotiationTest {
     for (Peer* peer : {&publisher(), &reader()})
       EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
   }
-  /// By either of them: who makes its link anew hears the other one again.
+  /// Counts the links that either peer has made anew. A peer that makes its link anew receives the records
+  /// of the other again.
   std::uint64_t links_renewed() { return links_renewed(publisher()) + links_renewed(reader()); }
   static std::uint64_t links_renewed(Peer& peer) { return peer.status()["node"]["links_renewed"]; }
 
@@ -87,7 +88,7 @@ TEST_F(Forgeries, AnotherProcessThatAnnouncesAReaderAndAsksForNothingCountsForNo
 
 TEST_F(Forgeries, AParticipantThatClaimsTheProcessOfAnotherOneCountsForNothing) {
   begin("recorded");
-  const auto end = std::chrono::steady_clock::now() + 8s;  // longer than it takes to suspect a participant
+  const auto end = std::chrono::steady_clock::now() + 8s;  // longer than until a participant is suspected
   while (std::chrono::steady_clock::now() < end) {
     forger().forge("claim processes");
     ASSERT_TRUE(flows(reader()));
@@ -131,8 +132,8 @@ TEST_F(Forgeries, HeartbeatsThatSomebodyMakesUpCostNoSampleAndFewLinks) {
   expect_that_none_was_missed();
 }
 
-/// Cyclone DDS takes all that a writer says for old once somebody has used a great sequence number in its
-/// name.
+/// Once a great sequence number was used in the name of a writer, Cyclone DDS takes all later samples of the
+/// true writer for old.
 class OutdatedByForgery : public Forgeries {
  protected:
   void SetUp() override {
@@ -140,7 +141,8 @@ class OutdatedByForgery : public Forgeries {
     if (!IsSkipped()) begin("height, width");
   }
 
-  /// Cyclone does not believe the first ones, while it waits for what was said before the nodes met.
+  /// Forges repeatedly, because Cyclone ignores forged numbers while it waits for samples from before the
+  /// nodes met.
   void outdate_for(std::chrono::seconds duration) {
     const auto end = std::chrono::steady_clock::now() + duration;
     while (std::chrono::steady_clock::now() < end) {
@@ -155,7 +157,7 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   const auto all_are_served = [&](Peer& peer) {
     const json status = peer.status();
     return std::ranges::all_of(status.at("neighbours"), [](const json& neighbour) {
-      return neighbour.at("readers") == 2;  // its own, and that of the other process
+      return neighbour.at("readers") == 2;  // its own reader, and that of the other process
     });
   };
   publisher().open_neighbours(neighbours);
@@ -181,7 +183,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
   Peer late(there(), "late");
   late.subscribe("height, width");
   ASSERT_TRUE(agree(publisher(), late));
-  // Once Cyclone believes the first one, nobody hears of a new subscriber.
+  // Once Cyclone accepts a forged number, other nodes do not learn of a new subscriber.
   const auto is_heard_by_a_new_link = [&] {
     late.leave();
     forger().forge("outdate announcements");
@@ -199,7 +201,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
 }
 
 TEST_F(OutdatedByForgery, ARequestInAReadersOwnNameCountsNoLongerThanALinkTakesToBeMadeAnew) {
-  reader().set_max_rate_hz(500);  // a request
+  reader().set_max_rate_hz(500);  // makes a request
   EXPECT_TRUE(comes_true([&] {
     forger().forge("ask for nothing");
     return !is_served(publisher(), reader());

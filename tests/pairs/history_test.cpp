@@ -1,4 +1,4 @@
-// Row "History": what a publisher retains for late readers.
+// Row "History" of negotiation.md: samples that a publisher retains for late readers.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -66,7 +66,7 @@ TEST_F(LateReaders, WithoutUdpMissNothingAndTakeNothingTwiceWherePublishingGoesO
   Peer early(here(), "early");
   publisher.advertise(in_memory(retaining));
   early.subscribe("data");
-  // A reader's queue has 256 places: one that is kept from running for half a second still loses nothing.
+  // A reader's queue has 256 places, so a reader that does not run for half a second loses nothing.
   publisher.start_publishing(2ms);
   ASSERT_TRUE(comes_true([&] { return is_served_by(publisher, early, "shm"); }));
   for (int round = 0; round < 10; ++round) {
@@ -85,7 +85,7 @@ TEST_F(LateReaders, WithoutUdpMissNothingAndTakeNothingTwiceWherePublishingGoesO
 
 class LateReadersBeside : public LateReaders {
  protected:
-  /// Both in shared memory, the reader late.
+  /// Starts a publisher and a late reader on one host with a daemon.
   void SetUp() override {
     LateReaders::SetUp();
     if (IsSkipped()) return;

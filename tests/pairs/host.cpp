@@ -58,7 +58,7 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   checked(ioctl(control, what, &request), "the address of eth0");
 }
 
-/// Changes to that user, who is a member of no group but its own.
+/// Changes to that user, with only its own group. Returns false if that fails; user 0 changes nothing.
 bool become(uid_t user) noexcept {
   return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }
@@ -86,13 +86,14 @@ Host::Host(const Host& neighbour, const Shared& shared) : network_(neighbour.net
       join_network();
     }
     checked(setns(neighbour.mount_namespace_, CLONE_NEWNS), "setns");
-    checked(unshare(CLONE_NEWNS), "unshare");  // a copy: the neighbour's stay as they are
+    checked(unshare(CLONE_NEWNS), "unshare");  // a copy, so that the neighbour's mounts stay as they are
     if (!shared.shm) mounted(mount_own_shm());
     if (!shared.tmp) mounted(hosts::mount_own_tmp());
   });
 }
 
-/// A thread can be in other namespaces than the rest of its process; the descriptors keep them when it ends.
+/// Calls `furnish` on a thread in new namespaces. The descriptors keep these namespaces when the thread
+/// ends.
 void Host::make(const std::function<void()>& furnish) {
   std::exception_ptr failure;
   std::thread([&] {
@@ -129,8 +130,8 @@ bool Host::enter() const noexcept {
   return setns(network_namespace_, CLONE_NEWNET) == 0 && setns(mount_namespace_, CLONE_NEWNS) == 0;
 }
 
-/// Between fork() and exec it calls only functions that are safe while other threads of this process hold
-/// locks.
+/// Between fork() and exec the child calls only functions that are safe while other threads of this process
+/// hold locks.
 Process::Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
                  int input, const Account& account) {
   const std::string path = account.programs + "/" + program;
@@ -141,7 +142,7 @@ Process::Process(const Host& host, const std::string& program, const std::vector
   if (pid_ != 0) return;
   if (input >= 0) dup2(input, STDIN_FILENO);
   const bool ready = host.enter() && become(account.user);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // a change of the user would undo it
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // after become(), which would reset it
   if (ready) execv(words[0], words.data());
   _exit(127);
 }

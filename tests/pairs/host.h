@@ -1,5 +1,5 @@
-// Hosts that are real to every program on them: a network namespace with eth0 on the network of the test, and
-// their own /dev/shm and /tmp. They have no names and end with the test.
+// Emulated hosts: each has a network namespace with eth0 on the network of the test, and its own /dev/shm
+// and /tmp. They have no names and end with the test.
 #pragma once
 
 #include <sys/types.h>
@@ -16,10 +16,10 @@ namespace sft::test {
 
 class Host {
  public:
-  /// On the network, as 10.78.0.x.
+  /// Makes a host on the network, with an address 10.78.0.x.
   explicit Host(Network& network);
-  /// The parts that a container shares with its neighbour. It has parts of its own for all others; its eth0
-  /// is on the same network.
+  /// The parts that a container shares with its neighbour. It has its own of all others. Its eth0 is on the
+  /// same network.
   struct Shared {
     bool network = false;
     bool shm = false;  ///< /dev/shm
@@ -30,12 +30,12 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// `ip link set eth0 up`, or down.
+  /// Does what `ip link set eth0 up` (or down) does.
   void set_link(bool up) const;
   /// Plugs or unplugs the cable of this host.
   void set_plugged(bool plugged) const { network_->set_plugged(port_, plugged); }
 
-  /// Moves the calling process, which has one thread, onto this host. False if that fails.
+  /// Moves the calling process, which has one thread, onto this host. Returns false if that fails.
   bool enter() const noexcept;
 
  private:
@@ -49,14 +49,14 @@ class Host {
   int control_ = -1;  ///< a socket of that network, to set its interfaces
 };
 
-/// The account that runs a program, and the directory that the program lies in. The account must be able to
-/// reach that directory.
+/// The account that runs a program, and the directory of the program, which the account must be able to
+/// reach.
 struct Account {
-  uid_t user = 0;  ///< also the number of its only group; 0: whoever runs the test
+  uid_t user = 0;  ///< also the number of its only group; 0: the user of the test
   std::string programs = program_directory();
 };
 
-/// A program of the project, running on a host; killed with this at the latest.
+/// A program of the project that runs on a host. The destructor kills it.
 class Process {
  public:
   /// `input` becomes its standard input.
@@ -66,13 +66,13 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// SIGSTOP, SIGCONT
+  /// Sends SIGSTOP or SIGCONT.
   void signal(int number) const;
-  /// kill -9; returns when it is gone.
+  /// Kills the program by SIGKILL, and returns when it is gone.
   void kill_now();
   pid_t pid() const { return pid_; }
-  /// Waits for its end. Its exit code, or minus the signal that ended it; or minus SIGALRM if it does not
-  /// end.
+  /// Waits for the end of the program. Returns its exit code, or minus the signal that ended it, or minus
+  /// SIGALRM if it does not end.
   int wait_for_end();
 
  private:

@@ -1,5 +1,5 @@
-// Two containers of one machine, which share their network stack, /dev/shm and /tmp or have their own: the
-// table in shm_transport/host/same_host.md.
+// Two containers of one machine, which share their network stack, /dev/shm and /tmp or have their own. These
+// are the rows of the table in shm_transport/host/same_host.md.
 #include <filesystem>
 #include <set>
 #include <string>
@@ -10,7 +10,7 @@
 namespace sft::test {
 namespace {
 
-/// In any container, also those that have started afresh.
+/// Returns the daemons in all containers.
 std::set<pid_t> daemons() {
   std::set<pid_t> found;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -28,24 +28,25 @@ bool kill_daemons() {
 
 class Islands : public NegotiationTest, public testing::WithParamInterface<Host::Shared> {
  protected:
-  /// Daemons that nodes have started outlive the nodes.
+  /// Kills the daemons, because they outlive the nodes that have started them.
   void TearDown() override {
     if (IsSkipped()) return;
     EXPECT_TRUE(comes_true(kill_daemons));
   }
 
   static bool share_memory() { return GetParam().shm && GetParam().tmp; }
-  /// One for each /dev/shm that can have one: the sockets in a shared /tmp are of one only.
+  /// Returns the number of daemons: one for each /dev/shm, except that only one can have its sockets in a
+  /// shared /tmp.
   static std::size_t daemons_wanted() { return GetParam().shm || GetParam().tmp ? 1 : 2; }
-  /// The reason that a node is told if it shares half of the memory, or none.
+  /// Returns the reason that a node reports if the containers share only one of /dev/shm and /tmp, or none.
   static std::string cause() {
     return GetParam().shm   ? "another /tmp than sftd"
            : GetParam().tmp ? "another /dev/shm"
                             : "a /dev/shm of its own";
   }
 
-  /// Returns true if the wanted daemons run, the nodes are where they stay, and both nodes know that of each
-  /// other.
+  /// Returns true if the wanted daemons run, each node uses one of them or says why not, and the reader is
+  /// served by the right transport.
   static bool are_settled(Peer& publisher, Peer& reader) {
     const std::set<pid_t> running = daemons();
     if (running.size() != daemons_wanted()) return false;

@@ -1,4 +1,5 @@
-// Rows "Crash, lease loss" and "Return": what is killed, stopped, or cut off from the network.
+// Rows "Crash, lease loss" and "Return" of negotiation.md: processes that are killed, stopped, or cut off
+// from the network.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -6,7 +7,8 @@ namespace {
 
 class Leases : public NegotiationTest {
  protected:
-  /// A publisher and a recorded reader of its height, which is all that the publisher sends.
+  /// Starts a publisher and a recorded reader that reads the height, so that the publisher sends nothing
+  /// else.
   void SetUp() override {
     NegotiationTest::SetUp();
     if (IsSkipped()) return;
@@ -111,7 +113,7 @@ TEST_F(Leases, APairWhoseCableIsPulledForLongIsJoinedAgainWithTheMaskThatWasAske
   there().set_plugged(false);
   EXPECT_TRUE(publisher_misses_reader());
   EXPECT_TRUE(reader_misses_publisher());
-  reader().read("height, data");  // of the last sample, which does not have it
+  reader().read("height, data");  // from the last sample, which has no data
   there().set_plugged(true);
   expect_a_good_end("height, data");
   EXPECT_EQ(taken_of(publisher(), reader())["masks"].size(), 3);
@@ -143,13 +145,14 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
     reader().read("height, width");
     host->set_link(true);
     EXPECT_TRUE(accounts_for_all(publisher(), reader()));
-    EXPECT_GT(writer_of(publisher(), reader())["lost"], lost + 50);  // the last ones may be on the way yet
+    EXPECT_GT(writer_of(publisher(), reader())["lost"], lost + 50);  // the last ones may still be under way
   }
   EXPECT_FALSE(was_told(publisher().status()["offered"], "unmatched"));
   expect_a_good_end("height, width");
 }
 
-/// Negotiation::Limits: 60 s after it was lost. The longest of all tests, and it mostly waits.
+/// A lost endpoint is removed after 60 s (Negotiation::Limits). This is the longest of all tests, and mostly
+/// waits.
 TEST_F(Leases, APairThatIsCutOffForMoreThanAMinuteForgetsEachOtherAndBeginsAnewWhenItReturns) {
   const std::uint64_t requests = reader().status()["subscriber"]["requests"];
   there().set_plugged(false);

@@ -1,4 +1,4 @@
-// The peers of these tests publish this message. Every leaf of it tells the message's number.
+// The message that the peers of these tests publish. Every leaf depends on the message's number.
 #pragma once
 
 #include <cstddef>
@@ -12,7 +12,8 @@ namespace sft::test {
 
 using sensor_msgs::msg::PointCloud2;
 
-/// Some kilobytes: several datagrams, unless a mask leaves the data out.
+/// Returns the message with that number. It has some kilobytes, which are several datagrams unless a mask
+/// leaves the data out.
 PointCloud2 message(std::uint64_t number);
 
 /// Returns true if these bytes are the encapsulation and the CDR of that message under that mask.

@@ -1,5 +1,5 @@
-// A network in user space: each host's eth0 is a tap device, and a thread passes frames on between them, as
-// badly as it is told to. Like a switch, it passes a frame for one host on to that host alone.
+// A network in user space. Each host's eth0 is a tap device, and a thread forwards frames between them, with
+// the faults that are set. Like a switch, it forwards a frame for one host to that host only.
 #pragma once
 
 #include <array>
@@ -16,7 +16,7 @@
 
 namespace sft::test {
 
-/// The probabilities of what becomes of a frame.
+/// The probabilities of the faults of a frame.
 struct Faults {
   double lost = 0;
   double repeated = 0;
@@ -35,7 +35,7 @@ class Network {
 
   /// Makes eth0 in the network namespace of the calling thread and returns the number of its port.
   std::size_t plug_in();
-  /// A cable that is not plugged carries nothing, and both ends of it know.
+  /// Plugs or unplugs the cable at a port. An unplugged cable carries no frames, and both ends see that.
   void set_plugged(std::size_t port, bool plugged);
   void set_faults(const Faults& faults);
   /// Returns how many frames the hosts have sent so far.
@@ -66,7 +66,7 @@ class Network {
   const int wake_;
   std::mutex mutex_;
   std::vector<Port> ports_;
-  std::map<std::array<char, 6>, std::size_t> port_of_;  ///< of those that have sent a frame
+  std::map<std::array<char, 6>, std::size_t> port_of_;  ///< ports of the addresses that have sent a frame
   Faults faults_;
   std::mt19937_64 random_;
   std::multimap<Clock::time_point, Passing> delayed_;

@@ -1,4 +1,4 @@
-// A negotiation_peer, as its test sees it: another process, on some host, with a node of its own.
+// The test's handle of a negotiation_peer, which is a process with its own node on a host.
 #pragma once
 
 #include <chrono>
@@ -11,7 +11,7 @@ namespace sft::test {
 
 using nlohmann::json;
 
-/// A peer that dies or does not answer ends the test, by an exception.
+/// Functions throw if the peer dies or does not answer, which ends the test.
 class Peer {
  public:
   /// Options: cyclonedds, port, start_daemon (peer_main.cpp).
@@ -22,50 +22,52 @@ class Peer {
 
   const std::string& name() const { return name_; }
 
-  /// Opens its publisher or its subscriber. Options: those of peer_roles.cpp.
+  /// Open the publisher or the subscriber of the peer. Options: those of peer_roles.cpp.
   void advertise(json options = json::object());
   void subscribe(const std::string& fields, json options = json::object());
-  /// Destroys both.
+  /// Destroys the publisher and the subscriber.
   void leave() { ask({{"do", "leave"}}); }
 
-  /// Returns when so many more are published.
+  /// Returns when the peer has published `count` more samples.
   void publish(std::uint64_t count, std::chrono::microseconds period = std::chrono::milliseconds(1));
-  /// Publishes until it is stopped.
+  /// Publishes until stop_publishing().
   void start_publishing(std::chrono::microseconds period = std::chrono::milliseconds(1));
   void stop_publishing() { ask({{"do", "stop"}}); }
-  /// Sets the fields that a recorded subscriber reads of the last sample, and of those to come.
+  /// Sets the fields that a recorded subscriber reads from the last sample and from those to come.
   void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
   void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
-  /// The node is told of all endpoints from now on, whatever their topics are.
+  /// Makes the node learn of all endpoints from now on, whatever their topics are.
   void look_around() { ask({{"do", "look around"}}); }
-  /// Opens so many more nodes in its process. Each has a publisher and a subscriber of a topic of its own,
+  /// Opens `count` more nodes in the peer's process. Each has a publisher and a subscriber of its own topic,
   /// which it shares with the neighbour of the same number in other processes.
   void open_neighbours(std::size_t count) { ask({{"do", "neighbours"}, {"count", count}}); }
-  /// Publishers of so many other topics.
+  /// Opens publishers of `count` other topics.
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
-  /// From now on the peer remembers what all say on the control topics; repeat_control() says that once more
+  /// Makes the peer record what all nodes write on the control topics. repeat_control() writes it again
   /// (echo.h).
   void hear_control() { ask({{"do", "hear"}}); }
   void repeat_control() { ask({{"do", "repeat"}}); }
 
-  /// Speaks for others on the control topics (forger.h): "watch", and when it has heard of them "withdraw",
-  /// or "mute" with requests that are so far `ahead`, "claim processes", "outdate announcements",
-  /// "heartbeats" or "ask for nothing"; "claim version" of the control topics, `ahead`.
+  /// Forges messages of others on the control topics (forger.h). `what` is first "watch". Once the peer has
+  /// received records of others, it is "withdraw", "mute" with requests that are `ahead`, "claim processes",
+  /// "outdate announcements", "heartbeats" or "ask for nothing", or "claim version", where `ahead` is the
+  /// version of the control topics.
   void forge(const std::string& what, std::uint64_t ahead = 1) {
     ask({{"do", "forge"}, {"what", what}, {"ahead", ahead}});
   }
 
   json status() { return ask({{"do", "status"}}); }
-  /// Returns the status as far as it concerns nodes of that name: "reader" and "writer" are entries of such
-  /// nodes, rather than of one that is served; "taken" is what was taken of that writer.
+  /// Returns the part of the status about nodes of that name. "reader" and "writer" are the entries of such
+  /// nodes, preferably of one that is served. "taken" is the account of the samples that were taken from
+  /// that writer.
   json look_at(const std::string& node) { return ask({{"do", "look"}, {"node", node}}); }
   pid_t pid() const { return process_->pid(); }
 
-  /// SIGSTOP, SIGCONT
+  /// Sends SIGSTOP or SIGCONT to the peer.
   void signal(int number) { process_->signal(number); }
   void kill_now() { process_->kill_now(); }
-  /// Returns from main(); its exit code.
+  /// Makes the peer return from main(). Returns its exit code.
   int quit();
 
  private:

@@ -29,7 +29,7 @@ std::chrono::milliseconds duration_of(const json& options, const char* name) {
   return std::chrono::milliseconds(options.value(name, 0));
 }
 
-/// The policies that both sides have.
+/// Returns the policies that publishers and subscribers have in common.
 template <class Options>
 Options policies(const json& asked, EventList& events) {
   Options options;
@@ -63,7 +63,7 @@ T checked(Result<T> result) {
   return std::move(*result);
 }
 
-/// Another definition of PointCloud2, with a wider height.
+/// Returns another definition of PointCloud2, with a wider height.
 DynamicType taller() {
   const auto& ours = TypeTable<PointCloud2>::members;
   std::vector<Member> members(ours.begin(), ours.end());
@@ -128,7 +128,7 @@ class Taking final : public Subscribing {
   std::thread thread_;
 };
 
-/// A subscriber of another type than the publisher's: nothing may come.
+/// A subscriber with another type than the publisher's, to which no sample must come.
 template <class S>
 class Mismatched final : public Subscribing {
  public:

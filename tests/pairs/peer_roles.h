@@ -27,13 +27,13 @@ class EventList {
   nlohmann::json events_ = nlohmann::json::array();
 };
 
-/// Publishes message n as its n-th.
+/// A publisher, whose n-th sample is message n.
 class Publishing {
  public:
   Publishing(Node& node, const std::string& topic, const nlohmann::json& options, EventList& events);
 
   void publish(std::uint64_t count, std::chrono::microseconds period);
-  /// Until stop(), on a thread.
+  /// Publishes on a thread until stop().
   void start(std::chrono::microseconds period);
   void stop() { ticker_.reset(); }
   PublisherStatus status() const { return publisher_.status(); }
@@ -43,14 +43,14 @@ class Publishing {
 
   Publisher<PointCloud2> publisher_;
   std::uint64_t published_ = 0;
-  std::optional<Ticker> ticker_;  // goes first
+  std::optional<Ticker> ticker_;  // destroyed first
 };
 
-/// Takes on a thread of its own whatever comes.
+/// A subscriber, which takes all samples on its own thread.
 class Subscribing {
  public:
-  /// `fields`: one of a few masks that are compiled in; "recorded"; "image": another type; "taller": another
-  /// definition of the type.
+  /// `fields` is one of a few masks that are known at compile time, "recorded", "image" (another type), or
+  /// "taller" (another definition of the type).
   static std::unique_ptr<Subscribing> open(Node& node, const std::string& topic, const std::string& fields,
                                            const nlohmann::json& options, EventList& events);
   virtual ~Subscribing() = default;
@@ -58,7 +58,8 @@ class Subscribing {
   virtual SubscriberStatus status() const = 0;
   virtual nlohmann::json taken() const = 0;
   virtual void set_max_rate_hz(double max_rate_hz) = 0;
-  /// Recorded: which fields are read from now on of each sample, and of the last one that came.
+  /// Sets the fields that a recorded subscriber reads from now on from each sample, and from the last one
+  /// that came.
   virtual void read(const std::string& fields) = 0;
 };
 

@@ -1,4 +1,5 @@
-// Rows "Mask change" and "Duplicates and reordering": requests that change while samples are in flight.
+// Rows "Mask change" and "Duplicates and reordering" of negotiation.md: requests that change while samples
+// are under way.
 #include <fmt/format.h>
 #include <fmt/ranges.h>
 
@@ -9,7 +10,7 @@ namespace {
 
 class Requests : public NegotiationTest {
  protected:
-  /// Some fields, as masks are printed; never none.
+  /// Returns the names of one or more random fields, in the form in which masks are printed.
   std::string random_fields() {
     constexpr std::array names{"header.frame_id", "height", "width", "data", "is_dense"};
     const std::uint64_t chosen = 1 + random() % 31;
@@ -102,7 +103,7 @@ TEST_F(Requests, OldOnesAndOldAnnouncementsThatComeOnceMoreTakeNothingBack) {
   }
   const auto negotiated = [&] {
     json entry = reader_of(publisher, reader);
-    entry.erase("dropped");  // samples go on, and a busy machine may not keep up
+    entry.erase("dropped");  // may rise, because a busy machine may drop samples
     return entry;
   };
   const json before = negotiated();

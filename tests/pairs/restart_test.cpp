@@ -1,4 +1,5 @@
-// Rows "Reader restarts" and "Publisher restarts": what is killed and started anew.
+// Rows "Reader restarts" and "Publisher restarts" of negotiation.md: processes that are killed and started
+// again.
 #include <memory>
 
 #include "tests/pairs/fixture.h"
@@ -8,7 +9,7 @@ namespace {
 
 class Restarts : public NegotiationTest {
  protected:
-  /// All at one address, so that datagrams to the one before come to the next.
+  /// Starts a peer. All use one port, so that datagrams for a killed peer come to its successor.
   std::unique_ptr<Peer> start(const Host& host, const std::string& name) {
     return std::make_unique<Peer>(host, name, with_short_lease(at_one_port));
   }
@@ -19,7 +20,7 @@ class Restarts : public NegotiationTest {
 TEST_F(Restarts, AReaderThatIsKilledAndStartedAnewGetsNothingOfTheMaskOfTheOneBefore) {
   const auto publisher = start(here(), "publisher");
   publisher->advertise();
-  Peer before(there(), "before", at_one_port);  // with a lease that lasts until the next one is served
+  Peer before(there(), "before", at_one_port);  // its lease lasts until its successor is served
   before.subscribe("*");
   publisher->start_publishing();
   ASSERT_TRUE(agree(*publisher, before));

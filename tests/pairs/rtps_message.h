@@ -1,4 +1,4 @@
-// Datagrams of RTPS 2.1 in the name of another participant's writer, in little endian.
+// Datagrams of RTPS 2.1 in the name of another participant's writer, in little-endian order.
 #pragma once
 
 #include <arpa/inet.h>
@@ -20,11 +20,11 @@
 
 namespace sft::test {
 
-/// Sequence numbers that no honest writer reaches.
+/// A sequence number that no honest writer reaches.
 inline constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
 
-/// Writers that the participant may have: the numbers of entities of Cyclone DDS are small. With keys or
-/// without.
+/// Returns writers that the participant may have, with and without keys. They can be guessed, because
+/// Cyclone DDS gives its entities small numbers.
 inline std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
   constexpr std::uint8_t entities_max = 16, with_key = 0x02, without_key = 0x03;
   std::vector<dds_guid_t> writers;
@@ -45,15 +45,15 @@ class RtpsMessage {
     writer_.assign(reinterpret_cast<const char*>(writer.v) + 12, 4);
   }
 
-  /// Says that the writer has nothing before that sequence number, nor after it.
+  /// Adds a heartbeat, which says that the writer has only the sample with that sequence number.
   void add_heartbeat(std::uint64_t sequence) {
     add_submessage('\x07', '\x01', 28);
     add_sequence(sequence);
     add_sequence(sequence);
-    add(std::uint32_t{0x0700'0000});  // how many heartbeats came before
+    add(std::uint32_t{0x0700'0000});  // the count of heartbeats
   }
 
-  /// Adds a sample, which goes to the end of the message.
+  /// Adds a sample, which must be the last part of the message.
   void add_data(std::uint64_t sequence, const std::string& sample) {
     add_submessage('\x15', '\x05', 0, 16);
     add_sequence(sequence);
@@ -73,7 +73,7 @@ class RtpsMessage {
     add_data(sequence, sample);
   }
 
-  /// Disposes of the participant, in whose name the message is: the writer's entity is
+  /// Adds a disposal of the participant in whose name the message is. The writer's entity is
   /// `entity_of_participants`.
   void add_end(const dds_guid_t& participant) {
     add_submessage('\x15', '\x0b', 0, 16);  // with inline QoS and a key
@@ -93,9 +93,9 @@ class RtpsMessage {
   }
   static constexpr std::uint8_t entity_of_participants[4] = {0, 1, 0, 0xc2};
 
-  /// The ports of domain 0 that all participants listen to.
+  /// The multicast ports of domain 0.
   enum class Port : std::uint16_t { discovery = 7400, data = 7401 };
-  /// Sends the message to all that listen on eth0.
+  /// Sends the message by multicast on eth0.
   void send(Port port = Port::data) const {
     const int socket = ::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
     sockaddr_in to{};
@@ -122,7 +122,8 @@ class RtpsMessage {
     add(static_cast<std::uint32_t>(number >> 32));
     add(static_cast<std::uint32_t>(number));
   }
-  /// Addresses it to any reader. `to_sequence`: where data has octets up to its sequence number.
+  /// Begins a submessage for any reader. `to_sequence`: the number of octets from here to the sequence
+  /// number, which only data has; otherwise 0.
   void add_submessage(char kind, char flags, std::uint16_t length, std::uint16_t to_sequence = 0) {
     bytes_ += {kind, flags};
     add(length);

@@ -1,5 +1,4 @@
-// Converts what publishers, subscribers and nodes tell of themselves, for the pipe between a peer and its
-// test.
+// Converts the status of publishers, subscribers and nodes, for the socket between a peer and its test.
 #pragma once
 
 #include <sft/sft.h>

@@ -1,4 +1,5 @@
-// Keeps what a subscriber took, by writer, and whether it was what that writer had published.
+// Counts the samples that a subscriber took, by writer, and checks them against those that the writer
+// published.
 #pragma once
 
 #include <sft/sft.h>
@@ -16,7 +17,7 @@ namespace sft::test {
 /// Any thread.
 class Taken {
  public:
-  /// `sample` is of message n, where n is its sequence.
+  /// Counts the sample, and checks that it is of message n, where n is its sequence.
   template <Req<PointCloud2> R>
   void note(const Sample<PointCloud2, R>& sample) {
     note(sample.info(), sample.mask(), is_message(sample.info().sequence, sample.mask(), sample.cdr()));
@@ -30,8 +31,8 @@ class Taken {
     std::uint64_t last = 0;
     std::uint64_t received = 0;
     std::uint64_t by_shm = 0;
-    std::uint64_t wrong = 0;       ///< not what was published under the mask that the sample names
-    std::uint64_t disordered = 0;  ///< behind a later one, or twice
+    std::uint64_t wrong = 0;       ///< samples with wrong bytes for the mask that they name
+    std::uint64_t disordered = 0;  ///< samples that came after a later one, or twice
     std::map<std::string, std::uint64_t> masks{};
     std::string last_mask{};
   };

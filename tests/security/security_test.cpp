@@ -1,4 +1,4 @@
-// Nodes with certificates take part, and all others neither see them nor are seen by them.
+// Nodes with certificates find each other. Other nodes neither find them nor are found by them.
 #include <sys/mount.h>
 #include <sys/stat.h>
 
@@ -10,7 +10,7 @@
 namespace sft::test {
 namespace {
 
-/// Beside /tmp, of which each host has its own.
+/// Not in /tmp, because each host has its own.
 constexpr const char* certificates = "/srv/certificates";
 
 class Security : public NegotiationTest {
@@ -72,7 +72,8 @@ TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWit
 TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
   Peer publisher(here(), "publisher", certified("publisher"));
   Peer subscriber(there(), "subscriber", certified("subscriber"));
-  // These show which numbers the writers of nodes have, and that without a certificate the forger does harm.
+  // From these nodes the forger learns the entity numbers of writers. They also show that it does harm
+  // without certificates.
   Peer plain_publisher(here(), "plain publisher"), plain_subscriber(there(), "plain subscriber");
   Peer forger(there(), "forger");
   publisher.advertise();
@@ -83,7 +84,7 @@ TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCost
   forger.forge("watch");
   ASSERT_TRUE(agree(publisher, subscriber));
   publisher.start_publishing();
-  const auto end = std::chrono::steady_clock::now() + 10s;  // longer than a node waits for a first word
+  const auto end = std::chrono::steady_clock::now() + 10s;  // longer than a node waits for a first heartbeat
   while (std::chrono::steady_clock::now() < end) {
     forger.forge("outdate announcements");
     forger.forge("outdate heartbeats");

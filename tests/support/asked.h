@@ -1,5 +1,6 @@
-// Conditions that are asked about a stream of messages, each in both of its forms: as the program has it,
-// and encoded in memory of just its size, so that a sanitizer sees each byte that is read beside it.
+// Evaluates conditions on a stream of messages, each in two forms: as the program's struct, and encoded. The
+// encoded bytes fill their memory exactly, so that a sanitizer notices each byte that is read outside of
+// them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -15,10 +16,10 @@
 
 namespace sft::test {
 
-/// A sample in memory of just its size, with its index.
+/// An encoded sample that fills its memory exactly, with its index.
 class ExactSample {
  public:
-  /// The mask is closed.
+  /// REQUIRES: the mask is closed.
   ExactSample(const StructType& type, const void* message, const FieldMask& mask)
       : encoded_(type, message, mask), body_(encoded_.bytes()), state_(encoded_.state()) {
     state_.body = body_.data();
@@ -35,7 +36,7 @@ class ExactSample {
   detail::SampleState state_;
 };
 
-/// The conditions of a gate, twice: for messages, and for samples that came encoded.
+/// The conditions of a gate, once for messages and once for encoded samples.
 class Asked {
  public:
   using Condition = Selection::Condition;
@@ -50,14 +51,15 @@ class Asked {
     by_messages_.begin();
     by_samples_.begin();
   }
-  /// The test fails if the answer depends on where the fields are read.
+  /// Returns true if the conditions hold. The test fails if message and encoded sample give different
+  /// answers.
   bool holds(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     const ExactSample sample(*type_, message, mask);
     const bool result = by_messages_.hold(detail::FieldSource::of_message(message), stamp_ns);
     EXPECT_EQ(by_samples_.hold(sample.source(), stamp_ns), result) << "of the encoded sample";
     return result;
   }
-  /// The sample that was asked about last.
+  /// Notes that the sample of the last call of holds() has passed.
   void passed(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     by_messages_.passed(detail::FieldSource::of_message(message), stamp_ns);
     by_samples_.passed(ExactSample(*type_, message, mask).source(), stamp_ns);

@@ -12,7 +12,8 @@ namespace {
 
 using namespace detail;
 
-/// C has one width for all enumerations; in CDR and in our structs they are as wide as they need be.
+/// In C all enumerations are as wide as an int. In CDR and in our structs they are only as wide as
+/// necessary.
 bool is_c_enum(const Member& m) { return m.enumeration != nullptr && !m.enumeration->is_bitmask; }
 
 /// Returns the layout of one element.
@@ -34,7 +35,7 @@ std::size_t aligned(std::size_t offset, std::size_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
 }
 
-/// Calls visit(member, its offset in the C struct) and returns the end of the last member.
+/// Calls visit(member, offset in the C struct) for each member. Returns the end of the last one.
 template <class Visit>
 std::size_t for_each_c_member(const StructType& type, Visit visit) {
   std::size_t offset = 0;
@@ -53,7 +54,7 @@ void copy_element(const Member& m, const std::byte* from, std::byte* to) {
   if (m.kind == Kind::structure) {
     copy_structure(*m.type, from, to);
   } else if (m.kind != Kind::string) {
-    std::memcpy(to, from, size_of(m.kind));  // of a C enumeration, the lower bytes
+    std::memcpy(to, from, size_of(m.kind));  // copies only the lower bytes of a C enumeration
   } else {
     const auto* text = reinterpret_cast<const char*>(from);
     if (m.string_bound == 0) std::memcpy(&text, from, sizeof text);

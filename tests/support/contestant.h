@@ -1,4 +1,4 @@
-// Types as both implementations know them, ours and Cyclone DDS's.
+// Message types of both implementations: ours and Cyclone DDS's.
 #pragma once
 
 #include <dds/dds.h>
@@ -12,12 +12,12 @@ namespace sft::test {
 
 struct Contestant {
   MessageType ours;
-  const dds_topic_descriptor_t* theirs;  ///< null: stock idlc makes none, or C that does not compile
+  const dds_topic_descriptor_t* theirs;  ///< null if stock idlc makes none, or makes C that does not compile
 };
 
 inline void PrintTo(const Contestant& type, std::ostream* out) { *out << type.ours.support->name(); }
 
-/// All types of a test program: contestants.py makes the list of what was generated for it.
+/// Returns all types that were generated for a test program. contestants.py makes the list.
 std::vector<Contestant> contestants();
 
 }  // namespace sft::test

@@ -1,4 +1,4 @@
-// A part of a message, as a projection takes it, for tests.
+// The part of a message that a projection takes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 
 namespace sft::test {
 
-/// The bytes of a projection, in memory of just that size.
+/// Returns the bytes of a projection. They fill their memory exactly.
 inline std::vector<std::byte> gathered(const detail::Projection& projection) {
   std::vector<std::byte> bytes;
   bytes.reserve(projection.bytes());
@@ -27,8 +27,8 @@ inline std::vector<std::byte> gathered(const detail::Projection& projection) {
   return bytes;
 }
 
-/// The message that these bytes are; those of its fields that are not in `mask` are the ones of `onto`. It is
-/// a failure of the test if they are no such message, or more than that.
+/// Decodes a message with the fields in `mask`; the other fields are those of `onto`. The test fails if the
+/// bytes are no such message, or have more bytes behind it.
 template <class T>
 T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T onto = {}) {
   const StructType& type = detail::TypeTable<T>::type;
@@ -43,7 +43,8 @@ T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T ont
   return onto;
 }
 
-/// Selects the whole message, but for the parts that the text names.
+/// Returns a selection of the whole message, except that it has only the parts of fields that the text
+/// names.
 template <class T>
 Selection all_with(std::string_view text) {
   const TypeSupport& type = type_support<T>();
@@ -52,15 +53,15 @@ Selection all_with(std::string_view text) {
   return Selection::make(type.full(), {parts.begin(), parts.end()}, {}).value();
 }
 
-/// One message and one selection. The message is encoded in memory of just its size, so that a sanitizer sees
-/// each byte that is read behind it.
+/// The projection of one message by one selection. The encoded message fills its memory exactly, so that a
+/// sanitizer notices each byte that is read behind it.
 template <class T>
 class Cut {
  public:
   Cut(const T& message, const Selection& selection)
       : Cut(message, selection, FieldMask::full(detail::leaf_count_of<T>)) {}
 
-  /// Of a sample that has only these fields; they are a closed mask.
+  /// Projects a sample that has only the fields in `has`, which is a closed mask.
   Cut(const T& message, const Selection& selection, const FieldMask& has)
       : plan_(type_support<T>(), type_support<T>().closed(selection)) {
     const Encoded encoded(detail::TypeTable<T>::type, &message, has);
@@ -77,7 +78,7 @@ class Cut {
   bool ok() const { return ok_; }
   const FieldMask& mask() const { return plan_.mask(); }
   const std::vector<std::byte>& bytes() const { return bytes_; }
-  /// Fields that were not selected are those of `onto`.
+  /// Returns the decoded part. Fields that were not selected are those of `onto`.
   T decoded(T onto = {}) const { return decoded_from<T>(bytes_, mask(), std::move(onto)); }
 
  private:
@@ -86,7 +87,8 @@ class Cut {
   bool ok_ = false;
 };
 
-/// Byte by byte. The failure says where they differ first, and in which field.
+/// Compares the encoded message with the part, byte by byte. The failure names the first byte and field that
+/// differ.
 template <class T>
 ::testing::AssertionResult is_encoded(const T& expected, const Cut<T>& cut) {
   using ::testing::AssertionFailure;

@@ -20,7 +20,7 @@ using sensor_msgs::msg::PointField;
 using Part = Selection::Part;
 using Range = Selection::Range;
 
-/// What a header claims of cells in rows.
+/// The size of a grid of cells, as the fields of a message declare it.
 struct DeclaredGrid {
   std::uint64_t rows;
   std::uint64_t columns;
@@ -35,7 +35,7 @@ bool contradicts_itself(const DeclaredGrid& declared, std::uint64_t data_bytes) 
   return (declared.rows - 1) * declared.row_bytes + declared.columns * declared.cell_bytes > data_bytes;
 }
 
-/// The bytes of the cells that are kept, row by row, without anything between them.
+/// Returns the bytes of the selected cells, row by row without gaps.
 template <class Byte>
 std::vector<Byte> cells(const std::vector<Byte>& data, const DeclaredGrid& declared, const Part& part) {
   std::vector<Byte> kept;
@@ -62,7 +62,8 @@ bool is_in_planes(const std::string& encoding) {
   return std::set<std::string>{"nv12", "nv21", "nv24"}.contains(encoding);
 }
 
-/// "bayer_rggb8" are two rows of two letters each.
+/// Returns the encoding of a part that begins at an odd row or column. "bayer_rggb8" means two rows of two
+/// letters each.
 std::string bayer_from(std::string encoding, bool at_odd_row, bool at_odd_column) {
   char* letters = encoding.data() + std::string_view("bayer_").size();
   if (at_odd_column) {
@@ -226,7 +227,7 @@ LaserScan cut(const LaserScan& scan, const Selection& selection) {
   const bool has_intensities = selection.mask().contains(intensities_leaf);
   const Part* of_ranges = selection.part(ranges_leaf);
   const Part* of_intensities = selection.part(intensities_leaf);
-  Range range;  // all: the union of two that differ
+  Range range;  // all: the union of two different ranges
   if (has_ranges && !has_intensities && of_ranges != nullptr) range = of_ranges->columns;
   if (!has_ranges && has_intensities && of_intensities != nullptr) range = of_intensities->columns;
   if (has_ranges && has_intensities && of_ranges != nullptr && of_intensities != nullptr) {

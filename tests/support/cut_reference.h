@@ -1,6 +1,6 @@
-// This file says a second time, and in the plainest way, what a part of a message is (selection.md, "Parts"),
-// to compare the runtime with: index by index, on the generated structs. What contradicts itself has to be
-// said without doubt: where the specification leaves a choice, so do the tests that use this.
+// A second, simple implementation of parts of messages (selection.md, "Parts"), with which the runtime is
+// compared. It works index by index on the generated structs. It does not treat messages that contradict
+// themselves in ways for which the specification leaves a choice, and neither do the tests that use it.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,10 @@
 
 namespace sft::test::cut_reference {
 
-/// The indices below `count` that the range names, in ascending order.
+/// Returns the indices below `count` that the range names, in ascending order.
 std::vector<std::size_t> indices(const Selection::Range& range, std::size_t count);
 
-/// Of a list without a layout.
+/// Returns the part of a list without a layout.
 template <class Element>
 std::vector<Element> cut(const std::vector<Element>& list, const Selection::Range& range) {
   std::vector<Element> part;
@@ -27,24 +27,25 @@ std::vector<Element> cut(const std::vector<Element>& list, const Selection::Rang
   return part;
 }
 
-/// Of `data`. The leaf of the part is not looked at, so that the message may be a member of another one.
+/// These functions return the message with that part of its `data`. They ignore the part's leaf, so that the
+/// message may be a member of another one.
 sensor_msgs::msg::PointCloud2 cut(const sensor_msgs::msg::PointCloud2& cloud, const Selection::Part& part);
 sensor_msgs::msg::Image cut(const sensor_msgs::msg::Image& image, const Selection::Part& part);
 nav_msgs::msg::OccupancyGrid cut(const nav_msgs::msg::OccupancyGrid& grid, const Selection::Part& part);
 
-/// Of `ranges` and `intensities`, as far as the selection has them.
+/// Returns the scan with the parts of `ranges` and `intensities` that the selection has.
 sensor_msgs::msg::LaserScan cut(const sensor_msgs::msg::LaserScan& scan, const Selection& selection);
-inline constexpr std::size_t ranges_leaf = 10;       ///< of LaserScan
-inline constexpr std::size_t intensities_leaf = 11;  ///< of LaserScan
+inline constexpr std::size_t ranges_leaf = 10;       ///< number of the leaf in LaserScan
+inline constexpr std::size_t intensities_leaf = 11;  ///< number of the leaf in LaserScan
 
-/// The channels that a part with these names has, as the cloud's `fields` describe them, by their offsets.
+/// Returns the cloud's descriptions of the channels with these names, in the order of their offsets.
 std::vector<sensor_msgs::msg::PointField> channels_of(const sensor_msgs::msg::PointCloud2& cloud,
                                                       const std::vector<std::string>& names);
-/// The bytes of an element of one of the eight types of channels, and 0 of any other.
+/// Returns the size in bytes of an element of one of the eight types of channels; 0 for other types.
 std::size_t bytes_of_datatype(std::uint8_t datatype);
 
-/// The bytes of a pixel as the names of sensor_msgs/image_encodings say them; planes and unknown names have
-/// none.
+/// Returns the bytes of a pixel according to the names of sensor_msgs/image_encodings. Empty for encodings
+/// in planes and unknown names.
 std::optional<std::size_t> bytes_of_encoding(const std::string& encoding);
 
 }  // namespace sft::test::cut_reference

@@ -28,7 +28,7 @@ std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, con
 const void* CycloneReader::deserialize(std::span<const std::byte> body) {
   free_sample();
   const auto size = static_cast<std::uint32_t>(body.size());
-  std::vector<std::byte> bytes(body.size() + 1);  // it normalizes in place, and takes no null
+  std::vector<std::byte> bytes(body.size() + 1);  // normalized in place; never null, even if empty
   std::copy(body.begin(), body.end(), bytes.begin());
   std::uint32_t end = 0;
   auto* first = reinterpret_cast<char*>(bytes.data());

@@ -1,4 +1,5 @@
-// Cyclone DDS's own serializer, without domain or network: from C structs of stock idlc to CDR and back.
+// Cyclone DDS's own serializer without a domain or a network. It converts C structs of stock idlc to CDR and
+// back.
 #pragma once
 
 #include <dds/dds.h>
@@ -10,9 +11,9 @@
 
 namespace sft::test {
 
-/// XCDR1, little-endian, without encapsulation.
+/// Returns XCDR1, little-endian, without encapsulation.
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct);
-/// The same in either version of XCDR and either byte order.
+/// Does the same in either version of XCDR and either byte order.
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct,
                                          bool is_xcdr2, std::endian byte_order);
 
@@ -23,7 +24,8 @@ class CycloneReader {
   CycloneReader& operator=(const CycloneReader&) = delete;
   ~CycloneReader() { free_sample(); }
 
-  /// The C struct, valid until the next call; null if Cyclone finds the bytes malformed or too many.
+  /// Returns the C struct, which is valid until the next call; null if Cyclone finds the bytes malformed, or
+  /// bytes behind the message.
   const void* deserialize(std::span<const std::byte> body);
 
  private:
@@ -33,8 +35,8 @@ class CycloneReader {
   void* sample_ = nullptr;
 };
 
-/// Returns true if the type is written in the plain encoding of XCDR1: it is final and needs nothing of
-/// XCDR2.
+/// Returns true if Cyclone writes the type in the plain encoding of XCDR1, because the type is final and
+/// needs no feature of XCDR2.
 bool cyclone_writes_plain_cdr(const dds_topic_descriptor_t& type);
 
 }  // namespace sft::test

@@ -1,5 +1,5 @@
-// One Cyclone DDS writer and reader of a type in a domain of their own that knows no interface but loopback:
-// what they exchange is what goes over a wire, encapsulation and all.
+// A Cyclone DDS writer and reader of a type, in a domain of their own with the loopback interface only. They
+// exchange the payloads that also go over a network, including the encapsulation.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,8 +15,9 @@
 namespace sft::test {
 
 struct CyclonePayload {
-  std::array<std::uint8_t, 4> encapsulation{};  ///< without the number of padding bytes in its last two bits
-  std::vector<std::byte> body;                  ///< without padding
+  /// With 0 for the number of padding bytes, which is in the last two bits.
+  std::array<std::uint8_t, 4> encapsulation{};
+  std::vector<std::byte> body;  ///< without padding
 };
 
 class CycloneLoopback {
@@ -29,10 +30,11 @@ class CycloneLoopback {
   bool ok() const { return error_.empty(); }
   const std::string& error() const { return error_; }
 
-  /// Returns the payload that the writer makes of a sample.
+  /// Returns the payload that the writer sends for this sample.
   CyclonePayload sent(const void* c_struct);
 
-  /// Lets the reader take a sample with this body and shows the C struct to `visit`; false if none arrives.
+  /// Lets the reader take a sample with this body, and calls `visit` with its C struct. Returns false if no
+  /// sample arrives.
   bool receive(std::span<const std::byte> body, const std::function<void(const void*)>& visit);
 
  private:
@@ -43,7 +45,7 @@ class CycloneLoopback {
   dds_entity_t domain_ = 0;
   dds_entity_t reader_ = 0;
   dds_entity_t writer_ = 0;
-  ddsi_serdata* prototype_ = nullptr;  ///< any sample: it knows the type that Cyclone works with inside
+  ddsi_serdata* prototype_ = nullptr;  ///< any sample, which refers to Cyclone's internal type
 };
 
 }  // namespace sft::test

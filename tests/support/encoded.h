@@ -1,4 +1,4 @@
-// An owned message in its encoded form, for tests.
+// The encoded form of an owned message.
 #pragma once
 
 #include <cassert>

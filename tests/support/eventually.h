@@ -1,4 +1,4 @@
-// Waiting for a condition that other threads or processes bring about, with a deadline.
+// Waits, with a deadline, for a condition that other threads or processes fulfil.
 #pragma once
 
 #include <poll.h>
@@ -7,11 +7,11 @@
 
 namespace sft::test {
 
-/// What must happen happens within this time on any machine, however busy: what takes longer hangs. How fast
-/// something is belongs to a benchmark.
+/// Anything that must happen happens within this time on any machine, however busy. What takes longer counts
+/// as hanging. Benchmarks, not tests, measure how fast something is.
 inline constexpr std::chrono::seconds hang_timeout{60};
 
-/// Looks again after each pause; false if the condition does not hold in time.
+/// Checks the condition again after each pause. Returns false if it does not hold in time.
 template <class Condition>
 bool eventually(Condition&& condition, std::chrono::milliseconds within = hang_timeout,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {

@@ -29,7 +29,7 @@ class Writer {
   std::vector<std::byte> bytes;
 
  private:
-  /// The length is known behind the member, so it is put in front then.
+  /// Writes a member with its length before it. The length is filled in afterwards.
   void delimited(const Member& m, const void* object) {
     number(0, 4);
     const std::size_t begin = bytes.size();

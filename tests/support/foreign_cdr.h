@@ -1,5 +1,5 @@
-// Payloads in the encodings that are converted on entry, written a second time and in the plainest way from
-// the sentences of XTypes 1.3, 7.4.3: nothing of the runtime is used but the tables.
+// A second, simple implementation of the encodings that SFT converts on entry. It follows XTypes 1.3, 7.4.3,
+// and uses nothing of the runtime except the tables.
 #pragma once
 
 #include <bit>
@@ -25,15 +25,16 @@ inline constexpr ForeignEncoding cdr_be{"CDR_BE", 0x0000, std::endian::big, fals
 inline constexpr ForeignEncoding cdr2_le{"CDR2_LE", 0x0007, std::endian::little, true};
 inline constexpr ForeignEncoding cdr2_be{"CDR2_BE", 0x0006, std::endian::big, true};
 
-/// All of them, and plain XCDR2 under its other numbers.
+/// Returns all encodings, and plain XCDR2 also under its other codes.
 std::span<const ForeignEncoding> foreign_encodings();
 
 void PrintTo(const ForeignEncoding& encoding, std::ostream* out);
 
-/// The body alone.
+/// Returns the body without encapsulation.
 std::vector<std::byte> foreign_cdr(const OwnedValue& value, const ForeignEncoding& encoding);
 
-/// Encapsulation, body, and as many bytes of padding as the encapsulation announces: up to a multiple of 4.
+/// Returns encapsulation, body, and padding up to a multiple of 4. The encapsulation gives the number of
+/// padding bytes.
 std::vector<std::byte> foreign_payload(std::span<const std::byte> body, const ForeignEncoding& encoding);
 
 }  // namespace sft::test

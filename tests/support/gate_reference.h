@@ -1,7 +1,6 @@
-// This file says a second time, and in the plainest way, which samples fulfil the conditions of a gate
-// (selection.md, "Conditions"), to compare the runtime with: numbers of any size instead of rounding, a tree
-// instead of a list of nodes, and a map of former values. Nothing of the runtime is used but the tables, and
-// the value of a Selection.
+// A second, simple implementation of the conditions of a gate (selection.md, "Conditions"), with which the
+// runtime is compared. It uses numbers of any size instead of rounding, a tree instead of a list of nodes,
+// and a map of former values. It uses nothing of the runtime except the tables and the Selection.
 #pragma once
 
 #include <cstdint>
@@ -22,7 +21,7 @@ using FieldValue = std::variant<std::int64_t, std::uint64_t, double, std::string
 /// The values of one message, by leaf.
 using FieldValues = std::map<std::uint32_t, FieldValue>;
 
-/// A field that conditions can be on: a single value that is in no array and no sequence.
+/// A field that conditions can use: a single value that is in no array and no sequence.
 struct SingleField {
   std::uint32_t leaf;
   const StructType::Member* member;
@@ -30,25 +29,27 @@ struct SingleField {
 };
 std::vector<SingleField> single_fields(const StructType& type);
 
-/// Its single values: a boolean is 0 or 1, an enumeration its number, a character that of its byte.
+/// Returns the values of these fields. A boolean is 0 or 1, an enumeration is its number, and a character is
+/// the number of its byte.
 FieldValues values_of(std::span<const SingleField> fields, const void* message);
 
-/// The conditions of one gate. A sample is asked about once; if it passes, passed() is called for it.
+/// The conditions of one gate. The caller asks holds() once for each sample, and calls passed() if the
+/// sample passes.
 class GateReference {
  public:
   using Condition = Selection::Condition;
 
-  /// Each condition before its children; none: every sample fulfils them.
+  /// Each condition comes before its children. If there are none, every sample passes.
   explicit GateReference(const std::vector<Condition>& conditions);
 
-  /// A reader begins: until a sample passes, `changed` and `every` hold, since there is no earlier sample. It
-  /// is so from the start.
+  /// Notes that a reader begins. Until the next sample passes, `changed` and `every` hold, because no
+  /// earlier sample counts. A new object is in this state.
   void begin() { begins_ = true; }
   bool begins() const { return begins_; }
   bool holds(const FieldValues& sample, std::int64_t stamp_ns);
   void passed(const FieldValues& sample, std::int64_t stamp_ns);
-  /// True if the last answer may depend on rounding: a number was not just as far from its former value as a
-  /// deadband permits, but was so to 60 binary digits.
+  /// Returns true if the last answer may depend on rounding: the distance of a number from its former value
+  /// was not equal to the deadband, but agreed with it to 60 binary digits.
   bool was_close() const { return was_close_; }
 
  private:
@@ -63,8 +64,9 @@ class GateReference {
   std::optional<Node> root_;
   std::uint64_t asked_about_ = 0;
   bool begins_ = true;
-  FieldValues former_;               ///< of the last sample that passed
-  std::int64_t period_from_ns_ = 0;  ///< its stamp, or an earlier one that the clock was set back to
+  FieldValues former_;  ///< values of the last sample that passed
+  /// The stamp of that sample, or an earlier one to which the clock was set back.
+  std::int64_t period_from_ns_ = 0;
   bool was_close_ = false;
 };
 

@@ -1,4 +1,4 @@
-// Recorded maps, which are grey pictures, as messages.
+// Messages made from recorded maps, which are grey pictures.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +16,11 @@ namespace sft::test {
 
 struct GreyMap {
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> grey;  ///< row by row, the top one first
+  std::vector<std::uint8_t> grey;  ///< row by row, the top row first
 };
 
-/// A file in the binary PGM format with 255 grey values (netpbm, pgm(5)). Nothing if it is none.
+/// Reads a file in the binary PGM format with the greatest value 255 (netpbm, pgm(5)). Returns nothing if it
+/// is not one.
 inline std::optional<GreyMap> read_grey_map(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const auto next = [&file] {
@@ -38,7 +39,7 @@ inline std::optional<GreyMap> read_grey_map(const std::filesystem::path& path) {
   return file ? std::optional(std::move(map)) : std::nullopt;
 }
 
-/// As a map server has it: the first row of a grid is the lowest one of its map.
+/// Returns the grid that a map server would make. The first row of a grid is the lowest row of its map.
 inline nav_msgs::msg::OccupancyGrid grid_of(const GreyMap& map, float resolution) {
   constexpr std::uint8_t free = 254, occupied = 0;
   nav_msgs::msg::OccupancyGrid grid;

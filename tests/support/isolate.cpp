@@ -1,4 +1,4 @@
-// isolate PROGRAM [ARGUMENT...]: runs it on a host of its own.
+// isolate PROGRAM [ARGUMENT...]: runs the program on an isolated host.
 #include <unistd.h>
 
 #include <cstdio>

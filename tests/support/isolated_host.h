@@ -1,5 +1,5 @@
-// A host of its own for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It does not
-// meet other programs of the machine, and nothing of it is left when it ends, even if it is killed.
+// An isolated host for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It does not
+// meet other programs of the machine, and leaves nothing behind when it ends, even if it is killed.
 #pragma once
 
 #include <functional>
@@ -9,21 +9,22 @@
 
 namespace sft::test {
 
-/// Calls `run` as a process of a new host, whose only interface is the loopback, and ends the calling process
-/// with its exit code. All processes that it started end with it. Call it before there are threads. Where the
-/// system allows neither root nor user namespaces, `run` is called where it stands, its result is returned,
-/// and isolation_refusal() says why.
+/// Calls `run` in a process of a new host, whose only interface is the loopback, and ends the calling
+/// process with its exit code. All processes of the host end with `run`. Call this before there are threads.
+/// If the system allows neither root nor user namespaces, `run` is called in this process, its result is
+/// returned, and isolation_refusal() says why.
 int run_isolated(const std::function<int()>& run);
 
-/// Empty if this program is isolated. Tests that need isolation are skipped otherwise.
+/// Returns why this program is not isolated; empty if it is. Tests that need isolation skip otherwise.
 const std::string& isolation_refusal();
 
-// These functions mount an empty /dev/shm, or that and an empty /tmp, in which the programs stay in sight.
-// REQUIRES: a mount namespace of one's own, made by a process that is isolated.
+// mount_own_shm() mounts an empty /dev/shm. mount_own_memory() also mounts an empty /tmp, in which the
+// project's programs stay visible. REQUIRES: the caller has its own mount namespace, made by an isolated
+// process.
 Result<void> mount_own_shm();
 Result<void> mount_own_memory();
 
-/// Gives /dev/shm another size as long as this object lives.
+/// Gives /dev/shm another size while this object lives.
 class ShmOfSize {
  public:
   explicit ShmOfSize(unsigned mebibytes);
@@ -32,7 +33,7 @@ class ShmOfSize {
   ShmOfSize& operator=(const ShmOfSize&) = delete;
 };
 
-/// Directory of the running program, which holds the other programs of the project, too.
+/// Returns the directory of the running program, which also has the other programs of the project.
 const std::string& program_directory();
 
 }  // namespace sft::test

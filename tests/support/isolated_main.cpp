@@ -1,4 +1,4 @@
-// GoogleTest's main for tests that need a host of their own.
+// GoogleTest's main for tests that need an isolated host.
 #include <gtest/gtest.h>
 #include <unistd.h>
 
@@ -11,7 +11,7 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();
   return sft::test::run_isolated([] {
-    // If there is no isolation, the test at least uses another DDS domain than what else runs here.
+    // Without isolation the test at least uses a DDS domain that other programs here do not use.
     const std::string domain = std::to_string(100 + getpid() % 100);
     if (!sft::test::isolation_refusal().empty()) setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
     return RUN_ALL_TESTS();

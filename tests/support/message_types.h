@@ -1,4 +1,4 @@
-// The message types that tests run over.
+// Lists of message types for tests that run once for each type.
 #pragma once
 
 #include <ostream>
@@ -19,7 +19,7 @@ struct MessageType {
   std::string short_name() const {
     return std::string(support->name().substr(support->name().rfind(':') + 1));
   }
-  /// "sensor_msgs_msg_Image": letters that a test's name may have.
+  /// Returns a name with letters that a test's name may have, such as "sensor_msgs_msg_Image".
   std::string test_name() const {
     std::string result;
     for (const char c : support->name()) {
@@ -38,19 +38,20 @@ MessageType message_type() {
   return {&support, &OwnedValue::of<T>};
 }
 
-/// Every type that is generated for sft_every_type, each once, by header. contestants.py makes the list.
+/// Returns every type that is generated for sft_every_type, each once, in the order of headers.
+/// contestants.py makes the list.
 std::vector<MessageType> generated_types();
 
-/// PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid, Odometry.
+/// Returns PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid and Odometry.
 std::span<const MessageType> common_types();
 
-/// All types above, and some that are made to be difficult (tests/generators/idl/torture.idl,
-/// tests/unit/typesupport/proof.idl) or have layout rules (layouts.idl there). The order is kept: inputs of
-/// the fuzzer name types by their number.
+/// Returns common_types(), types that are difficult on purpose (tests/generators/idl/torture.idl,
+/// tests/unit/typesupport/proof.idl), and types with layout rules (layouts.idl there). The order must not
+/// change, because inputs of the fuzzer name types by their numbers.
 std::span<const MessageType> all_types();
 
-/// all_types(), and behind them all other types of the tests and the common packages, by name. Only for
-/// programs that link to sft_every_type.
+/// Returns all_types(), followed by all other types of the tests and the common packages in the order of
+/// names. Only for programs that link to sft_every_type.
 std::span<const MessageType> every_type();
 
 }  // namespace sft::test

@@ -1,4 +1,4 @@
-// What the other threads of this process are doing.
+// The state of the other threads of this process.
 #pragma once
 
 #include <unistd.h>
@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// True if the other threads sleep: those that have sent or received have finished that.
+/// Returns true if all other threads sleep, so that none is sending or receiving any more.
 inline bool all_other_threads_sleep() {
   const std::filesystem::directory_iterator tasks("/proc/self/task");
   return std::ranges::all_of(tasks, [](const auto& task) {

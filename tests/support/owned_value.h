@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// An owned struct of some type, default-constructed at first. Copies share it.
+/// An owned struct of any type, default-constructed at first. Copies share the struct.
 class OwnedValue {
  public:
   template <class T>
@@ -29,14 +29,15 @@ class OwnedValue {
   std::shared_ptr<void> value_;
 };
 
-/// Elements of a member of an owned struct, whatever its shape.
+/// The elements of a member of an owned struct: of a single value, an array or a sequence.
 struct Elements {
   const std::byte* first;
   std::size_t count;
 };
 Elements elements_of(const StructType::Member& member, const void* object);
 
-/// The same for writing; a sequence gets `count` elements, those that it has are kept.
+/// Returns the first element for writing. Resizes a sequence to `count` elements, and keeps the present
+/// ones.
 std::byte* resized(const StructType::Member& member, void* object, std::size_t count);
 
 /// Compares all leaves bit by bit, so that a NaN equals itself. The failure names the first leaf that

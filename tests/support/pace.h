@@ -1,4 +1,4 @@
-// Doing something at a rate.
+// Helpers that do something at a rate.
 #pragma once
 
 #include <poll.h>
@@ -13,8 +13,8 @@
 
 namespace sft::test {
 
-/// A period is either the pause between two turns, or one turn's share of the time. In the second case a
-/// thread that was late takes some turns at once.
+/// The meaning of a period. `pause`: the pause between two turns. `rate`: the time for each turn on average,
+/// so that a late thread takes several turns at once.
 enum class Keeps : std::uint8_t { pause, rate };
 
 class Pace {
@@ -39,7 +39,7 @@ class Pace {
   Clock::time_point turn_ = Clock::now();
 };
 
-/// Does something for the first, second, third time and so on, on a thread of its own, until it goes.
+/// Calls `tick` with 1, 2, 3 and so on, on a thread of its own, until this object is destroyed.
 class Ticker {
  public:
   Ticker(std::chrono::nanoseconds period, std::function<void(std::uint32_t)> tick, Keeps keeps = Keeps::pause)

@@ -12,7 +12,7 @@
 
 namespace sft::udp {
 
-/// Empty unless the bytes are a sound datagram of that kind.
+/// Returns the datagram if the bytes are a valid one of that kind.
 template <class Kind>
 std::optional<Kind> parse_as(std::span<const std::byte> bytes) {
   const auto take = []<class Found>(const Found& found) {
@@ -24,8 +24,8 @@ std::optional<Kind> parse_as(std::span<const std::byte> bytes) {
   return answer == nullptr ? std::visit(take, any) : std::visit(take, *answer);
 }
 
-/// Empty unless the bytes are a sound datagram of a sample. A following one has only the label, the offset
-/// and the payload.
+/// Returns the datagram if the bytes are a valid one of a sample. A following datagram has only the label,
+/// the offset and the payload.
 inline std::optional<Datagram> parse(std::span<const std::byte> bytes) {
   const auto following = parse_as<Following>(bytes);
   if (!following) return parse_as<Datagram>(bytes);
@@ -37,8 +37,8 @@ inline std::optional<Datagram> parse(std::span<const std::byte> bytes) {
   return d;
 }
 
-/// The kind that the bytes claim to be. Empty if they are no datagram of this version. The rest of the
-/// datagram may still be malformed.
+/// Returns the kind that the first byte gives, although the rest may be malformed. Empty if the bytes are no
+/// datagram of this version.
 inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
   const AnyDatagram any = decode(bytes);
   if (const auto* malformed = std::get_if<Malformed>(&any)) return malformed->kind;
@@ -47,7 +47,7 @@ inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
 
 namespace test {
 
-/// The bytes as numbers, which a failed comparison prints.
+/// Returns the bytes as numbers, which a failed comparison prints legibly.
 inline std::vector<unsigned> numbers_of(std::span<const std::byte> bytes) {
   std::vector<unsigned> numbers;
   for (const std::byte one : bytes) numbers.push_back(std::to_integer<unsigned>(one));

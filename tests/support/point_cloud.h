@@ -1,4 +1,4 @@
-// Clouds with random values, and a sample as it arrives: bytes in memory of just their size.
+// Clouds with random values, and samples whose bytes fill their memory exactly, as if they had arrived.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,8 +18,8 @@
 
 namespace sft::test {
 
-/// Points of 48 bytes, and 20 bytes of padding behind each row. The values of channel "far" end behind the
-/// point, those of "odd" have no type, and those of "none" no elements.
+/// Returns a cloud with points of 48 bytes, and 20 bytes of padding behind each row. The values of channel
+/// "far" end behind the point, channel "odd" has an unknown type, and channel "none" has no elements.
 inline sensor_msgs::msg::PointCloud2 random_cloud(Random& random, std::uint32_t height, std::uint32_t width) {
   sensor_msgs::msg::PointCloud2 cloud;
   cloud.header.frame_id = "lidar";
@@ -38,7 +38,7 @@ inline sensor_msgs::msg::PointCloud2 random_cloud(Random& random, std::uint32_t 
   return cloud;
 }
 
-/// The value at an offset of the data.
+/// Returns the value at that offset of the data.
 template <class T>
 T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
   T value;
@@ -46,10 +46,10 @@ T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
   return value;
 }
 
-/// The message of a result that is an error.
+/// Returns the text of the error, or "no error".
 std::string message_of(const auto& result) { return result ? "no error" : result.error().message; }
 
-/// A sample of message type T, of which the index is found as for a sample that came by UDP.
+/// A sample of message type T, whose index is built as for a sample that came by UDP.
 template <class T>
 class Arrived {
  public:
@@ -62,7 +62,7 @@ class Arrived {
     is_good_ = detail::build_index(state_, type, index_) == detail::WalkStatus::ok;
   }
   explicit Arrived(const T& value) : Arrived(Encoded(value).bytes(), FieldMask(all<T>)) {}
-  /// The part of a message that a selection names.
+  /// A sample of the part of a message that a selection names.
   Arrived(const T& value, const char* selection) : Arrived(cut(value, selection)) {}
   Arrived(const Arrived&) = delete;
   Arrived& operator=(const Arrived&) = delete;

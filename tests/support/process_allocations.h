@@ -1,16 +1,16 @@
-// Counts what the whole process allocates, in programs that link process_allocations.cpp.
+// Counts the allocations of the whole process, in programs that link process_allocations.cpp.
 #pragma once
 
 #include <cstdint>
 
 namespace sft::test {
 
-/// Calls of operator new by all threads so far.
+/// Returns the number of calls of operator new by all threads so far.
 std::uint64_t process_allocations();
 
-/// Begins to note where the first few allocations come from.
+/// Begins to note the call stacks of the first few allocations.
 void note_allocations();
-/// Stops noting, and writes what was noted to stderr: one call stack each.
+/// Stops noting, and writes the call stacks to stderr.
 void print_allocations();
 
 }  // namespace sft::test

@@ -1,5 +1,5 @@
 // Random conditions on the fields of a type, and random streams of messages and stamps that come close to
-// what the conditions ask for: near their constants, and as far from former values as their deadbands.
+// the limits of the conditions: near their constants, and as far from former values as their deadbands.
 #pragma once
 
 #include <cstddef>
@@ -19,19 +19,21 @@ class RandomConditions {
  public:
   using Condition = Selection::Condition;
 
-  /// The type has a single value.
+  /// REQUIRES: the type has a single value.
   RandomConditions(Random& random, const StructType& type) : random_(random), fields_(single_fields(type)) {}
 
   const std::vector<SingleField>& fields() const { return fields_; }
 
-  /// Makes conditions of all kinds, nested as deep and as many as a selection allows; often only a few.
+  /// Returns conditions of all kinds, up to the number and depth that a selection allows; often only a few.
   std::vector<Condition> conditions();
-  /// The text of them that stands behind the "@"; with more parentheses and blanks than needed, or with none.
+  /// Returns their text as it stands behind the "@". Randomly adds parentheses and blanks that are not
+  /// needed.
   std::string text(const TypeSupport& type, const std::vector<Condition>& conditions);
 
-  /// Changes some single values of a message, so that it is the next one of a stream.
+  /// Changes some single values of a message, so that it becomes the next message of a stream.
   void change(void* message);
-  /// The stamp of the next sample: mostly later, sometimes by just a period of some condition, or earlier.
+  /// Returns the stamp of the next sample. It is mostly later, sometimes by exactly the period of a
+  /// condition, and sometimes earlier.
   std::int64_t stamp_behind(std::int64_t stamp_ns);
 
   std::uint64_t below(std::uint64_t end) { return random_() % end; }
@@ -61,8 +63,8 @@ class RandomConditions {
 
   Random& random_;
   std::vector<SingleField> fields_;
-  std::vector<Selection::Number> numbers_{};  ///< that conditions have
-  std::vector<std::uint64_t> periods_us_{};   ///< the same
+  std::vector<Selection::Number> numbers_{};  ///< numbers in the conditions
+  std::vector<std::uint64_t> periods_us_{};   ///< periods in the conditions
 };
 
 }  // namespace sft::test

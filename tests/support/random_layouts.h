@@ -1,5 +1,5 @@
-// Random messages with layouts. They do not contradict themselves and have something in each row, but have
-// all that is allowed beside that: padding, bytes behind the data, channels that overlap, recur or reach
+// Random messages with layouts. They do not contradict themselves, and no row is empty. Otherwise they have
+// everything that is allowed: padding, bytes behind the data, and channels that overlap, recur or reach
 // beyond the point.
 #pragma once
 
@@ -26,15 +26,16 @@ class RandomLayouts {
     return std::uniform_real_distribution<double>(least, most)(random_);
   }
 
-  /// Often all, and sometimes empty or beyond the edge. The step is one of 1 to 5.
+  /// Returns a range with a step from 1 to 5. It often covers everything, and is sometimes empty or reaches
+  /// beyond the edge.
   Selection::Range range(std::uint32_t count);
-  /// The same, but without all that may be empty.
+  /// Returns such a range that is not empty.
   Selection::Range range_with_some(std::uint32_t count);
 
   sensor_msgs::msg::PointCloud2 cloud();
-  /// Some of those that cloud() may have, and others.
+  /// Returns names of channels: some that cloud() may have, and others.
   std::vector<std::string> channels();
-  /// Of any encoding.
+  /// Returns an image of a random encoding.
   sensor_msgs::msg::Image image();
   sensor_msgs::msg::Image image(const std::string& encoding);
   nav_msgs::msg::OccupancyGrid grid();

@@ -1,5 +1,5 @@
 // Random messages of any type, and random masks. Sizes are log-uniform: mostly small, sometimes larger than
-// what is copied in one piece.
+// a piece that is copied at once.
 #pragma once
 
 #include <cstddef>
@@ -12,8 +12,8 @@
 
 namespace sft::test {
 
-/// The values that enumerations and bitmasks get: any integer, or only what the IDL declares (which is all
-/// that Cyclone DDS accepts).
+/// The values that enumerations and bitmasks get: any integer, or only those that the IDL declares. Cyclone
+/// DDS accepts only the latter.
 enum class Enumerated { any, declared };
 
 class RandomValues {
@@ -21,11 +21,11 @@ class RandomValues {
   explicit RandomValues(Random& random, Enumerated enumerated = Enumerated::any)
       : random_(random), enumerated_(enumerated) {}
 
-  /// All leaves: any bits where any are allowed (extremes and NaNs often), booleans 0 or 1, strings without
-  /// NUL, sequences and strings within their bounds.
+  /// Fills all leaves. Numbers get any bits, often extremes and NaNs. Booleans are 0 or 1, strings have no
+  /// NUL, and sequences and strings keep their bounds.
   void fill(const StructType& type, void* value) { structure(type, value, 0); }
 
-  /// Dense, sparse, single-leaf, empty and full masks. Not closed.
+  /// Returns a dense, sparse, single-leaf, empty or full mask, which is not closed.
   FieldMask mask(std::size_t leaves);
 
   std::size_t up_to(std::size_t most) { return random_() % (most + 1); }

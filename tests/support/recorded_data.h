@@ -1,4 +1,5 @@
-// Payloads that others recorded, where they are on this machine (they are not part of the repository).
+// Payloads that other programs recorded. They are not part of the repository, and may be missing on a
+// machine.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +11,14 @@ namespace sft::test {
 
 using Payload = std::vector<std::byte>;  ///< encapsulation and body
 
-/// The directory in which recordings are looked for.
+/// Returns the directory of the recordings.
 std::filesystem::path recorded_data();
 
-/// The whole of a file; one called .xz unpacked, or nothing where there is no xz.
+/// Returns the content of a file, unpacked if its name ends with .xz. Empty if that needs the program xz,
+/// which is not installed. Throws if the file cannot be read.
 std::optional<Payload> read_recording(const std::filesystem::path& file);
 
-/// The records of a .cdrlog file: u64 time, u32 length, payload, and again.
+/// Returns the payloads of a .cdrlog file. Each of its records is u64 time, u32 length, payload.
 std::vector<Payload> read_records(const std::filesystem::path& file);
 
 }  // namespace sft::test

@@ -24,7 +24,7 @@ bool has_any(const FieldMask& mask, std::size_t leaf, std::size_t count) {
   return false;
 }
 
-/// Calls visit(member, number of its first leaf) for the members of a struct that begins at leaf `leaf`.
+/// Calls visit(member, number of its first leaf) for each member of a struct whose first leaf is `leaf`.
 template <class Visit>
 void for_each_member(const StructType& type, std::size_t leaf, Visit visit) {
   for (const Member& m : type.members) {
@@ -121,7 +121,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Compares instead of writing.
+/// Compares bytes with the CDR instead of writing them.
 class Comparer {
  public:
   Comparer(const FieldMask& mask, std::span<const std::byte> bytes) : mask_(mask), bytes_(bytes) {}

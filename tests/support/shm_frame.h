@@ -1,5 +1,5 @@
-// A small message type that is written by hand, and functions for samples of this type: {uint32 height,
-// uint32 width, sequence<octet> data}.
+// A small handwritten message type, {uint32 height, uint32 width, sequence<octet> data}, and functions for
+// samples of this type.
 #pragma once
 
 #include <array>
@@ -40,9 +40,9 @@ inline const TypeSupport& frame_type() {
 }
 
 inline constexpr detail::SampleLayout frame_layout{3};
-inline constexpr std::uint32_t data_offset = 12;  ///< the position of the data in the body
+inline constexpr std::uint32_t data_offset = 12;  ///< offset of the data in the body
 
-/// Returns the bytes of a sample with this many bytes of data.
+/// Returns the size in bytes of a sample with that many bytes of data.
 constexpr std::size_t frame_bytes(std::uint32_t data) { return frame_layout.bytes(data_offset + data); }
 
 /// Writes the header, the index and the fixed fields, and leaves the data as it is.

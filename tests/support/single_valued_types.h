@@ -1,4 +1,4 @@
-// The message types of tests of conditions.
+// The message types for tests of conditions.
 #pragma once
 
 #include <torture.hpp>
@@ -9,7 +9,8 @@
 
 namespace sft::test {
 
-/// The types that have single values. Types that have values of all kinds come often.
+/// Returns the types that have single values. Types with values of all kinds are repeated, so that they are
+/// chosen often.
 inline std::vector<MessageType> types_with_single_values() {
   std::vector<MessageType> types;
   for (const MessageType& type : all_types())

@@ -1,4 +1,4 @@
-// A message with a header, numbers, structs with texts and bytes in it.
+// A message with a header, numbers, structs with texts, and bytes.
 #pragma once
 
 #include <cstddef>

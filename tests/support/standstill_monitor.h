@@ -1,4 +1,4 @@
-// Times in which a CPU did not run what was ready to run.
+// Notes the times in which a CPU did not run threads that were ready to run.
 #pragma once
 
 #include <sched.h>
@@ -14,9 +14,9 @@
 
 namespace sft::test {
 
-/// Some machines share their CPUs with others. There a CPU may do nothing for 100 ms, and whatever is
-/// measured across such a standstill says nothing about the program. This watch has one thread on each of the
-/// first CPUs, which wakes every millisecond and notes when it was late.
+/// Some machines share their CPUs with other machines. There a CPU may do nothing for 100 ms, and a time
+/// that is measured across such a standstill says nothing about the program. This monitor has one thread on
+/// each of the first CPUs, which wakes every millisecond and notes when it was late.
 class StandstillMonitor {
  public:
   using Clock = std::chrono::system_clock;
@@ -27,7 +27,7 @@ class StandstillMonitor {
         cpu_set_t only;
         CPU_ZERO(&only);
         CPU_SET(cpu, &only);
-        ::sched_setaffinity(0, sizeof only, &only);  // fails on a machine that has fewer CPUs: no harm
+        ::sched_setaffinity(0, sizeof only, &only);  // fails, without harm, if there are fewer CPUs
         for (Pace pace(period); !stop.stop_requested();) {
           const auto due = Clock::now() + period;
           pace.await_turn();
@@ -39,7 +39,8 @@ class StandstillMonitor {
   struct Standstill {
     Clock::time_point from, until;
   };
-  /// Ends the watch, and returns when any of the CPUs stood still. The spans are in order and do not overlap.
+  /// Ends the threads, and returns the spans in which any of the CPUs stood still. The spans are in order
+  /// and do not overlap.
   std::vector<Standstill> end() {
     threads_.clear();
     std::vector<Standstill> all;
@@ -55,7 +56,7 @@ class StandstillMonitor {
     return joined;
   }
 
-  /// Returns how much of the time from `from` to `until` the given spans take.
+  /// Returns the part of the time from `from` to `until` that is within the given spans.
   static Clock::duration within(const std::vector<Standstill>& spans, Clock::time_point from,
                                 Clock::time_point until) {
     Clock::duration all{};
@@ -67,7 +68,7 @@ class StandstillMonitor {
  private:
   static constexpr std::chrono::milliseconds period{1}, least{30};
 
-  std::vector<std::vector<Standstill>> late_;  // of each CPU; its thread alone writes it
+  std::vector<std::vector<Standstill>> late_;  // one for each CPU, which only its thread writes
   std::vector<std::jthread> threads_;
 };
 

@@ -1,4 +1,4 @@
-// Random values without what JSON cannot keep.
+// Random values that JSON can represent.
 #pragma once
 
 #include <cmath>
@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// Restricts a value to what JSON keeps: ASCII, and of NaNs only that they are one.
+/// Restricts a value to what JSON can represent: makes texts ASCII, and replaces each NaN by the usual one.
 inline void tame(const StructType& type, void* object) {
   for (const StructType::Member& m : type.members) {
     const Elements values = elements_of(m, object);

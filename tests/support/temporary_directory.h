@@ -1,4 +1,4 @@
-// A directory of a test's own, which goes with it.
+// A temporary directory, which is removed with this object.
 #pragma once
 
 #include <cstddef>
@@ -23,7 +23,8 @@ class TemporaryDirectory {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// The file, with the directories that it is in; `name` is relative.
+  /// Writes a file and makes its directories. `name` is relative to the temporary directory. Returns the
+  /// path of the file.
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

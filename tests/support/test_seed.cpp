@@ -31,7 +31,7 @@ std::uint64_t seed_of_environment() {
   return std::getenv("SFT_TEST_FIXED_SEEDS") != nullptr ? fixed_seed : std::random_device{}();
 }
 
-/// A test that hangs or crashes prints no failure, so that the seed is told at the beginning.
+/// Prints the seed at the beginning, because a test that hangs or crashes prints no failure.
 std::uint64_t told(std::uint64_t seed) {
   std::fprintf(stderr, "random numbers: SFT_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   return seed;

@@ -1,4 +1,4 @@
-// Random tests that can be repeated: SFT_TEST_SEED=n is the seed of all random numbers in a test program.
+// Makes random tests repeatable: SFT_TEST_SEED=n is the seed of all random numbers in a test program.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,19 +11,19 @@ namespace sft::test {
 
 using Random = std::mt19937_64;
 
-/// $SFT_TEST_SEED; or else the same one each time if $SFT_TEST_FIXED_SEEDS is set, as it is in CI, so that
-/// chance fails no landing; or else a new one for each process. Its first call prints it to the standard
-/// error.
+/// Returns $SFT_TEST_SEED if that is set. Otherwise returns a fixed seed if $SFT_TEST_FIXED_SEEDS is set, as
+/// in CI, so that CI never fails by chance, or else a new seed for each process. The first call prints the
+/// seed to the standard error.
 std::uint64_t test_seed();
 
-/// `usual`, or $SFT_TEST_TIMES as many: how often a random test does what it does, in longer runs of the
-/// same.
+/// Returns how often a random test repeats what it does: `usual` times, or in longer runs $SFT_TEST_TIMES
+/// times as often.
 std::uint64_t test_rounds(std::uint64_t usual);
 
-/// Returns what a failure says: "to repeat: SFT_TEST_SEED=7".
+/// Returns the text that a failure prints, such as "to repeat: SFT_TEST_SEED=7".
 std::string how_to_repeat();
 
-/// A test with random inputs. Each of its failures names the seed, and so does its result.
+/// The base of tests with random inputs. Each of their failures names the seed, and so does the result.
 class RandomTest : public ::testing::Test {
  protected:
   RandomTest();

@@ -1,4 +1,4 @@
-// Not run under the sanitizers, which take more addresses than there is memory.
+// These tests do not run under the sanitizers, which reserve more address space than there is memory.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <unistd.h>

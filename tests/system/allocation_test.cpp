@@ -1,4 +1,4 @@
-// In steady state a program's own thread allocates nothing to publish, take and read a sample.
+// In steady state a program's own thread allocates nothing when it publishes, takes or reads a sample.
 #include "tests/support/thread_allocations.h"
 #include "tests/system/fixture.h"
 
@@ -67,10 +67,11 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
     const auto sample = sub.take();
     read += sample->width() && sample->data() ? 1 : 0;
   };
-  // Only what it reads is asked for once 100 samples were recorded, which changes what is expected to come.
+  // After 100 recorded samples the subscriber asks only for the fields that it reads, which changes what it
+  // expects to receive.
   const auto asked_for = [&] { return pub.status().readers.at(0).mask; };
   const FieldMask all = asked_for();
-  // The first report of what has come is made, too; it opens the way for more.
+  // These passes also last until the receiver has made its first report, after which more may be under way.
   for (int i = 0; i < 400; ++i) pass();
   ASSERT_TRUE(eventually([&] {
     pass();

@@ -1,6 +1,6 @@
-// The same program with the same quality of service gets the same over each transport: reliable samples of a
-// publisher that waits for its subscribers all arrive, and what a subscriber misses of one that does not wait
-// is counted and logged.
+// The same program with the same quality of service gets the same over each transport. If a publisher waits
+// for its subscribers, all reliable samples arrive. If it does not wait, the samples that a subscriber
+// misses are counted and logged.
 #include <poll.h>
 
 #include <mutex>
@@ -20,7 +20,7 @@ constexpr std::uint32_t samples = 20'000;
 
 class ReliablePairTest : public PubSubTest {
  protected:
-  /// Takes until the last sample has come, or nothing comes any more.
+  /// Takes samples until the last one has come, or no more samples come.
   template <class S>
   static std::vector<std::uint64_t> take_all(S& subscriber, std::uint64_t last) {
     std::vector<std::uint64_t> numbers;
@@ -52,7 +52,7 @@ class ReliablePairTest : public PubSubTest {
 };
 
 TEST_P(ReliablePairTest, LosesNothingOfABurstOfAPublisherThatWaits) {
-  warnings_expected = in_shared_memory();  // the depth is more than shared memory keeps
+  warnings_expected = in_shared_memory();  // the depth exceeds what shared memory keeps
   auto publisher = a.publisher<String>("text", {.reliability = reliable, .max_blocking = 1s}).value();
   auto subscriber = b.subscriber<String>("text", {.reliability = reliable, .depth = 1000}).value();
   expect_served(publisher, 1);

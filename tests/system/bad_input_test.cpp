@@ -102,7 +102,8 @@ TEST_F(BadInputTest, AProgramWithTooFewDescriptorsGetsAnErrorThatSaysSo) {
   EXPECT_EQ(opened_with(200), Opened::node);
 }
 
-/// Services often have a higher limit than select(2), by which Cyclone DDS waits, can handle.
+/// Services often have a higher limit of descriptors than select(2) can handle, with which Cyclone DDS
+/// waits.
 TEST_F(BadInputTest, AProgramWithMoreOpenFilesThanSelectCanTakeGetsAnErrorThatSaysSo) {
   rlimit usual{};
   getrlimit(RLIMIT_NOFILE, &usual);
@@ -213,7 +214,7 @@ TEST_F(BadInputTest, TheErrorOfATooLargeMessageNamesItsLargestFieldAndTheLimit) 
 TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
   Node a = udp_node("a");
   auto pub = a.publisher<PointCloud2>("points").value();
-  auto sub = a.subscriber<PointCloud2>("points").value();  // without one nobody would look
+  auto sub = a.subscriber<PointCloud2>("points").value();  // without a reader the payload is not checked
   ASSERT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
   const std::vector<std::byte> payload(100, std::byte{0xff});
   EXPECT_FALSE(pub.publish_cdr(payload));
@@ -228,7 +229,7 @@ TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
 TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   Node a = udp_node("a");
   NodeOptions options = node_options(Way::udp, "b");
-  options.udp.port = 17'000;  // the system gives ports of 32'768 and more to sockets that ask for any
+  options.udp.port = 17'000;  // the system itself assigns ports of 32'768 and more
   Node b = Node::open(options).value();
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = b.subscriber<PointCloud2, F::height>("points").value();

@@ -1,5 +1,5 @@
-// What a program may do in its callbacks: each row of the table in docs/guide.md, in each kind of callback,
-// and on a thread that the callback waits for.
+// What a program may do in its callbacks. Each row of the table in docs/guide.md is tried in each kind of
+// callback, and on a thread that the callback waits for.
 #include <condition_variable>
 #include <cstdlib>
 #include <fstream>
@@ -17,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-/// A node with all kinds of callbacks, and one that makes them run.
+/// A node `here` with all kinds of callbacks, a node `there` whose endpoints trigger them, and a third node.
 struct Scene {
   std::optional<Node> here, there, other_node;
   std::optional<Publisher<PointCloud2>> calling_publisher, other_publisher, far_publisher;
@@ -91,7 +91,7 @@ const std::map<std::string, Act> acts{
 
 enum class Kind { sample, event, readers, log };
 
-/// A row of the table in the guide.
+/// A row of the table in docs/guide.md.
 struct Rule {
   std::string act;
   std::string for_samples, for_others, by_a_thread;
@@ -127,8 +127,8 @@ TEST(CallbackRules, AreThoseOfTheGuide) {
   EXPECT_EQ(known, acts.size());
 }
 
-/// Runs an act in the first callback of a kind. A node that is closed in its own callback may call back for a
-/// while longer than the test lasts.
+/// Runs an act in the first callback of a kind after arm(). A node that is closed in its own callback may
+/// call back for a while longer than the test lasts.
 class ActInCallback {
  public:
   void arm(Kind kind, std::function<void()> act) {
@@ -231,7 +231,7 @@ TEST_P(CallbackRulesTest, AWaitInACallbackForSamplesReturnsAtOnce) {
       Kind::sample, [](Scene& s) { EXPECT_FALSE(s.other_subscriber->wait(1h)); }, false);
 }
 
-/// A callback may destroy what waits for the agent in a callback of its own.
+/// A callback may destroy a subscriber whose own callback is waiting for the agent.
 TEST_P(CallbackRulesTest, AnEventDestroysASubscriberWhoseCallbackAsksForTopicsMeanwhile) {
   Node here = open("here"), there = open("there");
   auto far = there.publisher<PointCloud2>("samples").value();

@@ -1,5 +1,5 @@
-// Channels of point clouds, declared when the program is compiled or recorded from what it reads, over every
-// transport.
+// Channels of point clouds over every transport. They are declared at compile time, or recorded from what
+// the program reads.
 #include <gmock/gmock.h>
 
 #include <cstring>
@@ -16,8 +16,8 @@ using sensor_msgs::msg::LaserScan;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// Four points in two rows, with gaps between their channels. The values of a point are functions of the
-/// number of the cloud.
+/// Returns a cloud with four points in two rows, and with gaps between their channels. The values of a point
+/// are functions of the number of the cloud.
 PointCloud2 numbered(std::uint32_t number) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = static_cast<std::int32_t>(number);
@@ -37,7 +37,7 @@ PointCloud2 numbered(std::uint32_t number) {
   return cloud;
 }
 
-/// The selection as it is requested.
+/// Returns the selection in the form in which it is requested.
 Selection closed(std::string_view text) {
   const TypeSupport& type = type_support<PointCloud2>();
   return type.closed(type.parse_selection(text).value());
@@ -54,7 +54,7 @@ class ChannelsTest : public PubSubTest {
   std::uint32_t published = 0;
 };
 
-/// What a program reads is recorded.
+/// Tests whose subscriber records what the program reads.
 class RecordedChannelsTest : public ChannelsTest {
  protected:
   using Cloud = Sample<PointCloud2, recorded>;
@@ -88,7 +88,7 @@ void read_xyz(const Sample<PointCloud2, recorded>& sample) {
   ASSERT_TRUE(points) << points.error().message;
   ASSERT_EQ(points->size(), 4U);
   const float x = number_of(sample.to_partial()->value.header.stamp.sec);
-  if (x == 0) return;  // without a stamp the sample does not say which one it is
+  if (x == 0) return;  // without a stamp the number of the cloud is unknown
   EXPECT_EQ((*points)[3], std::tuple(x + 3, 10 * (x + 3), 100 * (x + 3)));
 }
 

@@ -1,9 +1,9 @@
-// The counts of a small sample between two nodes that slept are bounded. Only what can be counted is
-// compared, never a time: each thread that has to be woken and each system call costs some microseconds on
+// A small sample between two sleeping nodes takes a limited number of wake-ups and system calls. The tests
+// compare these counts and no times, because each wake-up and each system call costs some microseconds on
 // any machine.
 //
-// A sample's counts are those from one moment in which all threads of both processes sleep to the next one.
-// The lower quartile of some samples leaves out what nodes do in between for others, such as discovery.
+// A sample's counts are taken from one moment at which all threads of both processes sleep to the next such
+// moment. The lower quartile over the samples leaves out other work of the nodes, such as discovery.
 #include <gtest/gtest.h>
 #include <semaphore.h>
 #include <unistd.h>
@@ -30,20 +30,20 @@ using bench::ProcessCounter;
 using bench::ThreadCounts;
 
 constexpr std::size_t samples = 25;
-constexpr std::size_t samples_max = 1500;  // after a slow callback many quick ones have to come
+constexpr std::size_t samples_max = 1500;  // a slow callback counts until many quick ones have followed
 
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<bool> served{false};
   std::atomic<pid_t> process{0};
-  std::atomic<std::uint32_t> done{0};  ///< samples that were published, or arrived
+  std::atomic<std::uint32_t> done{0};  ///< samples that this side has published or taken
   sem_t go{};
 
   Report() { sem_init(&go, 1, 0); }
 };
 using NodeProcess = NodeProcessWith<Report>;
 
-/// Publishes whenever it is told to, for which it takes one wake-up and one system call.
+/// Publishes whenever the test posts `go`. Waiting for that takes one wake-up and one system call.
 void publish(Node& node, Report& report, Reliability reliability) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliability}).value();
   report.served = publisher.wait_for_subscribers(1, 30s);
@@ -76,20 +76,20 @@ bool all_sleep(pid_t process) {
   return std::ranges::all_of(tasks, [](const auto& task) { return sleeps(task.path()); });
 }
 
-/// The count that a quarter of the samples does not exceed.
+/// Returns the lower quartile of the values.
 std::int64_t usual(std::vector<std::int64_t> values) {
   std::ranges::sort(values);
   return values[values.size() / 4];
 }
 
-/// How often the thread was woken that calls slow callbacks.
+/// Returns how often the thread that calls slow callbacks was woken.
 std::int64_t slow_calls(const std::vector<ThreadCounts>& threads) {
   const auto thread =
       std::ranges::find_if(threads, [](const ThreadCounts& one) { return one.name.starts_with("sft-call"); });
   return thread == threads.end() ? 0 : thread->counts.wake_ups;
 }
 
-/// The counts of one side, of each sample.
+/// The counts of one side, one for each sample.
 struct Side {
   std::vector<std::int64_t> wake_ups, system_calls;
 
@@ -126,7 +126,7 @@ class ColdPathTest : public ::testing::TestWithParam<Variant> {
     ASSERT_TRUE(
         eventually([&] { return publisher_->report().process != 0 && subscriber_->report().process != 0; }));
     ASSERT_TRUE(publisher_->report().served);
-    pass_one();  // the first one is more work
+    pass_one();  // the first sample takes more work
   }
 
   void pass_samples() {

@@ -1,5 +1,5 @@
-// Subscribers with conditions on other hosts: many of them, on a cable that is pulled, and on one that loses,
-// repeats and swaps what passes.
+// Subscribers with conditions on other hosts: many of them, behind a cable that is pulled, and behind one
+// that loses, repeats and swaps frames.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -26,28 +26,28 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// A sample has its place among those that were published as its stamp, and the number that the conditions
-/// judge as its row_step. The last one, of place 2000, passes `every 2nd` and `every 20th`.
+/// A sample's stamp is its place among the published samples, counted from 0. Its row_step is the number
+/// that the conditions judge. The last sample, at place 2000, passes `every 2nd` and `every 20th`.
 constexpr std::size_t samples = 2001;
 
 struct Published {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> served{0};
-  std::atomic<std::size_t> in_groups{0};  ///< of the readers, while nothing is published
-  std::atomic<std::size_t> wanted{0};     ///< so many are to be published
+  std::atomic<std::size_t> in_groups{0};  ///< readers in groups, counted while no sample is due
+  std::atomic<std::size_t> wanted{0};     ///< the number of samples to publish
   std::atomic<std::size_t> count{0};
-  std::atomic<std::uint64_t> sent{0}, withheld{0}, dropped{0};  ///< to all readers together
+  std::atomic<std::uint64_t> sent{0}, withheld{0}, dropped{0};  ///< totals of all readers
 };
 
 constexpr std::size_t readers_max = 16;
 
 struct Taken {
   struct Reader {
-    std::atomic<std::size_t> end{0};  ///< behind the place of the last one
+    std::atomic<std::size_t> end{0};  ///< the place of the last sample, plus 1
     std::atomic<std::uint64_t> received{0}, lost{0}, withheld{0};
   };
   std::atomic<bool> failed{false};
-  /// A sample came that should not have passed, came out of turn, or was not the part that was asked for.
+  /// True if a sample came that should not have passed, was out of order, or was not the requested part.
   std::atomic<bool> wrong{false};
   std::array<Reader, readers_max> readers{};
 };
@@ -57,7 +57,7 @@ std::uint8_t byte_of(std::size_t place, std::size_t at) {
 }
 std::size_t bytes_of(std::size_t place) { return place % 7 == 0 ? 10'000 : place % 100; }
 
-/// One row of points of one byte each.
+/// Returns a cloud with one row of points of one byte each.
 PointCloud2 row(std::size_t place, std::uint32_t number) {
   PointCloud2 cloud{.height = 1, .point_step = 1, .row_step = number};
   cloud.header.stamp.sec = static_cast<std::int32_t>(place);
@@ -66,7 +66,7 @@ PointCloud2 row(std::size_t place, std::uint32_t number) {
   return cloud;
 }
 
-/// Publishes the numbers, one each millisecond.
+/// Publishes one of the numbers each millisecond.
 void publish_numbers(Node& node, Published& published, Reliability reliability) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliability}).value();
   const std::vector<std::uint32_t> numbers = random_numbers(samples, test_seed());
@@ -94,7 +94,7 @@ void publish_numbers(Node& node, Published& published, Reliability reliability) 
   }
 }
 
-/// A reader with conditions that wants a part of the data, and knows what has to come.
+/// A reader with conditions that asks for a part of the data, and knows which samples have to come.
 class Choosy {
  public:
   Choosy(Node& node, const Rule& rule, Reliability reliability)
@@ -144,7 +144,7 @@ class PublisherProcess : public NodeProcessWith<Published> {
   bool serves(std::size_t readers) const {
     return eventually([&] { return report().served == readers; });
   }
-  /// Returns when so many have been published.
+  /// Returns true once `end` samples have been published.
   bool publishes_up_to(std::size_t end) const {
     report().wanted = end;
     return eventually([&] { return report().count == end; });
@@ -161,7 +161,7 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
                         }),
         rules_(std::move(rules)) {}
 
-  /// Waits until all have come that each reader should have of the samples up to that one.
+  /// Waits until each reader has all samples that pass its conditions, of those before the place `end`.
   testing::AssertionResult has_all_before(std::size_t end) const {
     for (std::size_t i = 0; i < rules_.size(); ++i) {
       const std::vector<std::size_t> expected = expected_of(i, end);
@@ -171,8 +171,8 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
     }
     return testing::AssertionSuccess();
   }
-  /// Everything that passed has come, and everything else between the first and the last that passed counts
-  /// as withheld.
+  /// Expects that every sample that passed has come, and that all others between the first and the last that
+  /// passed count as withheld.
   void expect_all_accounted(std::size_t end) const {
     EXPECT_FALSE(report().wrong);
     for (std::size_t i = 0; i < rules_.size(); ++i) {
@@ -183,7 +183,7 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
           << rules_[i].conditions;
     }
   }
-  /// The sum over all readers of the samples that pass for them.
+  /// Returns the number of samples that pass, summed over all readers.
   std::uint64_t passing_in_total() const {
     std::uint64_t sum = 0;
     for (std::size_t i = 0; i < rules_.size(); ++i) sum += expected_of(i, samples).size();
@@ -203,7 +203,7 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
 class ConditionsOfOtherHosts : public testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
-    test_seed();  // children inherit it
+    test_seed();  // child processes inherit the seed
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
   static NodeOptions options() {
@@ -242,7 +242,7 @@ TEST_P(ConditionsOfOtherHosts, SixtyFourReadersOnFourHostsGetJustWhatTheirOwnCon
   EXPECT_EQ(published.dropped, 0U);
 }
 
-/// Two of the hosts have other conditions than the other two.
+/// Two of the hosts share one set of conditions, the other two another set.
 TEST_P(ConditionsOfOtherHosts, HostsWithTheSameConditionsAreServedByOneGroupAndMissNothing) {
   SCOPED_TRACE(how_to_repeat());
   const auto network = hosts::EmulatedNetwork::create(5);
@@ -264,7 +264,7 @@ TEST_P(ConditionsOfOtherHosts, HostsWithTheSameConditionsAreServedByOneGroupAndM
   }
 }
 
-/// The cable is away for less than the lease of a node. Half a thousand samples are published meanwhile.
+/// The cable is pulled for less than the lease of a node. Five hundred samples are published meanwhile.
 TEST_P(ConditionsOfOtherHosts, ACableThatIsPulledAndPutBackLosesNothingThatPassed) {
   SCOPED_TRACE(how_to_repeat());
   const auto network = hosts::EmulatedNetwork::create(2);
@@ -281,7 +281,8 @@ TEST_P(ConditionsOfOtherHosts, ACableThatIsPulledAndPutBackLosesNothingThatPasse
   put("down");
   ASSERT_TRUE(publisher.publishes_up_to(1000));
   put("up");
-  // A publisher keeps 4,096 samples for a host: those of one reader, or some 1,300 of these eight readers.
+  // A publisher keeps 4,096 samples for a host. With these eight readers a published sample takes about
+  // three of these places, so that some 1,300 are kept.
   ASSERT_TRUE(publisher.publishes_up_to(1200));
   ASSERT_TRUE(subscriber.has_all_before(1200));
   ASSERT_TRUE(publisher.publishes_up_to(samples));
@@ -299,7 +300,7 @@ class ConditionsOnABadCable : public ConditionsOfOtherHosts {
     cable = std::move(*made);
     ASSERT_TRUE(eventually([&] { return cable->notes().ready.load(); }));
   }
-  /// The first sample and the last one come while the cable is good.
+  /// Publishes all samples. The cable is good for the first and the last one.
   void publish_all(const PublisherProcess& publisher, const SubscriberProcess& subscriber) {
     ASSERT_TRUE(publisher.serves(rules.size()));
     ASSERT_TRUE(publisher.publishes_up_to(1));
@@ -312,7 +313,7 @@ class ConditionsOnABadCable : public ConditionsOfOtherHosts {
     EXPECT_GT(cable->notes().lost, 10U);
   }
 
-  /// Both let the first sample and the last one pass.
+  /// Both rules let the first and the last sample pass.
   const std::vector<Rule> rules{different_rules(6)[5], different_rules(8)[7]};
   std::unique_ptr<LossyCable> cable;
 };

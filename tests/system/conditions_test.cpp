@@ -1,5 +1,5 @@
-// Many subscribers with conditions of one publisher, and subscribers with conditions that come and go, over
-// every transport.
+// Many subscribers of one publisher, each with conditions, and subscribers with conditions that come and go,
+// over every transport.
 #include <gmock/gmock.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -21,7 +21,7 @@
 namespace sft::test {
 namespace {
 
-/// The places, from 0, of samples among those that were published. A sample names its place by its stamp.
+/// The places of samples among the published ones, counted from 0. A sample's stamp is its place.
 using Places = std::vector<std::size_t>;
 
 constexpr std::size_t samples = 200;
@@ -31,7 +31,7 @@ class ConditionsTest : public PubSubTest {
  protected:
   DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   static std::string text(const Rule& rule) { return "header.stamp @ " + rule.conditions; }
-  /// The sample of which the conditions judge the number.
+  /// Returns the sample for that place, whose `number` the conditions judge.
   static PointCloud2 sample(std::size_t place, std::uint32_t number) {
     PointCloud2 cloud;
     cloud.header.stamp.sec = static_cast<std::int32_t>(place);
@@ -45,7 +45,7 @@ class ConditionsTest : public PubSubTest {
   static std::size_t place_of(const DynamicSample& sample) {
     return static_cast<std::size_t>(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
   }
-  /// The places of all samples up to that one, which has to come.
+  /// Takes all samples up to the one at the place `last`, which has to come. Returns their places.
   static Places until(DynamicSubscriber& sub, std::size_t last) {
     Places places;
     while (places.empty() || places.back() != last) {
@@ -57,7 +57,7 @@ class ConditionsTest : public PubSubTest {
     }
     return places;
   }
-  /// The publisher's account of the reader that asks for that.
+  /// Returns the publisher's account of the reader with that selection.
   PublisherStatus::Reader account_of(const std::string& selection) {
     const Selection wanted = points.closed(points.parse_selection(selection).value());
     for (PublisherStatus::Reader& reader : pub.status().readers)
@@ -65,8 +65,8 @@ class ConditionsTest : public PubSubTest {
     ADD_FAILURE() << "nobody asks for " << selection;
     return {};
   }
-  /// Opens a subscriber for each rule, publishes to all of them, and compares what each gets and what both
-  /// sides count with what the test itself expects.
+  /// Opens a subscriber for each rule and publishes to all of them. Compares the samples that each one gets,
+  /// and the counts of both sides, with what the rules say.
   void expect_that_each_gets_its_own(std::size_t readers) {
     SCOPED_TRACE(how_to_repeat());
     const std::vector<Rule> rules = different_rules(readers);
@@ -100,14 +100,14 @@ TEST_P(ConditionsTest, EachOfSixtyFourReadersGetsJustWhatItsOwnConditionsLetPass
   expect_that_each_gets_its_own(64);
 }
 
-/// Samples in shared memory do not name more than 64 gates. A reader of another gate cannot tell what was
-/// lost, but gets the same samples.
+/// A sample in shared memory names at most 64 gates. A reader of a further gate cannot tell withheld samples
+/// from lost ones, but gets the right samples.
 TEST_P(ConditionsTest, MoreReadersThanASampleCanNameGatesForGetTheirsAllTheSame) {
   expect_that_each_gets_its_own(80);
 }
 
-/// The other reader gets every sample, by which the test knows that the first one would have got them. It is
-/// on a node of its own, since a thread that waits takes datagrams for all subscribers of its node.
+/// The other reader gets every sample, which shows that the first one would have got them, too. It is on a
+/// node of its own, because a waiting thread takes datagrams for all subscribers of its node.
 TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   const DynamicType type = this->type();
   auto quiet = b.subscriber("points", type, "header.stamp @ row_step > 1000", all_kept).value();
@@ -139,7 +139,7 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   };
   std::int64_t before = -1;
   const auto changes = [&] { return std::exchange(before, wake_ups()) != before; };
-  // The last agreement may still have to be looked after.
+  // The agent may still have work to do for the last agreement.
   ASSERT_TRUE(eventually([&] { return !changes() && !eventually(changes, 300ms); }));
   ASSERT_GE(before, 0);
   for (std::size_t i = 1; i <= 1000; ++i) {
@@ -156,16 +156,16 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   EXPECT_EQ(quiet.status().lost, 0U);
 }
 
-/// The memory that the program has at present, in bytes; 0 where the allocator does not tell.
+/// Returns the memory that the program has allocated at present, in bytes; 0 if the allocator does not say.
 std::size_t memory_in_use() { return mallinfo2().uordblks; }
 
-/// Each of these readers has conditions of its own, so that the publisher makes a gate for each, and forgets
-/// most of them again.
+/// Each of these readers has conditions of its own, so the publisher makes a gate for each, and removes most
+/// of them later.
 TEST_P(ConditionsTest, AReaderThatComesAndGoesTwoHundredTimesCostsTheOtherReadersNothing) {
   SCOPED_TRACE(how_to_repeat());
   constexpr std::size_t rounds = 200, warm = 100;
-  // A reader that comes and goes costs both nodes about 1000 bytes, whatever it asks for. A queue or a sample
-  // that is never given back costs more.
+  // A reader that comes and goes costs both nodes about 1000 bytes, whatever its selection is. A queue or a
+  // sample that is never returned costs more.
   constexpr std::size_t growth_max = 4000 * (rounds - warm);
   const std::vector<Rule> rules = different_rules(1);
   const DynamicType type = this->type();

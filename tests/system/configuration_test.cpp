@@ -1,4 +1,4 @@
-// Nodes report which parts of their configuration do not hold, and what is wrong with these.
+// Nodes report which parts of their configuration they cannot apply, and why.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -36,7 +36,8 @@ class ConfigurationTest : public ::testing::Test {
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
-  /// Uses a domain that no other test of this process has opened.
+  /// Returns options with that configuration, and with a domain that no other test of this process has
+  /// opened.
   NodeOptions with(const std::string& cyclonedds_config) {
     NodeOptions options;
     options.domain = domain_;
@@ -52,7 +53,7 @@ class ConfigurationTest : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return warnings_;
   }
-  /// Waits for a warning with that text: the log is written on a thread of its own.
+  /// Waits for a warning with that text, because the log is written on a thread of its own.
   bool is_warned_of(const std::string& text) {
     return eventually([&] { return warnings().find(text) != std::string::npos; });
   }
@@ -194,7 +195,7 @@ std::vector<std::string> threads() {
   return names;
 }
 
-/// A node whose descriptors are closed does not end: its threads cannot be woken any more.
+/// A node that is never destroyed: once its descriptors are closed, its threads cannot be woken to end.
 struct NodeForGood {
   std::mutex mutex;
   std::string warnings;
@@ -213,7 +214,7 @@ struct NodeForGood {
   }
 };
 
-/// True if the threads of this process take less than a fifth of a core for some time.
+/// Returns true if the threads of this process take less than a fifth of a core for 300 ms.
 bool is_idle() {
   const auto taken = [] {
     timespec time{};
@@ -227,7 +228,7 @@ bool is_idle() {
 
 TEST_F(ConfigurationTest, WarnsOnceOfAProgramThatClosesAllDescriptorsAndKeepsNoThreadBusy) {
   static NodeForGood* const kept = new NodeForGood(with(""));
-  // A reliable pair, for which threads of UDP have something to do.
+  // A reliable pair, which gives the threads of UDP work to do.
   static auto* const publisher = new Publisher<PointCloud2>(
       kept->node->publisher<PointCloud2>("points", {.reliability = reliable}).value());
   static auto* const subscriber = new Subscriber<PointCloud2>(

@@ -1,4 +1,4 @@
-// Processes find each other by records, on a host of their own.
+// Processes on an isolated host find each other by records.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -20,7 +20,7 @@ using core::Role;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// A node that is heard by records.
+/// A node that other nodes find by its records.
 class Node {
  public:
   explicit Node(const std::string& process, const std::string& cyclone_config = "")
@@ -106,7 +106,7 @@ TEST_F(ControlPlaneNodes, ThatOnlyGoOnLivingHearNothingNewAndMakeNoLinkAnew) {
   EXPECT_THAT(reader->renewals(), IsEmpty());
 }
 
-/// As where certificates or the user's configuration leave no heartbeats by UDP.
+/// Heartbeats go by the topic if certificates or the user's configuration rule out heartbeats by UDP.
 TEST_F(ControlPlaneNodes, WhoseHeartbeatsGoByTheTopicHearThoseWhoseHeartbeatsGoByUdp) {
   Node reader("a"), writer("b", "<General><MulticastTimeToLive>8</MulticastTimeToLive></General>");
   reader->announce(Role::reader, 1);

@@ -1,4 +1,4 @@
-// What one node hears of the control topics, without the rest of the node.
+// The discovery of one node, without the rest of the node: records what comes by the control topics.
 #pragma once
 
 #include <dds/dds.h>
@@ -23,10 +23,10 @@
 
 namespace sft::test {
 
-/// The DDS domain of the host that the test runs on.
+/// Returns the DDS domain of the host on which the test runs.
 inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
 
-/// A participant of plain Cyclone DDS that hears and reaches the nodes of this host.
+/// A participant of plain Cyclone DDS that exchanges samples with the nodes of this host.
 class LoopbackParticipant {
  public:
   LoopbackParticipant() {
@@ -46,7 +46,7 @@ class LoopbackParticipant {
   dds_entity_t entity() const { return participant_; }
 
  private:
-  static constexpr dds_domainid_t number = 200;  ///< of the domain, in this process
+  static constexpr dds_domainid_t number = 200;  ///< Cyclone's number of the domain in this process
 
   dds_entity_t domain_ = 0, participant_ = 0;
 };
@@ -62,10 +62,11 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
   return e;
 }
 
-/// What one node hears.
+/// Announces endpoints and requests as a node does, and records what other nodes announce.
 class ControlReader final : private core::DiscoveryListener {
  public:
-  /// Those with the same name use the same Cyclone domains. Others meet as if they were in other processes.
+  /// Objects with the same process name share Cyclone domains. Those with different names meet as if they
+  /// were in different processes.
   explicit ControlReader(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
         .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
@@ -90,7 +91,7 @@ class ControlReader final : private core::DiscoveryListener {
     discovery_->send(request);
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
-  /// As its agent does now and then.
+  /// Does the periodic work, as a node's agent would.
   void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
   std::set<core::EndpointId> heard() const {
@@ -100,7 +101,7 @@ class ControlReader final : private core::DiscoveryListener {
   bool hears(core::EndpointId id) const {
     return eventually([&] { return heard().contains(id); });
   }
-  /// The number of endpoints that have departed or were lost.
+  /// Returns the number of endpoints that have departed or were lost.
   std::size_t gone() const {
     const core::Lock lock(mutex_);
     return gone_;
@@ -113,7 +114,7 @@ class ControlReader final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     return reports_;
   }
-  /// Links that were made anew, as people read it.
+  /// Returns a sentence for each link that was made anew.
   std::vector<std::string> renewals() const {
     const core::Lock lock(mutex_);
     return renewals_;

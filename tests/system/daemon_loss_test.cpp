@@ -1,5 +1,6 @@
-// A daemon that is killed or stopped under running nodes, and the next one: they go on over UDP and return,
-// take nothing twice and miss nothing uncounted; samples and loans that somebody holds stay what they are.
+// A daemon is killed or stopped under running nodes, and the next one starts. The nodes continue over UDP
+// and return to shared memory. They take no sample twice, and each missed sample is counted. Samples and
+// loans that the program holds stay valid.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -41,10 +42,10 @@ NodeOptions without_starting_one(const std::string& name) {
 
 enum class End { killed, stopped };
 
-/// sftd, until it is ended.
+/// A process of sftd, which ends with this object.
 class Sftd {
  public:
-  /// Returns when it says that it is ready.
+  /// Returns when sftd reports that it is ready.
   Sftd() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
@@ -94,10 +95,10 @@ class Sftd {
   Clock::time_point ready_at_;
 };
 
-/// Another process, which publishes a sample each millisecond.
+/// A process that publishes a sample each millisecond.
 class PublishingProcess {
  public:
-  /// REQUIRES: no threads yet.
+  /// REQUIRES: this process has no other threads yet.
   PublishingProcess() {
     pid_ = fork();
     if (pid_ != 0) return;
@@ -120,10 +121,11 @@ class PublishingProcess {
   pid_t pid_ = -1;
 };
 
-/// A subscriber in this process with two selections, and what it took by each.
+/// A subscriber in this process with two selections, and an account of the samples that came by each.
 class Reading {
  public:
-  /// Takes until a sample came that way by each selection; when.
+  /// Takes samples until one has come by the transport `way` for each selection. Returns when the last of
+  /// these came; empty if they do not come.
   std::optional<Clock::time_point> hears_by(TransportKind way) {
     std::array<bool, 2> heard{};
     std::optional<Clock::time_point> all_heard;
@@ -221,7 +223,7 @@ bool is_cloud(std::uint32_t number, const Data& data) {
   return data.size() == cloud_bytes;
 }
 
-/// Two nodes in this process; clouds are told apart by their heights.
+/// Two nodes in this process. The height of a cloud is its number.
 class Pair {
  public:
   using Cloud = Loan<PointCloud2>;
@@ -233,7 +235,7 @@ class Pair {
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = byte_at(number, i);
     return std::move(*loan);
   }
-  /// Publishes it, and takes until it comes.
+  /// Publishes the loan, and takes samples until it comes.
   Taken pass_on(Cloud loan, std::uint32_t number) {
     EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok) << "cloud " << number;
     Taken taken;
@@ -245,7 +247,7 @@ class Pair {
         << number;
     return taken;
   }
-  /// Passes clouds on until one comes that way.
+  /// Publishes and takes clouds until one comes by that transport.
   bool goes_by(TransportKind way) {
     return eventually([&] {
       const Taken taken = pass_on(cloud(1), 1);
@@ -302,7 +304,7 @@ INSTANTIATE_TEST_SUITE_P(OfADaemon, HeldMemory, testing::Values(End::killed, End
                            return end.param == End::killed ? "ThatIsKilled" : "ThatIsStopped";
                          });
 
-/// How often the threads of this process have slept so far.
+/// Returns how often the threads of this process have slept so far.
 long wakes_of_all_threads() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);

@@ -1,5 +1,5 @@
-// Nodes on hosts of their own find each other: by multicast, by a list of peers, over links that lose a fifth
-// of all packets, on hosts with several networks.
+// Nodes on isolated hosts find each other: by multicast, by a list of peers, over links that lose a fifth of
+// all packets, and on hosts with several networks.
 #include <gtest/gtest.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -26,15 +26,15 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// The things that a process tells of itself while it runs.
+/// The state that a process reports while it runs.
 struct Report {
   std::atomic<bool> failed{false};
-  std::atomic<std::size_t> matched{0};  ///< publishers that are heard, or subscribers that are served
+  std::atomic<std::size_t> matched{0};  ///< connected publishers, or served subscribers
   std::atomic<std::uint64_t> taken{0};
   std::atomic<std::uint64_t> liveliness_lost{0};
-  std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the one before
-  std::atomic<std::size_t> addresses{0};       ///< that the publisher's node says it has
-  std::atomic<double> share_of_a_core{1};      ///< that it took while it waited
+  std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow their predecessor
+  std::atomic<std::size_t> addresses{0};       ///< addresses that the publisher's node reports
+  std::atomic<double> share_of_a_core{1};      ///< CPU time of the process divided by the time that it waited
 };
 
 class NodeProcess : public NodeProcessWith<Report> {
@@ -73,7 +73,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// Publishes nothing: only its node tells that it lives.
+/// Publishes nothing, so that only its node's heartbeats show that it is alive.
 void promise_life(Node& node, Report&) {
   const auto publisher = node.publisher<PointCloud2>("points", {.liveliness_lease = 500ms}).value();
   for (;;) pause();
@@ -112,7 +112,7 @@ void wait_in_vain(Node& node, Report& report) {
     return writers.size() == 1 && writers[0].connected;
   };
   while (!hears_one()) subscriber.wait(20ms);
-  subscriber.wait(2s);  // what discovery still has to do is no part of it
+  subscriber.wait(2s);  // the rest of discovery is not measured
   const double before = cpu_seconds();
   const auto begin = std::chrono::steady_clock::now();
   subscriber.wait(4s);
@@ -122,7 +122,7 @@ void wait_in_vain(Node& node, Report& report) {
   for (;;) pause();
 }
 
-/// Numbers its samples.
+/// Publishes samples with consecutive heights.
 void publish_reliably(Node& node, Report& report) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
   std::vector<std::uint8_t> data(20'000);
@@ -135,7 +135,7 @@ void publish_reliably(Node& node, Report& report) {
   }
 }
 
-/// After the first sample each sample has to come, in its turn.
+/// Reports samples that are missing or out of order after the first one.
 void subscribe_reliably(Node& node, Report& report) {
   auto subscriber =
       node.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 1000})
@@ -169,15 +169,15 @@ class DiscoveryTest : public ::testing::Test {
     return done ? true : (ADD_FAILURE() << done.error().message, false);
   }
 
-  /// Between eth1 of both hosts, in 10.78.0.0/24.
+  /// Connects eth1 of both hosts, in 10.78.0.0/24.
   void plug_in_another_cable() const {
     ASSERT_TRUE(run_on(0, "ip link add eth1 type veth peer name eth1 netns " + host(1).path() +
                               "; ip address add 10.78.0.1/24 dev eth1; ip link set dev eth1 up"));
     ASSERT_TRUE(run_on(1, "ip address add 10.78.0.2/24 dev eth1; ip link set dev eth1 up"));
   }
 
-  /// Filters by a program for the kernel that returns 2 for what is to be dropped. Skips the test where that
-  /// is not possible.
+  /// Installs a BPF program that returns 2 for packets to drop. Skips the test and returns false if the
+  /// kernel refuses.
   bool filter_what_is_sent(std::size_t number, const std::string& program) const {
     const Result<void> done = host(number).run(
         {"sh", "-ec",
@@ -214,10 +214,12 @@ TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// Several are there, so that one datagram for them would be worth while: it must not be sent by multicast.
+/// With several subscribers, one multicast datagram for all would be cheaper. It must not be sent, because
+/// it would not arrive.
 TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed) {
   for (const std::size_t number : {0U, 1U}) {
-    // ldb [0]; jeq 1, drop, pass: the program looks at the first byte of a multicast's hardware address.
+    // The BPF program, ldb [0]; jeq 1, drop, pass, checks the first byte of the destination's hardware
+    // address, which is 1 for a multicast.
     if (!filter_what_is_sent(number, "4,48 0 0 0,21 0 1 1,6 0 0 2,6 0 0 0")) return;
   }
   const DiscoverySettings here{.peers = {address(1)}, .interfaces = {}};
@@ -235,7 +237,7 @@ TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed
   EXPECT_TRUE(farther.takes_samples()) << "it has been heard of all the time";
 }
 
-/// Nodes with peers give signs of life more seldom than a node without peers expects.
+/// Nodes with peers send signs of life less often than a node without peers expects.
 TEST_F(DiscoveryTest, TheEndOfANodeThatHasPeersIsNoticedByOneThatHasNone) {
   const NodeProcess publisher(host(0), options(), publish);
   NodeProcess subscriber(host(1), options({.peers = {address(0)}, .interfaces = {}}), subscribe);
@@ -277,12 +279,13 @@ TEST_F(DiscoveryTest, NodesOfOtherDomainsAreNotFound) {
   EXPECT_EQ(there.report().matched, 0U);
 }
 
-/// Each way, since either side sends so.
+/// Tests in which both hosts lose a fifth of the packets that they send. The parameter is true for discovery
+/// by multicast, and false for a list of peers.
 class LossyDiscoveryTest : public DiscoveryTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
     DiscoveryTest::SetUp();
-    // ld rand; mod 5; jeq 0, drop, pass
+    // The BPF program: ld rand; mod 5; jeq 0, drop, pass
     for (const std::size_t number : {0U, 1U}) {
       if (!IsSkipped()) filter_what_is_sent(number, "5,32 0 0 4294963256,148 0 0 5,21 1 0 0,6 0 0 0,6 0 0 2");
     }
@@ -313,11 +316,11 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
   EXPECT_TRUE(publisher.matches(0, 4s));
 }
 
-/// As a firewall may do that knows the ports of DDS only.
+/// A firewall that knows only the ports of DDS may drop heartbeats.
 TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
   const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());
-  // ldh the port that the datagram goes to; jeq drop, pass
+  // The BPF program: ldh the destination port; jeq drop, pass
   for (const std::size_t number : {0U, 1U}) {
     if (!filter_what_is_sent(number, "4,40 0 0 36,21 1 0 " + port + ",6 0 0 0,6 0 0 2")) return;
   }
@@ -329,7 +332,7 @@ TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   EXPECT_TRUE(publisher.matches(0, 12s)) << "the lease, and what the signs of life of others may take longer";
 }
 
-/// Discovery holds on meanwhile: nothing has to be found again.
+/// Cyclone keeps the participants meanwhile, so that nothing has to be found again.
 TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   const NodeProcess publisher(host(0), options(), publish);
   const NodeProcess subscriber(host(1), options(), subscribe);
@@ -342,8 +345,7 @@ TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   EXPECT_TRUE(subscriber.takes_samples(3s));
 }
 
-/// The default route of that host leads to another network, and its address there is best for all that it
-/// knows.
+/// The default route of that host leads to another network, so the host prefers its address there.
 TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   ASSERT_TRUE(run_on(1,
                      "ip link add out type veth peer name far; ip link set dev out multicast off\n"
@@ -355,7 +357,7 @@ TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// On each interface are nodes that the others do not reach.
+/// Each interface has nodes that cannot be reached by the others.
 TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   plug_in_another_cable();
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
@@ -385,7 +387,7 @@ INSTANTIATE_TEST_SUITE_P(Of, FailoverTest, testing::Values(0, 1), [](const auto&
   return param.param == 0 ? "ThePublishersHost" : "TheSubscribersHost";
 });
 
-/// The subscriber's host is best reached by the second cable, while discovery goes by the first.
+/// The second cable is the better path to the subscriber's host, while discovery uses the first.
 TEST_P(FailoverTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
   plug_in_another_cable();
   ASSERT_TRUE(run_on(1, "ip route add default via 10.78.0.1"));
@@ -404,7 +406,7 @@ TEST_P(FailoverTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
   EXPECT_EQ(publisher.report().matched, 1U);
 }
 
-/// The subscriber's host sees no change of its own: there is a switch in between.
+/// The subscriber's host sees no change of its own interfaces, because a switch lies between.
 TEST_F(DiscoveryTest, AReliableStreamOutlivesTheInterfaceOfThePublishersDiscovery) {
   plug_in_another_cable();
   const DiscoverySettings both{.interfaces = {"eth0", "eth1"}};

@@ -1,5 +1,5 @@
-// Readers in shared memory whose doorbell a publisher cannot open: they hear by UDP, both sides go on, the
-// publisher says why, and they return to shared memory once that is over.
+// A publisher cannot open the doorbell of readers in shared memory. The readers receive by UDP, both sides
+// continue, and the publisher says why. The readers return to shared memory once the doorbell can be opened.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -27,11 +27,11 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// A process that hears points, and publishes each that it took again, with the way that it came by as width.
-/// Starts with the first byte in its pipe.
+/// A process that takes points and publishes each one again, with its transport as the width. It starts with
+/// the first byte in its pipe.
 class Listening {
  public:
-  /// REQUIRES: no threads yet.
+  /// REQUIRES: this process has no other threads yet.
   Listening() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
@@ -59,7 +59,7 @@ class Listening {
     auto answers = node.publisher<PointCloud2>("answers", {.transport = TransportChoice::udp}).value();
     auto points = node.subscriber<PointCloud2, F::height>("points").value();
     for (;;) {
-      points.wait(1h);  // until somebody wakes it
+      points.wait(1h);  // until the process is woken
       while (const auto sample = points.take()) {
         const auto way = static_cast<std::uint32_t>(sample.info().transport);
         answers.publish({.height = sample->height(), .width = way});
@@ -95,16 +95,16 @@ class DoorbellLoss : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-/// A publisher, and what its listeners answer.
+/// A publisher, and a subscriber to what its listeners answer.
 class Talking {
  public:
   explicit Talking(const NodeOptions& options) : node_(Node::open(options).value()) {}
 
-  /// Publishes until so many listeners have heard one sample within 50 ms, by that way.
+  /// Publishes until that number of listeners has received one sample by `way` within 50 ms.
   bool is_heard(TransportKind way, std::size_t listeners = 1) {
     return is_heard_by(listeners, [way](TransportKind came) { return came == way; });
   }
-  /// The same, whichever way the sample came.
+  /// Does the same, but accepts any transport.
   bool is_heard_by(std::size_t listeners) {
     return is_heard_by(listeners, [](TransportKind) { return true; });
   }
@@ -138,7 +138,7 @@ class Talking {
   std::uint32_t number_ = 0;
 };
 
-/// While this object lives the process can open no file. (Discovery has the sockets that it needs.)
+/// While this object lives, the process cannot open a file. (Discovery already has its sockets.)
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -169,7 +169,7 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
                reader.reason.find("Too many open files") != std::string::npos;
       });
     }));
-    // The datagram of that sample wakes the second listener, which then may find the sample in shared memory.
+    // A datagram of this sample wakes the second listener, which then may find the sample in shared memory.
     EXPECT_TRUE(talking.is_heard_by(2));
     EXPECT_TRUE(eventually([&] { return warned_of("Too many open files") == 1; }));
   }
@@ -192,7 +192,7 @@ TEST_F(DoorbellLoss, OfNamesThatSomebodyRemovedCostsRunningPairsAndNewcomersNoth
   EXPECT_EQ(warned_of("/dev/shm/sft_bell_"), 0U);
 }
 
-/// A service manager does that at log-out, or a clean-up script.
+/// A service manager at log-out or a clean-up script may remove all files of shared memory.
 TEST_F(DoorbellLoss, TogetherWithAllOfSharedMemoryIsOverInAMoment) {
   const Listening running;
   Talking talking(options());

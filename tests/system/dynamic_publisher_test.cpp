@@ -82,7 +82,7 @@ TEST_P(DynamicPublisherTest, ItsTypeLivesAsLongAsItIsNeeded) {
   auto sub = b.subscriber<PointCloud2, F::width>("points").value();
   expect_served(*pub, 1);
   EXPECT_EQ(pub->publish_json(R"({"width": 1})"), PublishStatus::ok);
-  pub.reset();  // what it sent may be under way
+  pub.reset();  // its samples may still be under way
   pub = a.publisher("points", cloud_type()).value();
   expect_served(*pub, 1);
   ASSERT_TRUE(eventually([&] {

@@ -1,4 +1,5 @@
-// Programs without the type of a topic: they find it, read it by name and print it, over every transport.
+// Programs that are compiled without the type of a topic. They find the type, read its fields by name and
+// print samples, over every transport.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -25,7 +26,7 @@ using namespace detail;
 
 using ::testing::HasSubstr;
 
-/// The role of another process, which is compiled with the type.
+/// The role of another process, which knows the type at compile time.
 [[noreturn]] void publish_forever(Way way) {
   Node node = Node::open(node_options(way, "publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -122,7 +123,7 @@ TEST_P(DynamicTest, ASubscriberThatDeclaresOnlyALengthSeesNoElements) {
   auto pub = a.publisher<PointCloud2>("points").value();
   const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "fields.size").value();
-  auto whole = b.subscriber<PointCloud2>("points").value();  // so that the sample has everything, or may have
+  auto whole = b.subscriber<PointCloud2>("points").value();  // so that the sample may have all fields
   expect_served(pub, 2);
   pub.publish(small_cloud());
   ASSERT_TRUE(sub.wait(hang_timeout));
@@ -132,7 +133,7 @@ TEST_P(DynamicTest, ASubscriberThatDeclaresOnlyALengthSeesNoElements) {
   EXPECT_EQ(moved.cdr().size(), 8U);
 }
 
-/// Points of four float32 each: 0, 1, 2, 3, then 4, 5, 6, 7, and so on.
+/// Returns a cloud with points of four float32 each: 0, 1, 2, 3, then 4, 5, 6, 7, and so on.
 PointCloud2 numbered_cloud(std::uint32_t points) {
   PointCloud2 cloud = small_cloud("lidar", 0);
   cloud.width = points;
@@ -261,7 +262,7 @@ TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
     pub.publish(small_cloud());
     ASSERT_TRUE(sub->wait(hang_timeout));
     last = sub->take();
-    pub.publish(small_cloud());  // one is under way, or not yet taken, when it goes
+    pub.publish(small_cloud());  // still under way or not taken when `sub` is destroyed
     sub.reset();
     EXPECT_EQ(last->view()["width"].as<int>(), 1024);
     expect_served(pub, 0);
@@ -323,13 +324,13 @@ TEST_P(DynamicTest, PrintingASampleReadsAllOfIt) {
 INSTANTIATE_TEST_SUITE_P(Ways, DynamicTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 
-// ---- what is said where there is nothing to read ----
+// ---- errors and log lines ----
 
 class DynamicNodesTest : public ::testing::Test {
  protected:
   static Node udp_node(const std::string& name) { return Node::open(node_options(Way::udp, name)).value(); }
 
-  /// Another definition of PointCloud2, with a wider height.
+  /// Returns another definition of PointCloud2, with a wider height.
   static DynamicType taller() {
     std::vector<Member> members(TypeTable<PointCloud2>::members.begin(),
                                 TypeTable<PointCloud2>::members.end());
@@ -413,11 +414,11 @@ TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLogg
   EXPECT_EQ(writer.mismatch->difference, "height: uint64 here, uint32 there");
   EXPECT_THAT(writer.mismatch->here, HasSubstr("uint64 height;"));
   EXPECT_THAT(writer.mismatch->there, HasSubstr("uint32 height;"));
-  auto more = b.subscriber("points", taller(), "width").value();  // the pairs are judged again
+  auto more = b.subscriber("points", taller(), "width").value();  // now all pairs are compared again
   ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 2; }));
   EXPECT_TRUE(eventually([&] {
     const std::scoped_lock lock(mutex);
-    return logged.size() == 2;  // both sides, of two pairs that differ by the same
+    return logged.size() == 2;  // one line of each side, although two pairs mismatch
   }));
   EXPECT_THAT(logged[0], HasSubstr("topic 'points', node '"));
 }
@@ -468,7 +469,7 @@ TEST_F(DynamicNodesTest,
   const auto seconds = (std::chrono::steady_clock::now() - begun) / 1s;
   {
     const auto last_of_node = std::move(sub);
-    const Node ends = std::move(node);  // which writes all lines first
+    const Node ends = std::move(node);  // whose destructor writes all pending lines
   }
   EXPECT_GE(complaints, 1);
   EXPECT_LE(complaints, 3 + seconds);
@@ -483,7 +484,7 @@ int main(int argc, char** argv) {
   ::testing::InitGoogleTest(&argc, argv);
   if (GTEST_FLAG_GET(list_tests)) return RUN_ALL_TESTS();
   return sft::test::run_isolated([] {
-    // If there is no isolation, the test at least uses another DDS domain than what else runs here.
+    // Without isolation the test at least uses a DDS domain that other programs here do not use.
     const std::string domain = std::to_string(100 + getpid() % 100);
     if (!sft::test::isolation_refusal().empty()) setenv("ROS_DOMAIN_ID", domain.c_str(), 1);
     return RUN_ALL_TESTS();

@@ -1,5 +1,5 @@
-// Callbacks of one node share threads: none waits for ever because another one always has a next sample, and
-// one that waits long is named.
+// Callbacks of one node share threads. None waits for ever because another one always has a next sample, and
+// the log names one that waits long.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -28,8 +28,8 @@ class FairCallbacks : public PubSubTest {
  protected:
   void SetUp() override { camera_.emplace(source_.publisher<PointCloud2>("camera").value()); }
 
-  /// Topics of which there is always a next sample, whatever the speed of the machine: each callback
-  /// publishes one, after its work.
+  /// Opens subscribers that always have a next sample, whatever the speed of the machine: each callback
+  /// publishes one after its work.
   void open_busy(std::size_t subscribers, Clock::duration work) {
     for (std::size_t i = 0; i < subscribers; ++i) {
       busy_.push_back(app_.subscriber<PointCloud2>("camera",
@@ -43,7 +43,7 @@ class FairCallbacks : public PubSubTest {
     for (int i = 0; i < 4; ++i) camera_->publish(cloud(0));
     ASSERT_TRUE(eventually([&] { return images_ > 10; }));
   }
-  /// Returns how many of 80 samples their callback did not get.
+  /// Publishes 80 samples of a further topic. Returns how many of them its callback did not get.
   std::size_t starved(Clock::duration work) {
     auto halt = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
     std::atomic<std::size_t> stops{0};

@@ -1,6 +1,6 @@
-// Samples that shared memory cannot take go by UDP, in their place among the others: samples that are too
-// large, and those for which no chunk is free because somebody holds them all. The publisher never fails
-// because of that.
+// Samples that shared memory cannot take go by UDP, in order with the others: samples that are too large,
+// and samples for which no chunk is free because readers hold all. The publisher never fails because of
+// that.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -31,7 +31,7 @@ constexpr std::size_t small_bytes = 1'000;
 constexpr std::size_t large_bytes = 1'000'000;
 constexpr int chunks = 12;
 
-/// The daemon with these pools; killed with the object.
+/// A daemon with these pools. The destructor kills it.
 class SmallDaemon {
  public:
   explicit SmallDaemon(const std::string& pools) {
@@ -257,8 +257,8 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(publisher.status().diverted, (PublisherStatus::Diverted{.too_large = 1}));
 }
 
-// The samples of a durable publisher are sent by the routes that are in force behind the history, so its
-// pages turn at another moment.
+// A durable publisher chooses the routes of a sample after it has added the sample to the history. So its
+// counts change at another moment than those of other publishers.
 TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
   Node a = Node::open(options("a")).value();
@@ -328,7 +328,7 @@ TEST_F(FallbackTest, OfSeveralWritersTheSamplesOfEachStayInOrderWhileBothPathsAr
   EXPECT_EQ(subscriber.status().lost, 0U);
 }
 
-// ---- slow readers, and those that hold on to samples ----
+// ---- slow readers, and readers that hold samples ----
 
 TEST_F(FallbackTest, ASlowReaderKnowsExactlyHowManySamplesOfEachWriterItMissed) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");

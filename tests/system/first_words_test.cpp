@@ -1,4 +1,4 @@
-// Typical mistakes of programs that set no option for the log: the standard error says what is wrong, and
+// Typical mistakes of programs that set no option for the log. The standard error says what is wrong, and
 // what to do or what differs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -40,7 +40,7 @@ class FirstWords : public ::testing::Test {
     text.resize(static_cast<std::size_t>(std::max<ssize_t>(bytes, 0)));
     return text;
   }
-  /// All of these texts, in lines of the log.
+  /// Expects all of these texts in the log.
   void expect_says(const std::vector<std::string>& texts) const {
     for (const std::string& text : texts)
       EXPECT_TRUE(eventually([&] { return printed().find(text) != std::string::npos; })) << text << "\nin\n"

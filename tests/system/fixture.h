@@ -1,5 +1,5 @@
-// One publisher's node and one subscriber's, over each transport in turn: the same expectations for all of
-// them.
+// The base of tests with a publisher's node and a subscriber's node, which run over each transport with the
+// same expectations.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -22,11 +22,11 @@ enum class Way { shm, udp, udp_sockets };
 
 /// True if the test provokes lines in the log.
 inline std::atomic<bool> warnings_expected{false};
-/// The test provokes lines with this text, and no others. Null: none.
+/// If not null, the test provokes lines with this text and no others.
 inline std::atomic<const char*> expected_warning{nullptr};
 
-/// Also true of a line that says how busy the machine is: the node then tries again, and what the test waits
-/// for comes later.
+/// Returns true if the log may have this line. That includes a line of a busy machine: the node then tries
+/// again, and the test only has to wait longer.
 inline bool is_expected(std::string_view line) {
   const auto has = [&](const char* text) { return text != nullptr && line.find(text) != line.npos; };
   return warnings_expected || has(expected_warning) || has("sftd did not answer in time");

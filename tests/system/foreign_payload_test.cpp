@@ -14,7 +14,7 @@ class ForeignPayloadTest : public ::testing::Test {
     EXPECT_TRUE(eventually([&] { return !pub.status().readers.empty() && pub.status().readers[0].served; }));
   }
 
-  /// sec = 1, nanosec = 2
+  /// Returns the payload of a Time with sec = 1 and nanosec = 2.
   static std::vector<std::byte> payload(std::uint8_t encoding, bool little_endian) {
     std::vector<std::byte> bytes(12);
     bytes[1] = std::byte{encoding};

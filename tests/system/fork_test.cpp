@@ -1,4 +1,5 @@
-// fork() in a program with nodes: whatever the new process does with what it finds, the parent's nodes go on.
+// fork() in a program with nodes. Whatever the child does with its copy of the nodes, the parent's nodes
+// continue undisturbed.
 #include <sys/wait.h>
 #include <unistd.h>
 
@@ -16,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-/// All that a program can have of a node.
+/// One of each object that a program can have of a node.
 struct Held {
   Node writing, reading;
   Publisher<PointCloud2> publisher;
@@ -27,7 +28,7 @@ struct Held {
 };
 std::optional<Held> held;  // exit() destroys it
 
-/// The files by which others reach this process: its doorbells, and its sockets to the daemon.
+/// Returns the files by which other processes reach this one: its doorbells, and its sockets to the daemon.
 std::vector<std::string> shared_files() {
   std::vector<std::string> names;
   for (const char* directory : {"/dev/shm", "/tmp"}) {
@@ -64,11 +65,12 @@ class ForkTest : public PubSubTest {
   }
   void TearDown() override { held.reset(); }
 
-  /// The exit code of a process in which `act` runs, or the negative number of the signal that ended it.
+  /// Runs `act` in a forked process. Returns its exit code, or the negative number of the signal that ended
+  /// it.
   static int forked(const std::function<void()>& act) {
     const pid_t child = fork();
     if (child == 0) {
-      alarm(20);  // where it hangs
+      alarm(20);  // if `act` hangs
       act();
       _exit(0);
     }
@@ -77,7 +79,7 @@ class ForkTest : public PubSubTest {
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
 
-  /// Expects that the pair is as it was, and has everything that is its own.
+  /// Expects that the parent's pair still works, and has all its files and samples.
   void expect_undisturbed() {
     EXPECT_EQ(shared_files(), files_);
     EXPECT_EQ(held->sample ? (*held->sample)->height() : 0, 1U);
@@ -90,8 +92,7 @@ class ForkTest : public PubSubTest {
       EXPECT_EQ(sample.info().lost_before, 0U);
       ASSERT_TRUE(eventually([&] { return called_ >= called_before + static_cast<int>(i); })) << i;
     }
-    // Anything that the other process might have told the daemon or other nodes has come by now: this request
-    // comes after it.
+    // This request comes after anything that the child might have sent to the daemon or to other nodes.
     const auto later = held->reading.subscriber<PointCloud2, F::height>("points").value();
     expect_served(held->publisher, 3);
     EXPECT_EQ(disturbances_, 0);
@@ -143,7 +144,7 @@ TEST_P(ForkTest, AProcessThatOpensANodeIsToldWhyItCannot) {
   expect_undisturbed();
 }
 
-/// daemon(3) forks, and the program goes on in the copy.
+/// daemon(3) forks, and the program continues in the child.
 TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
   EXPECT_EQ(forked([] {
               const auto refuses = [](const auto& result) {

@@ -1,6 +1,6 @@
-// A program that opens and closes something again and again leaves nothing behind: after the first rounds,
-// the memory, descriptors and threads of this process and of the others that it meets, and the chunks of
-// samples, do not grow. CI goes on for some hundred rounds, ./run soak for ten thousand of most acts.
+// A program that opens and closes something again and again leaves nothing behind. After the first rounds
+// the memory, the descriptors and the threads of this process and of its peers do not grow, nor does the
+// number of chunks in use. CI runs some hundred rounds, ./run soak ten thousand of most acts.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -51,7 +51,7 @@ struct Holdings {
   }
 };
 
-/// Returns how many chunks of shared memory have samples, as the daemon has written last.
+/// Returns how many chunks of shared memory hold samples, as the daemon has last reported.
 std::int64_t chunks_in_use() {
   const std::string command = program_directory() + "/sftd status --json";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
@@ -62,16 +62,17 @@ std::int64_t chunks_in_use() {
   return chunks;
 }
 
-/// The resources that another process holds. That process writes them.
+/// The resources that another process holds. That process writes the members.
 struct HoldingsOfOther {
   std::atomic<std::int64_t> bytes{0}, descriptors{0}, threads{0};
   std::atomic<std::uint64_t> looks{0};
   std::atomic<bool> failed{false};
-  /// True once the process has its shared memory, if it uses any: nothing changes any more by itself.
+  /// True once the process has its shared memory, if it uses any. From then on its holdings do not change by
+  /// themselves.
   std::atomic<bool> settled{false};
 };
 
-/// The node of another process reads and writes the topics of the acts, and answers requests.
+/// The role of another process: reads and writes the topics of the acts, and answers requests.
 void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   auto clouds = node.subscriber<PointCloud2, F::height>("clouds", [](const auto&) {}).value();
   auto source = node.publisher<PointCloud2>("source").value();
@@ -224,7 +225,7 @@ class Growth : public testing::TestWithParam<Act> {
     if (!network) GTEST_SKIP() << network.error().message;
     network_.emplace(std::move(*network));
     for (std::size_t i = 0; i < others; ++i) {
-      const bool by_shm = i == 0;  // the hosts have one /dev/shm
+      const bool by_shm = i == 0;  // the hosts share one /dev/shm
       NodeOptions options{.name = "other"};
       options.transport = by_shm ? TransportChoice::automatic : TransportChoice::udp;
       others_.push_back(std::make_unique<Other>(
@@ -248,7 +249,7 @@ class Growth : public testing::TestWithParam<Act> {
           [](const PublisherStatus::Reader& reader) { return reader.transport == TransportKind::shm; });
     }));
   }
-  /// Returns what this process holds, and then what each other one holds.
+  /// Returns the holdings of this process, followed by those of each other process.
   std::vector<Holdings> holdings() const {
     std::vector<Holdings> all{Holdings::of_this_process()};
     for (const auto& other : others_) {
@@ -276,16 +277,16 @@ class Growth : public testing::TestWithParam<Act> {
 INSTANTIATE_TEST_SUITE_P(Of, Growth, testing::ValuesIn(acts),
                          [](const auto& act) { return std::string(act.param.name); });
 
-/// Cyclone DDS keeps lists of memory that it uses again, which fill up within the first minutes.
+/// Cyclone DDS keeps free lists, which fill up within the first minutes.
 constexpr std::int64_t bytes_at_first = 1 << 20;
 constexpr std::int64_t bytes_each_round = 16;
-/// The first samples, which may come after the first rounds, begin this number of threads and descriptors.
+/// The first samples may come after the first rounds. They add this number of threads and descriptors.
 constexpr std::int64_t begun_later = 2;
-/// This number of chunks may have samples of the other processes that are on the way, or that no reader
+/// This number of chunks may hold samples of the other processes that are under way, or that no reader
 /// takes.
 constexpr std::int64_t chunks_on_the_way = 64;
 
-/// Returns what has grown too much in that number of rounds. The text is empty if nothing has.
+/// Returns a text that names what has grown too much in that number of rounds; empty if nothing has.
 std::string growth(const std::vector<Holdings>& before, const std::vector<Holdings>& after,
                    std::uint64_t rounds) {
   const auto most = bytes_at_first + bytes_each_round * static_cast<std::int64_t>(rounds);
@@ -300,8 +301,8 @@ std::string growth(const std::vector<Holdings>& before, const std::vector<Holdin
   return text;
 }
 
-/// A leak grows each time. The lists of Cyclone DDS grow only if more samples of the control topics wait for
-/// acknowledgement at once than ever before, which depends on how fast the rounds are.
+/// A leak grows in each repetition. The lists of Cyclone DDS grow only if more samples of the control topics
+/// wait for acknowledgement at once than ever before, which depends on how fast the rounds are.
 TEST_P(Growth, EndsAfterTheFirstRounds) {
   constexpr int times = 5;
   const std::uint64_t rounds = test_rounds(GetParam().rounds);

@@ -1,4 +1,4 @@
-// The nodes of a process share discovery, and each of them hears and is heard all the same.
+// The nodes of a process share discovery. Still each of them finds other nodes and is found.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ namespace {
 using core::Role;
 using ::testing::ElementsAre;
 
-/// The readers and writers of a control topic on this host, as Cyclone tells of them.
+/// Counts the readers and writers of a control topic on this host that Cyclone reports.
 class TopicMonitor {
  public:
   explicit TopicMonitor(std::string topic) : topic_(std::move(topic)) {
@@ -37,7 +37,8 @@ class TopicMonitor {
   bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
 
  private:
-  /// The watch hears of one after the other, so that it has to see for a while that there are no more.
+  /// Waits for that number of endpoints. Since Cyclone reports one after the other, it then checks for a
+  /// while that no more come.
   bool become(dds_entity_t builtin, std::size_t wanted) const {
     return eventually([&] { return count(builtin) == wanted; }) &&
            !eventually([&] { return count(builtin) > wanted; }, std::chrono::milliseconds(200));
@@ -62,7 +63,7 @@ class TopicMonitor {
   dds_entity_t readers_ = 0, writers_ = 0;
 };
 
-/// How often participants of this host have said who they are, as Cyclone tells of them.
+/// Counts the announcements of participants of this host that Cyclone reports.
 class ParticipantMonitor {
  public:
   ParticipantMonitor()
@@ -177,7 +178,8 @@ TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) 
     };
     return eventually(has_announced, duration);
   };
-  const auto is_quiet = [&] { return !announces_within(2500ms, [] {}); };  // the last pause is shorter
+  // Participants never pause for that long while they announce themselves at the start.
+  const auto is_quiet = [&] { return !announces_within(2500ms, [] {}); };
   ASSERT_TRUE(eventually(is_quiet, 30s)) << "the announcements at the start end";
 
   const auto stranger =
@@ -211,7 +213,7 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_TRUE(TopicMonitor("sft_writer").readers_become(1));
 }
 
-// The number is not in the rest of the configuration, which is equal.
+// The configurations are equal except for that number.
 TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumber) {
   const auto numbered = [](int domain) {
     return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +

@@ -1,5 +1,5 @@
-// kill -9 of whatever takes part, at any moment: nobody else crashes or hangs, memory comes back, the next
-// start works.
+// kill -9 of any process that takes part, at any moment. No other process crashes or hangs, memory is freed,
+// and the next start works.
 #include <dirent.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -43,11 +43,11 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (std::uint32_t i = 1;; ++i) {
     auto loan = publisher.loan({.height = i}, {.data = cloud_bytes});
     if (loan) std::move(*loan).publish();
-    if (i % 64 == 0) poll(nullptr, 0, 1);  // so that others get the core as well
+    if (i % 64 == 0) poll(nullptr, 0, 1);  // so that other processes get the core, too
   }
 }
 
-/// Holds on to what it takes, up to a number of samples.
+/// Takes samples and holds a limited number of them.
 [[noreturn]] void subscribe_forever() {
   Node node = Node::open({.name = "subscriber"}).value();
   auto subscriber = node.subscriber<PointCloud2>("points").value();
@@ -59,8 +59,8 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
-/// Publishes nothing, and offers to be alive all the time. The lease of its node is so long that only the
-/// lease of its publisher can end while a test waits.
+/// Publishes nothing, and offers a liveliness lease. The lease of its node is so long that only the lease of
+/// its publisher can end while a test waits.
 [[noreturn]] void live_forever() {
   NodeOptions options{.name = "living"};
   options.cyclonedds_config =
@@ -70,14 +70,14 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (;;) pause();
 }
 
-/// Wants all there is, and takes nothing.
+/// Asks for all samples and takes none.
 [[noreturn]] void stall_forever() {
   Node node = Node::open({.name = "stalled"}).value();
   auto subscriber = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   for (;;) pause();
 }
 
-/// Wants every second sample, and every seventh one, too. It takes them.
+/// Asks for every second sample and, by a second selection, for every seventh. Takes them all.
 [[noreturn]] void choose_forever(TransportChoice transport) {
   Node node = Node::open({.name = "choosy", .transport = transport}).value();
   auto subscriber = node.subscriber<PointCloud2>(
@@ -90,7 +90,7 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
-// ---- the tests' own language ----
+// ---- helpers of the tests ----
 
 class Process {
  public:
@@ -103,7 +103,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// SIGSTOP, SIGCONT
+  /// Sends SIGSTOP or SIGCONT.
   void signal(int number) const { kill(pid_, number); }
   void kill_now() {
     if (pid_ <= 0) return;
@@ -116,7 +116,7 @@ class Process {
   pid_t pid_ = -1;
 };
 
-/// Process ids of this host's daemons.
+/// Returns the process ids of this host's daemons.
 std::vector<pid_t> daemons() {
   std::vector<pid_t> found;
   DIR* proc = opendir("/proc");
@@ -129,8 +129,8 @@ std::vector<pid_t> daemons() {
   return found;
 }
 
-/// The number of programs that have a socket for the daemon. The daemon removes that of a killed program when
-/// it frees the chunks that the program had.
+/// Returns the number of programs that have a socket for the daemon. The daemon removes the socket of a
+/// killed program when it frees that program's chunks.
 std::size_t programs_with_sockets() {
   const std::filesystem::directory_iterator files("/tmp");
   return static_cast<std::size_t>(std::ranges::count_if(files, [](const auto& file) {
@@ -144,7 +144,7 @@ class KillTest : public ::testing::Test {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
 
-  /// Takes until a sample comes by `way`; false if none does.
+  /// Takes samples until one comes by `way`. Returns false if none does.
   template <class S>
   static bool hears_by(S& subscriber, TransportKind way) {
     return eventually(
@@ -194,10 +194,10 @@ TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
     taken += sample->height() == published ? 1 : 0;
   };
   for (int round = 0; round < 10; ++round) {
-    // Six killed ones would hold all chunks of this size, and rounds are faster than the daemon.
+    // Six killed programs would hold all chunks of this size, and rounds are faster than the daemon.
     ASSERT_TRUE(eventually([] { return programs_with_sockets() == 1; })) << "round " << round;
     Process other("subscriber");
-    // Killed ones stay in the table until their lease ends.
+    // Killed readers stay in the publisher's status until their lease ends.
     ASSERT_TRUE(eventually(serves_another_by_shm)) << "round " << round;
     for (int i = 0; i < 20; ++i) pass_one_on();
     other.kill_now();
@@ -337,8 +337,8 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, hang_timeout) << "not for each of its samples";
 }
 
-/// Takes from a subscriber with two selections on a thread of its own: on a busy machine it may take longer
-/// to start a process than the queue lasts.
+/// Takes samples of a subscriber with two selections on its own thread. If the test took them, the queue
+/// might overflow while a busy machine starts a process.
 class Taking {
  public:
   using Heights = std::array<std::vector<std::uint32_t>, 2>;  ///< by selection
@@ -353,7 +353,8 @@ class Taking {
           }
         }) {}
 
-  /// Takes until each selection has given its last sample, and no longer. Returns all that were taken.
+  /// Takes samples until each selection has given its last one, then stops. Returns the heights of all
+  /// samples.
   Heights up_to(const std::array<std::uint32_t, 2>& last) {
     for (const std::size_t i : {0, 1}) EXPECT_TRUE(eventually([&] { return last_[i] == last[i]; })) << i;
     thread_.request_stop();
@@ -367,8 +368,9 @@ class Taking {
   std::jthread thread_;
 };
 
-/// The other reader has conditions and two selections, too, and is waited for. Samples are small: the queues
-/// of several killed readers keep some for a while, and shared memory must have room for more.
+/// The killed reader has conditions and two selections, too, and the publisher waits for it. Samples are
+/// small, because the queues of several killed readers keep some for a while, and shared memory must have
+/// room for more.
 TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
@@ -393,13 +395,14 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
   Taking taking(subscriber);
   std::optional<Ticker> traffic(std::in_place, 1ms, [&](std::uint32_t number) {
     auto loan = publisher.loan({.height = number}, {.data = 10'000});
-    // A sample counts as dropped that takes the place of another one in the queue of a killed reader.
+    // A sample that replaces another one in the queue of a killed reader counts as dropped, which is no
+    // failure.
     failed += loan && std::move(*loan).publish() != PublishStatus::no_memory ? 0 : 1;
     published = number;
   });
   for (int round = 0; round < 20; ++round) {
     Process other(round % 2 == 0 ? "choosy_in_memory" : "choosy_by_udp");
-    // Killed ones stay in the table until their lease ends.
+    // Killed readers stay in the publisher's status until their lease ends.
     ASSERT_TRUE(eventually([&] {
       return std::ranges::any_of(publisher.status().readers, [&](const PublisherStatus::Reader& reader) {
         return reader.sent > 5 && served_so_far.insert(reader.id).second;
@@ -426,7 +429,7 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
 
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
-  // By selection.
+  // Counts of events, by selection.
   std::array<std::atomic<int>, 2> lost{}, recovered{};
   const auto note = [&](const Event& event) {
     lost.at(event.selection) += event.kind == Event::Kind::liveliness_lost ? 1 : 0;

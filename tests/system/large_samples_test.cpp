@@ -1,4 +1,4 @@
-// Large samples of ordinary robots, with no option set.
+// Samples as large as those of ordinary robots, with default options.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using sensor_msgs::msg::Image;
 
-/// A host like those of robots: /dev/shm has half of its RAM, which is more than this at 4 GB of RAM.
+/// A host like those of robots. /dev/shm has 1900 MiB, which is less than half of 4 GB of RAM.
 class LargeSamples : public PubSubTest {
  protected:
   void SetUp() override {
@@ -64,7 +64,7 @@ TEST_P(LargeSamples, ASampleOf64MiBArrives) { expect_arrives(cloud(7, 64 * 1024 
 INSTANTIATE_TEST_SUITE_P(Ways, LargeSamples, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 
-/// Three lidars with eight readers each, of which some never take a sample.
+/// Three lidars with eight readers each, some of which stop taking samples.
 class ThreeLidars : public ::testing::Test {
  protected:
   static constexpr std::size_t lidars = 3, readers = 8, cloud_bytes = 6'300'000;
@@ -96,8 +96,8 @@ class ThreeLidars : public ::testing::Test {
       return reader.served && reader.transport == TransportKind::shm;
     }));
   }
-  /// Publishes all clouds. Each reader takes the first one. Of the others, the first readers of each lidar
-  /// take none, and the other readers each one.
+  /// Publishes all clouds. Each reader takes the first cloud. Of the later ones the first `stalled` readers
+  /// of each lidar take none, and the other readers take all.
   void publish_all(std::size_t stalled) {
     PointCloud2 cloud;
     cloud.data.resize(cloud_bytes);
@@ -147,10 +147,10 @@ TEST_F(ThreeLidars, DivertNothingIfNoReaderTakesAndTheNewestCloudsWait) {
   }
 }
 
-/// Memory that chunks take only when they are used.
+/// Tests that chunks take memory only when they are used.
 class MemoryOnDemand : public ThreeLidars {
  protected:
-  /// Returns the bytes that all files in /dev/shm take.
+  /// Returns the memory that all files in /dev/shm take, in MiB.
   static std::uint64_t used_mebibytes() {
     const std::filesystem::space_info space = std::filesystem::space("/dev/shm");
     return (space.capacity - space.free) >> 20;

@@ -1,5 +1,5 @@
-// Parts of a field with a layout rule of the user, over every transport: the publisher is compiled with the
-// type, and the subscriber knows it by the description that travels.
+// Parts of a field with a layout rule of the user, over every transport. The publisher is compiled with the
+// type. The subscriber knows the type from the description that the publisher sends.
 #include <gmock/gmock.h>
 
 #include <layout_msgs/msg/Cells.hpp>
@@ -28,7 +28,8 @@ class LayoutNodesTest : public PubSubTest {
 
   DynamicType type() { return b.find_type("map", hang_timeout).value(); }
 
-  /// The height of a cell is 100 times its row, and its column; but for the number of the map.
+  /// Returns a map in which the height of a cell is 100 times its row plus its column, shifted by the map's
+  /// number.
   static HeightMap map(std::uint32_t number = 0) {
     HeightMap m;
     m.rows = rows;

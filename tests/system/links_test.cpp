@@ -1,5 +1,5 @@
-// Nodes on robots: network interfaces come late, change their addresses, lose their cables, are replaced; and
-// users list them rightly, wrongly, or not at all.
+// Nodes on robots. Network interfaces come late, change their addresses, lose their cables and are replaced.
+// Users list them rightly, wrongly, or not at all.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -30,14 +30,14 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// The things that a process tells of itself while it runs.
+/// The state that a process reports while it runs.
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<bool> opened{false};
   std::atomic<bool> may_close_files{false};
   std::atomic<std::size_t> matched{0};
   std::atomic<std::uint64_t> taken{0};
-  std::array<std::atomic<char>, 400> discovery{};  ///< the text of its status
+  std::array<std::atomic<char>, 400> discovery{};  ///< the text of NodeStatus::discovery
 
   void tell(const std::string& text) {
     for (std::size_t i = 0; i < discovery.size(); ++i) discovery[i] = i < text.size() ? text[i] : '\0';
@@ -69,8 +69,8 @@ class NodeProcess : public NodeProcessWith<Report> {
   }
 };
 
-constexpr std::chrono::milliseconds between_samples{5};  ///< between two samples
-/// After these a silent participant counts as lost.
+constexpr std::chrono::milliseconds between_samples{5};
+/// The number of samples that are due within the lease of a participant.
 constexpr std::uint64_t samples_of_a_lease = core::Timing{}.lease / between_samples;
 
 void publish(Node& node, Report& report) {
@@ -96,7 +96,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// Two hosts with nothing but a loopback, and a room with switches.
+/// Two hosts with only a loopback interface, and a room with switches.
 class LinksTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -120,7 +120,8 @@ class LinksTest : public ::testing::Test {
     const Result<void> done = host(where).run({"sh", "-ec", commands});
     return done ? true : (ADD_FAILURE() << done.error().message, false);
   }
-  /// Gives a host an interface on a switch of the room. At the switch it is "<interface>_<host>".
+  /// Gives a host an interface that is connected to a switch of the room. The port of the switch is named
+  /// "<interface>_<host>".
   void plug_in(std::size_t where, const std::string& interface, const std::string& address,
                const std::string& network_switch = "first") const {
     const std::string port = interface + "_" + std::to_string(where);
@@ -135,7 +136,7 @@ class LinksTest : public ::testing::Test {
     return {.discovery = {.interfaces = std::move(interfaces)}, .transport = TransportChoice::udp};
   }
 
-  /// Prints how long it took until samples came (again).
+  /// Waits until samples come (again), and prints how long that took.
   static testing::AssertionResult comes_soon(const NodeProcess& subscriber) {
     const auto begin = std::chrono::steady_clock::now();
     const bool came = subscriber.takes_samples();
@@ -143,7 +144,7 @@ class LinksTest : public ::testing::Test {
     std::printf("samples came after %.2f s\n", took.count());
     return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().told();
   }
-  /// Waits until everything that is under way has come.
+  /// Waits until no more samples come.
   static bool falls_silent(const NodeProcess& subscriber) {
     return eventually(
         [&, last = std::uint64_t{0}]() mutable {
@@ -158,7 +159,7 @@ class LinksTest : public ::testing::Test {
   std::vector<hosts::NetworkNamespace> spaces_;
 };
 
-/// A robot with these interfaces, of which "huc" leads to the desk, and what its user lists.
+/// A robot, and the interfaces that its user lists. Its interface "huc" leads to the laptop.
 struct Cell {
   const char* name;
   std::vector<std::string> listed;
@@ -204,7 +205,8 @@ TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
   }
 }
 
-/// Both ways, since either side may be the one that learns of it late.
+/// Tests with a publisher on the robot and a subscriber on the laptop, whose network changes while samples
+/// come.
 class ChangesOfNetwork : public LinksTest {
  protected:
   void SetUp() override {
@@ -218,7 +220,7 @@ class ChangesOfNetwork : public LinksTest {
   }
   NodeProcess& publisher() { return *publisher_; }
   NodeProcess& subscriber() { return *subscriber_; }
-  /// Returns true if the robot sends more packets by that interface than by the other one.
+  /// Returns true if the robot has sent more packets by that interface than by the other one.
   bool goes_by(const std::string& interface, const std::string& other) const {
     return host(robot)
         .run({"sh", "-ec",
@@ -287,8 +289,8 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
-/// Neither host sees the cut, and the node is alive by the other network all the time. Samples have to go
-/// there, too.
+/// Neither host sees the cut, and heartbeats arrive by the other network all the time. Samples have to use
+/// that network, too.
 TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   plug_in(robot, "lan1", "10.1.0.1", "second");
   plug_in(laptop, "lan1", "10.1.0.2", "second");
@@ -331,7 +333,8 @@ TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
   EXPECT_EQ(publisher.report().matched, 1U);
 }
 
-/// Files take all descriptors that select(2) can name, until the test lets the program close them.
+/// Publishes while open files take all descriptors that select(2) can handle. The program closes them when
+/// the test says so.
 void publish_beside_many_files(Node& node, Report& report) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);

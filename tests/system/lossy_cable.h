@@ -1,5 +1,6 @@
-// A cable between two hosts. A process carries it frame by frame: while the cable is bad, the process loses
-// some frames, passes some on twice, and some behind the next one. It notes which samples were affected.
+// A cable between two hosts. A process carries each frame from end to end. While the cable is bad, the
+// process drops some frames, sends some twice, and some after the next one. It notes which samples were
+// affected.
 #pragma once
 
 #include <sys/types.h>
@@ -35,13 +36,13 @@ class LossyCable {
   void become(bool bad) { notes_->bad = bad; }
 
   static constexpr std::size_t samples_max = 4096;
-  /// The faults since the cable was made.
+  /// The state of the cable, and its faults so far.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
-    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< numbers of frames
-    /// Frames that the kernel had no room for, or did not take, which are unwanted losses.
+    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< counts of frames
+    /// Count of frames that the kernel dropped or refused, which are unwanted losses.
     std::atomic<std::uint64_t> failed{0};
-    /// Sequences of samples of which the cable lost a part, of any publisher.
+    /// By sequence: true if the cable lost a part of that sample, of any publisher.
     std::array<std::atomic<bool>, samples_max> harmed{};
   };
   const Notes& notes() const { return *notes_; }

@@ -1,5 +1,5 @@
-// A program that locks its memory, as real-time programs do, meets no page fault on the path of samples: all
-// that they need is there when the nodes are open and warm.
+// A program that locks its memory, as real-time programs do, meets no page fault on the path of samples. All
+// memory that samples need is mapped once the nodes are open and warm.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -14,7 +14,7 @@
 namespace sft::test {
 namespace {
 
-/// Page faults that needed no disk and those that did, of each thread of this process, and its name.
+/// The page faults of a thread of this process: minor ones needed no disk, major ones did.
 struct Faults {
   std::string thread;
   std::uint64_t minor = 0;
@@ -29,7 +29,7 @@ std::map<int, Faults> faults() {
     const std::size_t open = line.find('('), close = line.rfind(')');
     std::istringstream rest(line.substr(close + 2));
     std::string skipped;
-    for (int i = 0; i < 7; ++i) rest >> skipped;  // state to flags
+    for (int i = 0; i < 7; ++i) rest >> skipped;  // the fields from state to flags
     Faults& of = faults[std::stoi(entry.path().filename())];
     of.thread = line.substr(open + 1, close - open - 1);
     rest >> of.minor >> skipped >> of.major;
@@ -37,7 +37,7 @@ std::map<int, Faults> faults() {
   return faults;
 }
 
-/// Names the threads on the path of samples that have met page faults, and how many.
+/// Names the threads on the path of samples that have met page faults since `before`, with their counts.
 std::string faulting_since(const std::map<int, Faults>& before) {
   std::string faulting;
   for (const auto& [number, now] : faults()) {
@@ -81,8 +81,8 @@ TEST_P(MemoryLockTest, ThreadsThatPublishSendReceiveAndCallBackMeetNoPageFault) 
       while (const auto sample = taken.take()) bytes += sample->data().size();
     }
   };
-  // The samples that are under way at a time take memory, and a busy machine reaches the largest number of
-  // them late.
+  // Samples that are under way take memory. On a busy machine it takes time until the largest number of them
+  // has been under way at once.
   std::string faulting;
   EXPECT_TRUE(eventually(
       [&] {

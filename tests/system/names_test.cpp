@@ -1,4 +1,4 @@
-// Topics of nodes with namespaces and remapping rules.
+// The names of topics of nodes with namespaces and remapping rules.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-// A node that runs in a process of its own, on a host.
+// A node that runs in its own process on an emulated host.
 #pragma once
 
 #include <sys/mman.h>
@@ -17,7 +17,8 @@
 
 namespace sft::test {
 
-/// A T that this process shares with processes that are forked while it lives. Its members are atomic.
+/// An object of type T that this process shares with the processes that it forks later. The members of T are
+/// atomic.
 template <class T>
 class SharedWithChildren {
  public:
@@ -34,7 +35,8 @@ class SharedWithChildren {
   T* value_;
 };
 
-/// Runs its role again and again. The role writes its progress to a report. The destructor kills the process.
+/// A process that opens a node and calls a role with it again and again. The role writes its progress to a
+/// report. The destructor kills the process.
 template <class Report>
 class NodeProcessWith {
  public:

@@ -1,4 +1,4 @@
-// Opens a node in a process of its own, which lacks something.
+// Opens a node in a child process that lacks a resource.
 #pragma once
 
 #include <fcntl.h>
@@ -19,7 +19,7 @@ namespace sft::test {
 /// The outcome of Node::open().
 enum class Opened : std::uint8_t { node, limit_exceeded, other_error, leaked, crashed };
 
-/// Descriptors and threads of this process.
+/// Returns the numbers of descriptors and threads of this process.
 inline std::pair<std::size_t, std::size_t> in_use() {
   std::pair<std::size_t, std::size_t> counts;
   for (int fd = 0; fd < 1024; ++fd) counts.first += fcntl(fd, F_GETFD) >= 0 ? 1 : 0;
@@ -28,16 +28,17 @@ inline std::pair<std::size_t, std::size_t> in_use() {
   return counts;
 }
 
-/// `limit` is what the error has to name to be Opened::limit_exceeded.
+/// Returns the outcome after `lack` has run in the child. The outcome is Opened::limit_exceeded only if the
+/// error names `limit`.
 inline Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
   const pid_t child = fork();
   if (child == 0) {
-    alarm(30);  // one that hangs ends like one that crashes
+    alarm(30);  // a child that hangs ends like one that crashes
     lack();
     const auto before = in_use();
     const auto node = Node::open(node_options(Way::udp, "short of all"));
     const bool descriptors_are_back = in_use().first == before.first;
-    // The kernel lists a thread for a moment after it was joined.
+    // The kernel still lists a thread for a moment after it was joined.
     const auto all_are_back = [&] { return descriptors_are_back && in_use() == before; };
     if (!node && !eventually(all_are_back, std::chrono::seconds(1))) _exit(static_cast<int>(Opened::leaked));
     const bool is_limit = !node && node.error().code == Errc::limit_exceeded &&

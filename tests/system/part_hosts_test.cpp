@@ -1,5 +1,5 @@
-// A publisher of clouds and subscribers on other hosts that ask for channels, ranges and windows of them:
-// each gets just what it asked for, and the network carries it once.
+// A publisher of clouds, and subscribers on other hosts that ask for channels, ranges and windows. Each
+// subscriber gets exactly its part, and the network carries each part once.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -30,19 +30,19 @@ constexpr double whole_bytes = double{points} * point_bytes;
 
 struct Cloudcast {
   std::atomic<bool> failed{false};
-  std::atomic<std::uint32_t> wanted{0};  ///< so many are to be published
+  std::atomic<std::uint32_t> wanted{0};  ///< the number of samples to publish
   std::atomic<std::uint32_t> count{0};
   std::atomic<std::size_t> served{0}, in_groups{0};
-  std::atomic<std::uint64_t> link_bytes{0};  ///< that the publisher's host has sent
+  std::atomic<std::uint64_t> link_bytes{0};  ///< bytes that the publisher's host has sent
 };
 
 struct Received {
   std::atomic<bool> failed{false};
-  std::atomic<bool> wrong{false};           ///< a sample was not what it names
-  std::atomic<std::uint32_t> selection{0};  ///< the one to ask for
+  std::atomic<bool> wrong{false};           ///< a sample did not match its selection, or was out of order
+  std::atomic<std::uint32_t> selection{0};  ///< index of the selection to ask for
   std::atomic<std::uint32_t> count{0}, last{0};
   std::atomic<std::uint64_t> lost{0};
-  std::atomic<std::uint32_t> named{0};  ///< the selection of the last sample
+  std::atomic<std::uint32_t> named{0};  ///< index of the last sample's selection
 };
 
 std::uint8_t byte_at(std::uint32_t number, std::size_t at) {
@@ -81,7 +81,7 @@ void publish_numbered(Node& node, Cloudcast& cast) {
   }
 }
 
-/// The bytes of the data that the selection takes of the cloud with that number.
+/// Returns the bytes of `data` that the selection takes from the cloud with that number.
 std::vector<std::uint8_t> part_of_cloud(std::uint32_t number, const Selection::Part* part) {
   std::vector<std::uint8_t> bytes;
   for (std::uint32_t point = 0; point < points; ++point) {
@@ -106,7 +106,8 @@ std::vector<std::uint8_t> part_of_cloud(std::uint32_t number, const Selection::P
   return bytes;
 }
 
-/// A sample is of the cloud with its number, and has just the part that it names.
+/// Returns true if the sample is of the cloud with that number, and has exactly the part that its selection
+/// names.
 bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
   const Selection* const named = sample.selection();
   if (named == nullptr) return false;
@@ -121,7 +122,7 @@ bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
   return true;
 }
 
-/// Asks for one of the selections after another, as it is told.
+/// Subscribes with one selection at a time: the one whose index is in Received::selection.
 auto subscribe_in_turn(std::vector<std::string> selections) {
   return [selections = std::move(selections)](Node& node, Received& received) {
     const DynamicType type = node.find_type("points", hang_timeout).value();
@@ -212,7 +213,7 @@ class PartHostsTest : public testing::Test {
   }
   Cloudcast& cast() { return publisher_->report(); }
   Received& received(std::size_t subscriber) { return subscribers_[subscriber]->report(); }
-  /// Publishes so many more, until everybody has the last one.
+  /// Publishes `count` more samples, and waits until all subscribers have the last one.
   bool publish_more(std::uint32_t count) {
     cast().wanted += count;
     return eventually(
@@ -222,11 +223,12 @@ class PartHostsTest : public testing::Test {
         },
         hang_timeout);
   }
-  /// At least so many.
+  /// Publishes until at least that number of readers is in groups.
   bool publish_until_in_groups(std::size_t readers) {
     return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, hang_timeout);
   }
-  /// Everybody has each sample before the next one is published, so nobody falls behind its group.
+  /// Returns the bytes on the link for each sample. Every subscriber has a sample before the next one is
+  /// published, so that no reader lags behind its group.
   double bytes_of_a_sample() {
     constexpr std::uint32_t samples = 20;
     EXPECT_TRUE(publish_more(1));
@@ -234,7 +236,7 @@ class PartHostsTest : public testing::Test {
     for (std::uint32_t i = 0; i < samples; ++i) EXPECT_TRUE(publish_more(1));
     return static_cast<double>(cast().link_bytes - before) / samples;
   }
-  /// Once the groups have settled.
+  /// Measures until the groups have settled, and a sample takes at most that many bytes.
   testing::AssertionResult sends_at_most(double bytes) {
     double least = bytes_of_a_sample();
     const auto is_within = [&] { return least <= bytes || (least = bytes_of_a_sample()) <= bytes; };
@@ -270,7 +272,8 @@ TEST_F(PartHostsTest, WholePartsAndScalarsAreServedBesideEachOther) {
   expect_all_is_right();
 }
 
-/// The hosts look at windows that overlap for the most part, and cut them out of what is sent to all.
+/// The hosts ask for windows that overlap for the most part, and cut them out of one field that is sent to
+/// all.
 TEST_F(PartHostsTest, WindowsThatOverlapAreCutOutOfOneCopyOfTheWholeField) {
   open_all({{"data[:3900]"}, {"data[50:3950]"}, {"data[100:]"}, {"data{x,y,z,intensity,ring}"}});
   ASSERT_TRUE(publish_until_in_groups(4));

@@ -1,5 +1,5 @@
-// A node looks for peers by name, and its name server answers late, never, or otherwise than before. The node
-// never waits for the name server.
+// A node looks up peers by name, and its name server answers late, never, or differently than before. The
+// node never waits for the name server.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -61,7 +61,7 @@ class NameServer {
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;
 
-  /// Sets the address of every name. Questions that have come before are answered, too.
+  /// Sets the address of every name, and answers the questions that have come before.
   void set_address(const std::string& address) {
     const std::scoped_lock lock(mutex_);
     address_ = at(address, 0).sin_addr.s_addr;
@@ -88,7 +88,7 @@ class NameServer {
     }
   }
 
-  /// RFC 1035, 4.1: a header of 12 bytes, the question, and one address of 4 bytes.
+  /// Sends a header of 12 bytes, the question, and one address of 4 bytes (RFC 1035, 4.1).
   void answer(const Question& question) {
     const std::size_t end_of_name = 12 + std::strlen(question.message.data() + 12) + 1;
     std::string answer(question.message.data(), end_of_name + 4);
@@ -108,7 +108,7 @@ class NameServer {
   std::thread thread_;
 };
 
-/// Replaces a file of the system by a file of this test, for this host alone.
+/// Replaces a file of /etc by a file with that text, for this isolated host only.
 void put(const std::string& file, const std::string& text) {
   const std::string own = "/tmp/" + file;
   std::ofstream(own) << text;
@@ -154,8 +154,8 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
     const auto subscriber = newcomer.subscriber<PointCloud2>("points").value();
     EXPECT_TRUE(eventually([&] { return publisher.status().readers.size() == 1; }));
   }
-  /// A participant at that address would get the datagrams of nodes that look for it. The nodes of this test
-  /// have the first ports.
+  /// Opens a socket that gets the datagrams for a participant at that address, in place of the participant.
+  /// The nodes of this test have the first ports.
   static core::FileDescriptor participant_at(const std::string& address) { return socket_at(address, 7440); }
   static bool is_asked(const core::FileDescriptor& participant) {
     pollfd waits{.fd = participant.get(), .events = POLLIN, .revents = 0};
@@ -166,8 +166,8 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
       "'robot.example' is not looked for yet: the lookup of its address has not been answered";
 };
 
-/// If a node waited for the answer, the lookup would have failed before the node goes on, and the warning
-/// would name that failure.
+/// If a node waited for the answer, the lookup would fail before the node continues, and the warning would
+/// name that failure.
 TEST_P(PeerNamesTest, HoldNeitherANodeNorItsNewcomersUpWhileTheNameServerIsSilent) {
   const NameServer silent;
   Node node = Node::open(options()).value();

@@ -1,4 +1,4 @@
-// Publishing and subscribing: what every transport has to do alike.
+// Tests of publishing and subscribing that every transport has to pass in the same way.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -177,7 +177,7 @@ TEST_P(PubSubTest, NothingOfEarlierSamplesIsInALoan) {
     EXPECT_EQ(sample.to_owned(), expected);
     EXPECT_EQ(std::ranges::count(sample.cdr(), std::byte{0xA5}), 0);
     if (!in_shared_memory()) continue;
-    // The header, the index and padding stand in front of the body.
+    // The header, the index and padding precede the body.
     const std::size_t body_offset = SampleLayout(pub.type().index_slots()).body_offset;
     const std::span chunk(sample.cdr().data() + encapsulation_bytes - body_offset, body_offset);
     EXPECT_TRUE(std::ranges::search_n(chunk, 3, std::byte{0xA5}).empty());
@@ -345,7 +345,7 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   Node a = open("a");
   auto pub = a.publisher<PointCloud2>("points").value();
   std::atomic<bool> gone{false};
-  // Orders the threads in the eyes of the thread sanitizer, as the network does not.
+  // Orders the threads for the thread sanitizer, which does not see an order by the network.
   std::atomic<bool> complete{false};
   std::optional<Node> b = open("b");
   using Sub = Subscriber<PointCloud2, F::height>;
@@ -385,7 +385,7 @@ TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
   may_return = true;
 }
 
-// The thread that takes the subscriber down answers the questions of the callback.
+// The agent removes the subscriber, and also answers what the callback asks the node.
 TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   Node a = open("a");
   Node b = open("b");
@@ -396,7 +396,7 @@ TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
                  if (!complete) return;
                  sub.reset();
-                 expect_served(pub, 0);  // the agent is done with it
+                 expect_served(pub, 0);  // the agent has removed the subscriber
                  topics = b.topics().size();
                }).value());
   complete = true;

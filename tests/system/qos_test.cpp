@@ -1,4 +1,4 @@
-// Quality of service as a user sees it, over every transport.
+// Quality of service by the public API, over every transport.
 #include <atomic>
 #include <functional>
 #include <iterator>
@@ -14,7 +14,7 @@
 namespace sft::test {
 namespace {
 
-/// Events of one publisher or subscriber, which it outlives.
+/// The events of one publisher or subscriber. The log must outlive it.
 class EventLog {
  public:
   Event::Callback callback() {
@@ -44,7 +44,7 @@ class EventLog {
 
 using sensor_msgs::msg::Image;
 
-/// Takes samples as they come: each once, in order, and no gap but before the first.
+/// Takes samples, and expects consecutive sequences from the first one on.
 template <class S>
 void expect_unbroken(S& late, int samples) {
   std::uint64_t last = 0;
@@ -58,7 +58,8 @@ void expect_unbroken(S& late, int samples) {
   EXPECT_EQ(late.status().lost, 0U);
 }
 
-/// A late subscriber beside another that has been there: each sample once, in order, from the history on.
+/// Expects that a late subscriber beside an early one gets each sample once and in order, beginning with the
+/// history.
 void expect_history_beside_others(Node& a, Node& b) {
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
   auto early = b.subscriber<PointCloud2>("points", {.depth = 1000}).value();
@@ -187,12 +188,12 @@ TEST_P(QosTest, WhoeverPublishesInTimeMissesNoDeadline) {
   auto sub =
       b.subscriber<PointCloud2, F::height>("points", {.deadline = 1s, .on_event = requested.callback()})
           .value();
-  // It may take more than a second until shared memory is there.
+  // It may take longer than the deadline until shared memory is ready.
   ASSERT_TRUE(eventually([&] {
     pub.publish(cloud(1));
     return served(pub) == 1;
   }));
-  // Samples are taken late, or pushed out: they came all the same.
+  // Samples that are never taken, or are pushed out of the queue, still came in time.
   const auto missed = [&] {
     pub.publish(cloud(1));
     return offered.has(Event::Kind::deadline_missed) || requested.has(Event::Kind::deadline_missed);
@@ -288,7 +289,7 @@ TEST_P(QosTest, BetweenHistoryAndLiveSamplesNothingIsMissingAndNothingTwice) {
   }
 }
 
-// Others, of the same mask in the same process, have live samples all the time.
+// Another subscriber with the same mask in the same process gets live samples all the time.
 TEST_P(QosTest, LiveSamplesForOthersDoNotOvertakeTheHistory) { expect_history_beside_others(a, b); }
 
 TEST_P(QosTest, WhatHasExpiredIsNotGivenToLateSubscribers) {
@@ -313,7 +314,7 @@ class RateTest : public QosTest {
     std::uint64_t samples = 0;
     std::uint64_t published() const { return last.sequence - first.sequence + 1; }
   };
-  /// Takes so many samples of one publisher as they come.
+  /// Takes that number of samples of one publisher.
   template <class S>
   static Heard hear(S& sub, std::uint64_t samples) {
     Heard heard;
@@ -325,9 +326,9 @@ class RateTest : public QosTest {
     }
     return heard;
   }
-  /// A limit of that rate is worth one sample in each of its periods, and two that were not used are saved.
-  /// So, however unsteadily this machine lets the publisher run: of each period in which something was surely
-  /// published the reader has got a sample, and of all periods two more than these at most.
+  /// A limit of that rate allows one sample in each period of 1 / `hz`, and saves up to two unused ones.
+  /// However unsteadily the publisher runs, the reader has got a sample of each period in which one was
+  /// certainly published, and at most two more samples than there are periods.
   void expect_rate(const Heard& heard, std::int64_t hz) {
     const std::int64_t period_ns = 1'000'000'000 / hz;
     const std::int64_t first = heard.first.source_stamp.time_since_epoch().count() / period_ns;
@@ -360,7 +361,8 @@ class RateTest : public QosTest {
   }
 
   std::mutex publications_mutex_;
-  std::vector<std::pair<std::int64_t, std::int64_t>> publications_;  ///< when each began and ended
+  /// The begin and end of each call of publish().
+  std::vector<std::pair<std::int64_t, std::int64_t>> publications_;
 };
 
 TEST_P(RateTest, ASlowReaderOfAFastPublisherGetsItsRateAndLosesNothing) {
@@ -385,7 +387,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
   auto slower = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 5}).value();
   expect_served(pub, 3);
   const Ticker ticker(period, publish, Keeps::rate);
-  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // they may begin with what was saved
+  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // the first samples may use saved allowances
   const Heard of_slow = hear(slow, 20);
   expect_rate(of_slow, 20);
   expect_rate(hear(slower, 7), 5);
@@ -408,7 +410,7 @@ TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
   EXPECT_EQ(of_all.samples, of_all.published()) << "every one that was published meanwhile";
   ASSERT_TRUE(sub.set_max_rate_hz(10));
   ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 10; }));
-  (void)hear(sub, 12);  // what was on its way
+  (void)hear(sub, 12);  // samples that were under way at the change
   expect_rate(hear(sub, 8), 10);
   EXPECT_EQ(sub.status().lost, 0U);
   EXPECT_FALSE(sub.set_max_rate_hz(-1));
@@ -426,7 +428,7 @@ TEST_P(RateTest, CallbacksComeAtTheRateToo) {
   EXPECT_EQ(sub.status().lost, 0U);
 }
 
-// By default history comes by UDP, and what is live through shared memory then.
+// By default the history comes by UDP, and then live samples come through shared memory.
 TEST(HistoryTest, ALateSubscriberOnTheSameHostGetsTheHistoryAndChangesOverToSharedMemory) {
   const auto options = [](const char* name) {
     NodeOptions o{.name = name};
@@ -468,7 +470,7 @@ TEST(HistoryTest, LiveSamplesForOthersInSharedMemoryDoNotOvertakeIt) {
 INSTANTIATE_TEST_SUITE_P(Ways, RateTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 INSTANTIATE_TEST_SUITE_P(Ways, QosTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
 
-/// Three megabytes at ten a second.
+/// Expects that 3 MB take more than 250 ms, because a limit of 10 MB/s is set.
 void expect_paced(const NodeOptions& sending, const PublisherOptions& published) {
   Node a = Node::open(sending).value();
   Node b = Node::open(node_options(Way::udp, "b")).value();

@@ -1,4 +1,5 @@
-// The recipes of docs/guide.md for timers, services, parameters and exchange with DDS nodes do what they say.
+// The recipes of docs/guide.md for timers, services, parameters and exchange with DDS nodes work as the
+// guide says.
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <unistd.h>
@@ -37,7 +38,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Lines arrive at once. Newer C libraries refuse to change that once something was printed.
+/// Makes each printed line arrive at once. Newer C libraries refuse to change the buffering after the first
+/// output, so this is done at the start.
 [[maybe_unused]] const int line_buffered = std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
 
 class RecipesTest : public testing::Test {
@@ -46,7 +48,7 @@ class RecipesTest : public testing::Test {
   sft::Node other_ = sft::Node::open({.name = "there"}).value();
 };
 
-/// Standard output, of which the test reads line by line what is printed meanwhile.
+/// Redirects standard output while it lives, so that the test can read it line by line.
 class PrintedLines {
  public:
   PrintedLines() {
@@ -65,7 +67,7 @@ class PrintedLines {
   PrintedLines(const PrintedLines&) = delete;
   PrintedLines& operator=(const PrintedLines&) = delete;
 
-  /// Waits for it.
+  /// Waits for the next line and returns it.
   std::string next() {
     std::string line;
     for (int c = std::fgetc(printed_); c != EOF && c != '\n'; c = std::fgetc(printed_)) {

@@ -1,4 +1,4 @@
-// Automatic requirement recording, end to end: what is read is what is asked for.
+// Automatic recording of requirements, end to end: a subscriber asks for the fields that the program reads.
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -18,14 +18,14 @@ class RecordingTest : public PubSubTest {
     return b.subscriber<PointCloud2, recorded>("points", {.recording = settings});
   }
 
-  /// Publishes one more, and takes it.
+  /// Publishes one more sample and takes it.
   Sample<PointCloud2, recorded> next() {
     pub.publish(cloud(++published));
     return sub->wait(hang_timeout) ? sub->take() : Sample<PointCloud2, recorded>();
   }
 
-  /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask it
-  /// names.
+  /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask
+  /// that it names.
   template <class Read>
   bool until_asked_for(const FieldMask& mask, Read read) {
     return eventually([&] {
@@ -63,7 +63,7 @@ TEST_P(RecordingTest, AFieldReadLaterIsAskedForAtOnceAndThenArrives) {
     (void)sample->width();
     missed += sample->height() ? 0 : 1;
   }));
-  // In shared memory the sample has everything, and no read ever misses.
+  // In shared memory the sample has all fields, so that no read misses one.
   EXPECT_EQ(missed == 0, in_shared_memory());
   const auto sample = next();
   EXPECT_EQ(sample->height(), published);
@@ -188,7 +188,7 @@ TEST_P(RecordingTest, SettingsThatMakeNoSenseAreRefused) {
 INSTANTIATE_TEST_SUITE_P(Ways, RecordingTest, ::testing::Values(Way::shm, Way::udp, Way::udp_sockets),
                          way_name);
 
-/// as_remote() gives the same by every path.
+/// Tests that a subscriber with `as_remote` gets the same fields over every transport.
 class AsRemoteTest : public RecordingTest {
  protected:
   AsRemoteTest() : RecordingTest(true) {}

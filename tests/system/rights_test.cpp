@@ -1,4 +1,4 @@
-// Whole nodes of several users.
+// Nodes of several users on one host.
 #include <grp.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -37,7 +37,7 @@ bool other_users_exist() {
          count > reader;
 }
 
-/// Answers each sample that came through shared memory, as a user that may only read.
+/// Answers each sample that came through shared memory, as a user with the right to read only.
 [[noreturn]] void answer_what_comes_through_shared_memory() {
   if (setgroups(1, &readers_group) != 0 || setgid(reader) != 0 || setuid(reader) != 0) _exit(1);
   Node node = Node::open({.name = "reader"}).value();
@@ -52,7 +52,7 @@ bool other_users_exist() {
   }
 }
 
-/// Ended with the object.
+/// A child process, which the destructor ends.
 class Child {
  public:
   explicit Child(pid_t pid) : pid_(pid) {}

@@ -7,7 +7,7 @@ namespace sft::test {
 
 namespace {
 
-/// The rule of that kind, of which there are 8. Each n from 0 to 99 gives another one.
+/// Returns the n-th rule of one of 8 kinds. Each n from 0 to 99 gives a different rule.
 Rule rule_of(std::size_t kind, std::int64_t n) {
   const std::int64_t bound = 500 + 4 * n, step = 2 + n;
   const std::string bound_text = std::to_string(bound), step_text = std::to_string(step);

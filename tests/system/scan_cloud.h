@@ -1,4 +1,4 @@
-// A cloud of several rows, whose bytes tell its number.
+// A cloud of several rows, whose bytes depend on its number.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,8 @@
 
 namespace sft::test {
 
-/// Four rows of 50 points with the channels x, y and ring, with room between them and behind each row.
+/// Returns a cloud with four rows of 50 points. There are gaps between the channels x, y and ring, and
+/// behind each row.
 inline PointCloud2 scan_cloud(std::uint64_t number) {
   using sensor_msgs::msg::PointField;
   PointCloud2 cloud;

@@ -1,4 +1,4 @@
-// Subscribers that change what they ask for while samples come, over every transport.
+// Subscribers that change their selections while samples come, over every transport.
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -17,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-/// One row of points of one byte each; its stamp is the number.
+/// Returns a cloud with one row of points of one byte each, with `number` as its stamp.
 PointCloud2 row(std::int32_t number) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = number;
@@ -29,7 +29,8 @@ PointCloud2 row(std::int32_t number) {
   return cloud;
 }
 
-/// Tells whether the sample has those bytes of the row that its stamp names which its selection names.
+/// Returns true if the sample has the bytes that its selection takes from the row with the number in its
+/// stamp.
 bool has_what_it_names(const DynamicSample& sample) {
   if (sample.selection() == nullptr || sample.selection()->parts().size() != 1) return false;
   const Selection::Range part = sample.selection()->parts()[0].columns;
@@ -42,8 +43,8 @@ bool has_what_it_names(const DynamicSample& sample) {
   return true;
 }
 
-/// Selections of any kind of a cloud of scan_cloud(): fields, channels, rows and columns, and conditions,
-/// which are fulfilled often.
+/// Random selections from a cloud of scan_cloud(): fields, channels, rows and columns, and conditions that
+/// are often fulfilled.
 class AnySelection {
  public:
   std::string next() {
@@ -62,7 +63,7 @@ class AnySelection {
     if (random_() % 3 == 0) return "";
     return "[rows " + range(4) + ", columns " + range(50) + "]";
   }
-  /// Not empty.
+  /// Returns a range that is not empty.
   std::string range(std::uint64_t count) {
     const std::uint64_t begin = random_() % count, size = 1 + random_() % count;
     return std::to_string(begin) + ":" + std::to_string(begin + size) + ":" +
@@ -72,7 +73,7 @@ class AnySelection {
   Random random_{test_seed()};
 };
 
-/// Tells whether the sample is, byte for byte, what the reference cuts of the cloud with its number.
+/// Returns true if the sample equals, byte for byte, what the reference cuts from the cloud with its number.
 bool is_what_it_names(const DynamicSample& sample) {
   PointCloud2 expected = scan_cloud(sample.info().sequence);
   if (sample.selection() != nullptr) {
@@ -143,7 +144,7 @@ TEST_P(SelectionChangeTest, ASampleOfACompiledSubscriberNamesItsPart) {
   }));
 }
 
-// A reliable reader, which misses nothing while each sample that comes finds another selection in force.
+// The reader is reliable and misses nothing, while a different selection is in force for each sample.
 TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatTheyName) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

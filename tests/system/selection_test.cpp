@@ -1,4 +1,4 @@
-// Subscribers that say when they need a sample, over every transport.
+// Subscribers with conditions on the samples that they need, over every transport.
 #include <gmock/gmock.h>
 
 #include <nav_msgs/msg/Odometry.hpp>
@@ -20,11 +20,11 @@ class SelectionNodesTest : public PubSubTest {
   using Numbers = std::vector<std::uint32_t>;
 
   DynamicType type() { return b.find_type("points", hang_timeout).value(); }
-  /// Publishes clouds with these heights, which are the numbers by which samples are known here.
+  /// Publishes clouds with these heights. The tests identify samples by their heights.
   void publish(const Numbers& heights) {
     for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
   }
-  /// The heights of all samples up to that one, which has to come.
+  /// Takes all samples up to the one with the height `last`, which has to come. Returns their heights.
   template <class S>
   static Numbers until(S& sub, std::uint32_t last) {
     Numbers heights;
@@ -81,7 +81,7 @@ TEST_P(SelectionNodesTest, WhatTheQueueLosesIsToldFromWhatWasWithheld) {
   publish({200});
   EXPECT_THAT(until(sub, 200), ElementsAre(200));
   publish({2, 100, 3, 4, 101, 5, 102, 6, 103});
-  // In shared memory the reader finds out when it takes the next sample.
+  // In shared memory the reader counts discarded samples when it takes the next sample.
   ASSERT_TRUE(in_shared_memory() || eventually([&] { return sub.status().discarded == 2; }));
   EXPECT_THAT(until(sub, 103), ElementsAre(102, 103));
   EXPECT_EQ(sub.status().lost, 2U);
@@ -127,7 +127,7 @@ TEST_P(SelectionNodesTest, TheConditionsOfACompiledSubscriberStandInItsOptions) 
               HasSubstr("column 17"));
 }
 
-// Each has conditions of its own: "height >= 1", "height >= 2", and so on.
+// Each reader has its own condition: "height >= 1", "height >= 2", and so on.
 TEST_P(SelectionNodesTest, SixtyFourReadersWithSixtyFourConditionsGetWhatTheyAskedFor) {
   constexpr std::uint32_t readers = 64;
   const DynamicType type = this->type();

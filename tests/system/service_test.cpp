@@ -1,4 +1,5 @@
-// Services: each call is answered or ends with the reason, whenever clients and servers come and go.
+// Services. Each call is answered or ends with an error that gives the reason, whenever clients and servers
+// come and go.
 #include <gmock/gmock.h>
 
 #include <future>
@@ -18,7 +19,7 @@ namespace {
 using service_msgs::srv::Add;
 using ::testing::HasSubstr;
 
-/// A flag for which a handler waits.
+/// A gate that holds up a handler until it is opened.
 class Gate {
  public:
   void open() { is_open_ = true; }
@@ -35,7 +36,7 @@ class ServiceTest : public PubSubTest {
   static Service<Add> serve(Node& node, Service<Add>::Handler handler) {
     return Service<Add>::open(node, "sum", std::move(handler)).value();
   }
-  /// A server that counts what it does.
+  /// Opens a server that counts its runs.
   Service<Add> serve(Node& node) {
     return serve(node, [this](const Add::Request& request) {
       ++runs;
@@ -47,7 +48,7 @@ class ServiceTest : public PubSubTest {
   }
   static Client<Add> client_of(Node& node) { return Client<Add>::open(node, "sum").value(); }
 
-  /// The sum, or what the error says.
+  /// Returns the sum, or the text of the error.
   static std::string answer(Client<Add>& client, std::int64_t a, std::int64_t b,
                             std::chrono::nanoseconds timeout = hang_timeout) {
     const auto response = client.call({.a = a, .b = b}, timeout);
@@ -59,7 +60,7 @@ class ServiceTest : public PubSubTest {
       if (each.topic == topic) return each;
     return {};
   }
-  /// What a server has sent to the client of another node.
+  /// Returns the server's account of the replies to the client of another node.
   static PublisherStatus::Reader replies_to(const Node& server, const std::string& node) {
     for (const auto& reader : publisher(server, "sum/reply").readers)
       if (reader.node == node) return reader;
@@ -238,7 +239,7 @@ TEST_P(ServiceTest, ACallThatIsUnderWayIsNotCarriedOutByASecondServer) {
 }
 
 TEST_P(ServiceTest, AServerThatIsKilledEndsTheCallAndItsSuccessorAnswersTheNext) {
-  warnings_expected = true;  // of what the kill leaves behind
+  warnings_expected = true;  // about the killed process
   SharedWithChildren<std::atomic<bool>> is_called;
   const pid_t doomed = fork();
   if (doomed == 0) {

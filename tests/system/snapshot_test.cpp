@@ -1,5 +1,5 @@
-// node.snapshot(): that it names every pair, its path and its mask, and that its counts agree with each other
-// and with what was published and received.
+// node.snapshot() names every pair, its path and its mask. Its counts agree with each other, and with the
+// samples that were published and received.
 #include <algorithm>
 #include <nlohmann/json.hpp>
 #include <random>
@@ -20,7 +20,7 @@ class NodeSnapshotTest : public PubSubTest {
     while (subscriber.take()) ++taken;
     return taken;
   }
-  /// Waits until every published sample has come or is known not to come.
+  /// Waits until every published sample is counted as received, lost or withheld.
   template <class S>
   void expect_all_accounted_for(S& subscriber, std::uint64_t published) {
     EXPECT_TRUE(eventually([&] {
@@ -127,7 +127,7 @@ TEST_P(NodeSnapshotTest, OfWhatEachReaderAsksForItSaysWhatItCostAndWhatItSaved) 
   EXPECT_GT(published().bytes_sent, reader("*").bytes_sent + reader("height").bytes_sent);
 }
 
-// Nobody asks for all of it, so that it is never encoded whole.
+// No reader asks for all fields, so that a sample is never encoded whole.
 TEST_P(NodeSnapshotTest, WhatIsSavedIsMeasuredWhereNothingIsEncodedWhole) {
   const PointCloud2 message = cloud(1, 5000);
   const std::size_t whole = whole_body(message);
@@ -171,7 +171,7 @@ TEST_P(NodeSnapshotTest, WhatIsWithheldForARateIsNeitherSentNorDropped) {
   EXPECT_EQ(reader("width").sent, samples);
 }
 
-// Masks and rates change all the time, while samples are published: each sample counts once, for each reader.
+// Masks and rates change all the time while samples are published. Each sample counts once for each reader.
 TEST_P(NodeSnapshotTest, CountsAgreeWhateverChangesMeanwhile) {
   std::mt19937 random(7);
   auto rec = b.subscriber<PointCloud2, recorded>(

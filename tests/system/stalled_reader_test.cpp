@@ -1,5 +1,5 @@
-// Two reliable subscribers on another host, of which one is held up for longer than a publisher can keep for
-// it what it misses.
+// Two reliable subscribers on another host. One of them is held up for longer than the publisher can keep
+// the samples that it misses.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -22,13 +22,13 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 constexpr std::size_t sample_bytes = 200'000;
-constexpr std::uint32_t samples_published = 600;  // of which a publisher keeps 64 MiB
-constexpr std::uint32_t kept = 240;               // at least
+constexpr std::uint32_t samples_published = 600;  // 120 MB, of which a publisher keeps 64 MiB
+constexpr std::uint32_t kept = 240;               // least number of samples that a publisher keeps
 
 struct Kept {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> served{0};
-  std::atomic<std::uint32_t> wanted{0};  ///< so many are to be published
+  std::atomic<std::uint32_t> wanted{0};  ///< the number of samples to publish
   std::atomic<std::uint32_t> count{0};
 };
 
@@ -37,7 +37,7 @@ struct TakenInOrder {
   std::atomic<bool> out_of_order{false};
   std::atomic<std::uint32_t> last{0};
   std::atomic<std::uint64_t> count{0}, told{0};
-  std::atomic<std::uint32_t> in_a_row{0};  ///< the last ones
+  std::atomic<std::uint32_t> in_a_row{0};  ///< number of latest samples without a gap
 };
 
 void publish_many(Node& node, Kept& published) {

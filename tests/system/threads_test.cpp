@@ -1,5 +1,5 @@
-// The threads of a node: their names, CPUs and scheduling policies, whatever the thread has that opens the
-// node.
+// The threads of a node: their names, CPUs and scheduling policies, which do not depend on those of the
+// thread that opens the node.
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -76,8 +76,8 @@ bool pin_to(const std::set<unsigned>& cpus) {
   return sched_setaffinity(0, sizeof set, &set) == 0;
 }
 
-/// Nodes with all the threads that there can be: with a callback, a file descriptor, and several readers who
-/// sleep.
+/// Nodes with all threads that a node can have, because they have a callback, a file descriptor, and several
+/// readers that sleep.
 class ThreadsTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -91,7 +91,7 @@ class ThreadsTest : public ::testing::Test {
     return options;
   }
 
-  /// The threads that came with a node that is in use.
+  /// Returns the threads that a node in use has added to the process.
   std::map<pid_t, Thread> threads_of(const NodeOptions& options) {
     const auto before = threads();
     Node node = Node::open(options).value();
@@ -111,14 +111,14 @@ class ThreadsTest : public ::testing::Test {
       publisher.publish({.height = 1});
       return called > 10;
     }));
-    // A thread gives itself its name a moment after it was made. The one that wakes readers is made last.
+    // A thread sets its name a moment after it was made. The thread that wakes readers is made last.
     std::map<pid_t, Thread> now;
     EXPECT_TRUE(eventually([&] {
       now = threads();
       return std::ranges::any_of(names(now), [](const std::string& name) { return name.ends_with("wake"); });
     }));
     std::erase_if(now, [&](const auto& entry) { return before.contains(entry.first); });
-    // Workers of io_uring are the kernel's.
+    // Workers of io_uring belong to the kernel.
     std::erase_if(now, [](const auto& entry) { return entry.second.name.starts_with("iou-"); });
     return now;
   }

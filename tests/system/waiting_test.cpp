@@ -13,14 +13,15 @@
 namespace sft::test {
 namespace {
 
-/// An event loop of the program's own.
+/// An event loop of a program.
 class Loop {
  public:
   explicit Loop(int fd, std::uint32_t events = EPOLLIN) {
     epoll_event event{.events = events, .data = {}};
     EXPECT_EQ(::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event), 0);
   }
-  /// The kernel interrupts it, too, without a signal: to clear away the rings of an earlier test.
+  /// Returns true if the descriptor becomes ready in time. The kernel may interrupt the wait without a
+  /// signal, to clear away the rings of an earlier test.
   bool wakes(std::chrono::milliseconds within) {
     epoll_event event{};
     int ready = 0;
@@ -36,7 +37,7 @@ class Loop {
 
 class WaitingTest : public PubSubTest {
  protected:
-  /// 0 if there is none.
+  /// Takes a sample and returns its sequence; 0 if there is none.
   template <class S>
   static std::uint64_t taken(S& subscriber) {
     const auto sample = subscriber.take();

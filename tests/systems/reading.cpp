@@ -1,4 +1,5 @@
-// A program reads through views that are temporaries: the results refer to the sample, and no compiler warns.
+// A program that reads through temporary views. The results refer to the sample and not to the views, so
+// that no compiler must warn.
 #include <sft/sft.h>
 
 #include <geometry_msgs/msg/PoseWithCovarianceStamped.hpp>

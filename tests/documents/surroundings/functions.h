@@ -1,4 +1,4 @@
-// A block of functions, as they stand beside each other in a source file.
+// Surrounds a block of functions of a document, which stand at namespace scope in a source file.
 #include <sft/sft.h>
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// A block of statements, as they stand in a function of a program that has a node.
+// Surrounds a block of statements of a document, which stand in a function of a program that has a node.
 #include <sft/sft.h>
 
 #include <cstdio>

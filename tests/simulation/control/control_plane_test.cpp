@@ -1,5 +1,5 @@
-// Whatever networks lose and attackers forge: once that is over, each process knows what all others have. And
-// where nothing is forged, no link is made anew.
+// Networks lose datagrams, and attackers forge records. Once that is over, each process has the records of
+// all others. If nothing is forged, no link is made anew.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -21,8 +21,8 @@ class ControlPlaneTest : public RandomTest {
     int processes = 5;
     int networks = 1;
     int steps = 300;
-    Time::duration pause = 300ms;  ///< the longest one between two steps
-    double changes = 0.8;          ///< the share of steps, as of all below
+    Time::duration pause = 300ms;  ///< the longest pause between two steps
+    double changes = 0.8;          ///< probability of a change at each step; the others likewise
     double kills = 0;
     double attacks = 0;
     double claims = 0;
@@ -48,7 +48,7 @@ class ControlPlaneTest : public RandomTest {
     for (int network = 0; network < plan.networks; ++network) world.cut(network, false);
   }
 
-  /// Returns what is still wrong after that time.
+  /// Runs until nothing is wrong, but at most for that time. Returns what is still wrong.
   static std::string wrong_within(ControlWorld& world, Time::duration time) {
     for (const Time end = world.now() + time; world.now() < end && !world.what_is_wrong().empty();)
       world.run(100ms);
@@ -58,7 +58,7 @@ class ControlPlaneTest : public RandomTest {
   int some_networks() { return 1 + static_cast<int>(random() % 3); }
 };
 
-/// A killed process is noticed within 7 s, and a newcomer is found in less.
+/// A killed process is noticed within 7 s, and a new one is found sooner.
 TEST_F(ControlPlaneTest, KnowsWhatAllHaveAndMakesNoLinkAnewWhereNothingIsForged) {
   for (std::uint64_t round = 0; round < test_rounds(20); ++round) {
     const std::uint64_t seed = random();
@@ -80,14 +80,14 @@ TEST_F(ControlPlaneTest, FollowsManyChangesASecond) {
     live_through(world, {.networks = some_networks(), .steps = 3000, .pause = 20ms});
     EXPECT_EQ(wrong_within(world, 3s), "");
     EXPECT_EQ(world.renewals(), 0);
-    // Where datagrams get lost, a link that was found later may have agreed earlier.
+    // If datagrams get lost, a link that was found later may have agreed earlier.
     if (round % 2 == 0) {
       EXPECT_EQ(world.steps_back(), 0);
     }
   }
 }
 
-/// Now and then all heartbeats of a lease are lost.
+/// Sometimes all heartbeats within a lease are lost.
 TEST_F(ControlPlaneTest, MakesNoLinkAnewWhereAFifthOfAllDatagramsGetsLost) {
   for (std::uint64_t round = 0; round < test_rounds(20); ++round) {
     const std::uint64_t seed = random();
@@ -121,7 +121,7 @@ TEST_F(ControlPlaneTest, OutlivesWhatIsForgedInTheNamesOfOthers) {
                  {.networks = some_networks(), .kills = 0.02, .attacks = 0.03, .claims = 0.01, .cuts = 0.01});
     world.lose(0);
     EXPECT_EQ(wrong_within(world, 60s), "");
-    world.run(90s);  // links that are wrong beside a right one are made anew as well
+    world.run(90s);  // wrong links beside a right one are also made anew
     const int renewals = world.renewals();
     world.run(90s);
     EXPECT_EQ(world.renewals(), renewals);

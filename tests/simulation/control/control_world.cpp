@@ -9,7 +9,7 @@ namespace sft::core::test {
 namespace {
 
 constexpr Time::duration step = 10ms;
-/// The agents of a process look after discovery at least this often.
+/// The agents of a process do the periodic work of discovery at least this often.
 constexpr Time::duration look_every = 932ms;
 constexpr Time::duration resent_within = 300ms;
 
@@ -66,7 +66,7 @@ void ControlWorld::cut(int network, bool is_cut) {
     return;
   }
   cuts_.erase(network);
-  for (const auto& hearer : links_) {  // what was written meanwhile is sent again
+  for (const auto& hearer : links_) {  // records that were written meanwhile are sent again
     if (hearer->network != network || !hearer->is_open) continue;
     each_hearer(*hearer, [&](SimLink& writer) {
       at(now_ + up_to(resent_within),
@@ -84,7 +84,7 @@ void ControlWorld::announce(SimLink& link, bool asks) {
   });
 }
 
-/// Cyclone answers a participant that it did not know.
+/// Handles an announcement. Cyclone answers it if it did not know the participant.
 void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bool is_answer) {
   if (!reaches(of, hearer)) return;
   Channel& known = channel(hearer, of);
@@ -98,7 +98,7 @@ void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bo
   at(now_ + up_to(5ms), [this, &hearer, &of] { hear_announcement(of, hearer, false, true); });
 }
 
-/// Records may come before Cyclone says whose they are.
+/// Finds a participant. Its records may come before Cyclone reports the participant.
 void ControlWorld::find(SimLink& hearer, SimLink& writer) {
   Channel& found = channel(hearer, writer);
   found.is_found = true;
@@ -134,7 +134,7 @@ void ControlWorld::write_to_all(SimProcess& process, Role role, const OwnRecords
   }
 }
 
-/// All arrives in its order, unless the hearer is deaf. What was lost is sent again.
+/// Records arrive in the order of writing, unless the hearer's channel is stalled. Lost ones are sent again.
 void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const RecordKey& key,
                          const Record& record) {
   Channel& to = channel(hearer, writer);
@@ -236,7 +236,7 @@ void ControlWorld::run(Time::duration time) {
     }
     for (const auto& process : processes_) {
       if (process->is_killed) continue;
-      act(*process);  // what Cyclone's threads have brought is told at once
+      act(*process);  // work from Cyclone's threads is done at once
       const Time due =
           std::min({process->looked_at + look_every, process->peers.next(), process->own.heartbeat_due()});
       if (now_ >= due) look(*process);
@@ -283,10 +283,10 @@ void ControlWorld::attack() {
   const auto lie = std::make_shared<const std::vector<std::byte>>(random_body());
   const std::uint64_t greatest = ~std::uint64_t{0};
   switch (below(7)) {
-    case 0:  // a number far ahead
+    case 0:  // a sequence number far ahead
       channel(*hearer, *writer).is_stalled = true;
       break;
-    case 1:  // a disposal of the participant
+    case 1:  // a forged disposal of the participant
       forget(*hearer, *writer);
       break;
     case 2:
@@ -298,7 +298,7 @@ void ControlWorld::attack() {
     case 4:
       victim.record_came(as, role, key, {greatest, nullptr}, now_);
       break;
-    case 5:  // the next one, which makes the true one an old one
+    case 5:  // the next revision, which makes the true record outdated
       victim.record_came(as, role, key, {own.empty() ? 1 : own.begin()->second.revision, lie}, now_);
       break;
     default:

@@ -1,6 +1,6 @@
-// Processes that exchange records and heartbeats on several networks, in one thread and in a time of their
-// own. Networks lose, delay and reorder datagrams, and may be cut. Attackers make links deaf, and write in
-// the names of others. All numbers come from one seed.
+// Processes that exchange records and heartbeats on several networks, in one thread and in simulated time.
+// Networks lose, delay and reorder datagrams, and may be cut. Attackers make links deaf, and write in the
+// names of other processes. All random numbers come from one seed.
 #pragma once
 
 #include <cstdint>
@@ -31,10 +31,11 @@ struct SimLink {
   LinkId id = 0;
   ParticipantGuid guid{};
   bool is_open = true;
-  std::vector<std::pair<Heartbeat, Time>> unread{};  ///< heartbeats since the last look, and when they came
+  /// Heartbeats since the last look, and their times of arrival.
+  std::vector<std::pair<Heartbeat, Time>> unread{};
 };
 
-/// What a user of the core knows of others by its actions alone.
+/// The records of other processes, as the actions of Peers alone report them.
 using Mirror = std::map<ProcessId, PerRole<std::map<RecordKey, Record>>>;
 
 struct SimProcess {
@@ -48,38 +49,41 @@ struct SimProcess {
   std::map<LinkId, int> renewals_due{};
   Time looked_at{};
   bool is_killed = false;
-  std::uint64_t owners = 0;  ///< endpoints that were opened so far
+  std::uint64_t owners = 0;  ///< number of endpoints opened so far
   std::vector<std::pair<Role, std::uint64_t>> open{};
 };
 
-/// Larger than usual: it has a function for each thing that happens on the networks.
+/// Larger than usual: it has a function for each kind of event on the simulated networks.
 class ControlWorld {
  public:
   explicit ControlWorld(std::uint64_t seed) : random_(seed) {}
 
-  // What happens.
+  // Events.
 
   SimProcess& start(int networks);
-  /// An endpoint is opened, closed or changed.
+  /// Opens, closes or changes a random endpoint of the process.
   void change(SimProcess& process);
   void kill(SimProcess& process);
   void lose(double share) { loss_ = share; }
   void cut(int network, bool is_cut);
   bool is_cut(int network) const { return cuts_.contains(network); }
-  /// Somebody forges something of a process that others know.
+  /// Forges a random item in the name of a participant that another process knows.
   void attack();
-  /// A participant of nobody claims to be of that process for a while, and has records of its own.
+  /// Adds a foreign participant, which claims for a while to belong to that process, and has records of its
+  /// own.
   void claim(const SimProcess& process, Time::duration lasts);
   void run(Time::duration time);
 
-  // What is seen.
+  // State.
 
   Time now() const { return now_; }
   const std::vector<std::unique_ptr<SimProcess>>& processes() const { return processes_; }
   int renewals() const { return renewals_; }
-  /// Empty if each process knows what all others have, and nothing of processes that were killed.
+  /// Returns the first error; empty if each process has the records of all others, and none of killed
+  /// processes.
   std::string what_is_wrong() const;
-  /// Records that were replaced by older ones, or were told of unknown processes. For runs without attacks.
+  /// Counts records that were replaced by older ones, and records of unknown processes. For runs without
+  /// attacks.
   int steps_back() const { return steps_back_; }
 
   std::size_t below(std::size_t end) { return static_cast<std::size_t>(random_() % end); }
@@ -89,13 +93,14 @@ class ControlWorld {
   }
 
  private:
-  /// What one participant knows of another one, as Cyclone has it.
+  /// The state that Cyclone keeps for one participant about another one.
   struct Channel {
     bool is_found = false;
-    bool is_stalled = false;                                       ///< records are dropped as old
-    Time heard_at{};                                               ///< when anything of it arrived last
-    unsigned number = 0;                                           ///< counts how often it was found
-    std::deque<std::pair<Time, std::function<void()>>> written{};  ///< what arrives, and when, in its order
+    bool is_stalled = false;  ///< records are dropped as outdated
+    Time heard_at{};          ///< time of the last arrival
+    unsigned number = 0;      ///< number of times it was found
+    /// Arrivals under way, in order, with their times.
+    std::deque<std::pair<Time, std::function<void()>>> written{};
   };
   struct Event {
     Time at{};

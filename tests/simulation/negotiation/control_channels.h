@@ -1,6 +1,6 @@
-// The control channels between nodes, as discovery has them: of each endpoint the words come in their order,
-// a request behind its announcement. What was overwritten before it came may or may not come. Where chance
-// decides, words of different endpoints come in any order.
+// The control channels between nodes, as discovery provides them. The messages of each endpoint come in
+// order, a request after its announcement. A message that was overwritten before it came may or may not
+// come. If `random` decides, messages of different endpoints come in any order.
 #pragma once
 
 #include <deque>
@@ -16,7 +16,7 @@ namespace sft::test {
 
 using SentRequest = std::shared_ptr<const core::Request>;
 
-/// An announcement, a request, or neither: the endpoint is withdrawn.
+/// A message about an endpoint: an announcement, a request, or, with neither, a withdrawal.
 struct Word {
   core::EndpointId id = 0;
   std::shared_ptr<const core::Endpoint> endpoint{};
@@ -33,26 +33,26 @@ class ControlChannels {
  public:
   using Ends = std::pair<std::size_t, std::size_t>;  ///< from, to
 
-  /// Channels that choose among possibilities by `random`; without it they choose the first one.
+  /// The channels choose among possibilities by `random`. If it is null they choose the first one.
   explicit ControlChannels(Random* random) : random_(random) {}
 
   void open(std::size_t from, std::size_t to, bool found) { channels_[{from, to}].found = found; }
-  /// All that is under way is gone, and the receiver has to find the sender again.
+  /// Removes all messages under way. The receiver has to find the sender again.
   void lose(std::size_t from, std::size_t to) { channels_.at({from, to}) = {}; }
-  /// Nobody is there any more to whom anything could come.
+  /// Removes the channels to a node that is gone.
   void close_to(std::size_t to);
 
   const ControlChannel& between(std::size_t from, std::size_t to) const { return channels_.at({from, to}); }
   std::vector<Ends> ends() const;
 
-  /// The word comes to all that have found the sender.
+  /// Sends the message to all nodes that have found the sender.
   void send(std::size_t from, const Word& word);
-  /// The receiver finds the sender, which has all of this to say.
+  /// Lets the receiver find the sender, which then sends all these endpoints and requests.
   void find(std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
             const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced);
 
   Word take(std::size_t from, std::size_t to);
-  /// Returns all that is under way, in the order in which it was sent.
+  /// Returns and removes all messages under way, in the order in which they were sent.
   std::deque<Word> take_all(std::size_t from, std::size_t to);
 
  private:

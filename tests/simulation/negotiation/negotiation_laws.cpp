@@ -18,12 +18,12 @@ const Route* route_to(const std::vector<Route>& routes, core::EndpointId reader)
   return found == routes.end() ? nullptr : &*found;
 }
 
-/// The two policies that the world's endpoints differ in; both sides judge by what was announced.
+/// Compares the two policies in which the world's endpoints differ, as announced.
 bool fits(const core::Qos& offered, const core::Qos& requested) {
   return offered.reliability >= requested.reliability && offered.durability >= requested.durability;
 }
 
-/// Retained samples that the reader is to get of a writer that has not given them yet.
+/// Returns how many retained samples a writer has to give to the reader at first.
 std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested) {
   const bool durable = offered.durability == Durability::transient_local &&
                        requested.durability == Durability::transient_local;
@@ -32,8 +32,8 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 
 }  // namespace
 
-/// Exactly those readers are served that were told to be there, each under the newest selection and rate that
-/// it was told to want, and by a path that it is known to listen on.
+/// Checks that the writer serves exactly those readers that its node was told of, each under the newest
+/// selection and rate that the node was told, and by a path on which the reader is known to listen.
 void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
@@ -50,7 +50,7 @@ void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& wr
   }
 }
 
-/// The number of routes that there should be.
+/// Checks the routes to one reader. Returns the number of routes that there should be.
 std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWriter& writer,
                                          const Endpoint& reader, std::uint64_t newest) {
   const AskedRequests::Asked& asked = asked_.at(reader.id, newest);
@@ -75,7 +75,7 @@ std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWrite
     if (route == nullptr) continue;
     if (!(route->selection == asked.selection)) fail("not the newest selection that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
-    // A fallback route, of a reader in shared memory, never has one.
+    // The fallback route of a reader in shared memory never has a history.
     const bool has_it = shm && (route == fallback || holds(asked.request.begun, w));
     if (route->history != (has_it ? 0 : owed)) fail("not what it is owed of the history");
   }
@@ -98,8 +98,9 @@ void NegotiationLaws::check_agreement(const std::vector<WorldNode>& nodes) {
   }
 }
 
-/// Both sides of a pair at rest: by the best path that both have, under exactly what the reader asks for, or
-/// not at all if their policies do not fit. The history was given where it can be.
+/// Checks both sides of a pair at rest. The reader is served by the best path that both have, under exactly
+/// the selection and rate that it asks for, or not at all if the policies do not fit. The history was given
+/// if that is possible.
 void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writer, const WorldNode& here,
                                  const WorldReader& reader) {
   const Endpoint& w = writer.endpoint;
@@ -130,8 +131,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   }
 }
 
-/// The datagram names its selection, so it is decoded under that selection. The check is that its reader
-/// takes such samples.
+/// Checks that the reader of a datagram listens to the writer and has ever asked for the selection. A
+/// datagram names the selection under which it is decoded.
 void NegotiationLaws::check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram) {
   for (const WorldNode& node : nodes) {
     const auto reader = node.readers.find(datagram.reader);

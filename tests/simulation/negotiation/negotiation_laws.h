@@ -1,4 +1,4 @@
-// The laws of a world of negotiations: what must hold after each step, and at rest.
+// The laws of a world of negotiations, which must hold after each step and at rest.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ class NegotiationLaws {
   NegotiationLaws(const AskedRequests& asked, std::string& violation)
       : asked_(asked), violation_(violation) {}
 
-  /// Checks what one writer wants to serve, after each step.
+  /// Checks after each step which readers a writer's node wants to serve.
   void check_serving(const WorldNode& node, const WorldWriter& writer);
   void check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram);
   /// Checks that both sides of each pair agree, at rest.

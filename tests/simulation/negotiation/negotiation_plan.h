@@ -1,4 +1,4 @@
-// A plan of nodes and endpoints, and of how much may happen to them.
+// A plan of nodes and endpoints, with a limit for each kind of event.
 #pragma once
 
 #include <cstddef>
@@ -10,19 +10,19 @@ namespace sft::test {
 
 struct NegotiationPlan {
   struct Endpoint {
-    std::size_t place = 0;  ///< of the node
+    std::size_t place = 0;  ///< place of its node
     core::Role role{};
     bool may_use_memory = true;
     bool may_use_network = true;
     core::Qos qos{};
   };
-  /// The number of times that each event may happen which is not the protocol's own doing.
+  /// How often each kind of event may happen that is not part of the protocol.
   struct Budget {
     int selection_changes = 0;
     int rate_changes = 0;
-    int losses = 0;  ///< one node does not hear another any more, for a while
+    int losses = 0;  ///< one node loses another for a while
     int memory_changes = 0;
-    int restarts = 0;  ///< killed, and started again
+    int restarts = 0;  ///< a node is killed and started again
     int departures = 0;
     int repetitions = 0;
     int samples = 0;
@@ -31,7 +31,7 @@ struct NegotiationPlan {
   std::size_t places = 2;
   std::vector<Endpoint> endpoints;
   Budget budget;
-  bool common_memory = true;  ///< at the beginning
+  bool common_memory = true;  ///< all nodes share memory at the beginning
 };
 
 }  // namespace sft::test

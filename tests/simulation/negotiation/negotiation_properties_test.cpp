@@ -1,7 +1,7 @@
-// The negotiation's promises, whatever the order in which things happen: every reader is served under exactly
-// the newest selection that its writer's node was told of, by a path that the reader is known to listen on,
-// as long as it is there and no longer; and when nothing happens any more, both sides agree. The world checks
-// after each step (negotiation_world.h); core/negotiation/negotiation.md says which rule is covered where.
+// The promises of the negotiation, for every order of events. Every reader is served under exactly the
+// newest selection that its writer's node was told of, and by a path on which the reader is known to listen,
+// while it exists and no longer. When nothing happens any more, both sides agree. The world checks this
+// after each step (negotiation_world.h). core/negotiation/negotiation.md says which rule is covered where.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -29,8 +29,8 @@ const TypeSupport& points() {
   return type;
 }
 
-/// All orders of all that may happen up to a depth, from the beginning and from when all is settled. Each of
-/// them must end well from there.
+/// Tries all orders of possible steps up to a depth, from the beginning and from the settled state. Each of
+/// them must end without a violation.
 class AllOrders : public ::testing::Test {
  protected:
   void explore(const Plan& plan, int depth, int depth_when_settled) {
@@ -136,9 +136,9 @@ class RandomOrders : public RandomTest {
             .qos = random_qos(role)};
   }
 
-  /// Most pairs fit.
+  /// Returns random policies. Those of most pairs fit.
   core::Qos random_qos(Role role) {
-    const bool more = up_to(3) == 0;  // than most
+    const bool more = up_to(3) == 0;  // offers less or requests more than most
     core::Qos qos = up_to(2) == 0 ? durable(1 + static_cast<std::uint32_t>(up_to(3))) : core::Qos{};
     qos.reliability = (role == Role::writer) != more ? reliable : best_effort;
     return qos;

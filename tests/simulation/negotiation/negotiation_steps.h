@@ -1,4 +1,4 @@
-// The steps that a world of negotiations may take: which kinds there are, and which of them may come next.
+// The kinds of steps of a world of negotiations, and the list of possible next steps.
 #pragma once
 
 #include <cstdint>
@@ -31,11 +31,11 @@ struct NegotiationStep {
   };
 
   What what{};
-  std::uint8_t node = 0;   ///< to which it happens
-  std::uint8_t other = 0;  ///< where it comes from, or which of several
+  std::uint8_t node = 0;   ///< the node to which the step happens
+  std::uint8_t other = 0;  ///< the sending node, or an index among several
 };
 
-/// Replaces `steps` by all that may happen next.
+/// Replaces `steps` by all possible next steps.
 void list_steps(const NegotiationState& state, std::vector<NegotiationStep>& steps);
 
 }  // namespace sft::test

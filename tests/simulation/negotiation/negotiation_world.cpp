@@ -16,7 +16,8 @@ using core::Route;
 
 namespace {
 
-/// Even numbers are wishes for parts of fields, for conditions, or for both; odd ones are for whole fields.
+/// Returns a selection for a number. Even numbers give parts of fields, conditions or both; odd numbers give
+/// whole fields.
 Selection wish_of(const TypeSupport& type, std::uint64_t number) {
   constexpr std::array<const char*, 6> parts{"data{x,y} @ height > 1",
                                              "data[::4]",
@@ -203,7 +204,7 @@ void NegotiationWorld::change_selection(std::size_t n, std::size_t which) {
   auto& [id, reader] = nth(state_.nodes[n].readers, which);
   const auto first_possibility = static_cast<std::uint64_t>(left == 0 ? 3 : 2 * left);
   const std::uint64_t number = random_ != nullptr ? (*random_)() : first_possibility;
-  const Selection wish = wish_of(*type_, number);  // whoever serves it closes it
+  const Selection wish = wish_of(*type_, number);  // the serving side closes the selection
   const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, wish);
   if (!is_new && !(type_->closed(wish) == type_->closed(reader.wanted)))
     return fail("another selection is the same");
@@ -226,7 +227,7 @@ void NegotiationWorld::change_rate(std::size_t n, std::size_t which) {
   send_request(n, id);
 }
 
-/// Negotiation::self_changed and what Reconciler::look_after_memory does then.
+/// Does what Negotiation::self_changed and Reconciler::look_after_memory do.
 void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   WorldNode& node = state_.nodes[n];
   node.self.host = host;
@@ -253,9 +254,7 @@ void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   }
 }
 
-// Retained samples.
-
-/// All that a writer is giving at present has left: Reconciler::look_after_histories.
+/// Sends the whole histories that a writer owes at present, as Reconciler::look_after_histories does.
 void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   WorldNode& node = state_.nodes[n];
   auto& [id, writer] = nth(node.writers, which);
@@ -272,7 +271,7 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   changed(n, dirty);
 }
 
-/// Something of that writer comes for that reader alone, if it is still there and listens.
+/// Lets a retained sample of the writer come to that reader alone, if the reader still exists and listens.
 void NegotiationWorld::history_comes(Id writer, Id reader, TransportKind path) {
   const bool over_network = path == TransportKind::udp;
   for (std::size_t n = 0; n < state_.nodes.size(); ++n) {

@@ -1,11 +1,11 @@
-// A few nodes whose negotiations talk to each other, in one thread and without time: what the control
-// channel, the transports and the reconciler do is modelled, one step at a time, so that a test may choose
-// the next step as it likes. After each step the world knows whether something is wrong.
+// A few nodes whose negotiations exchange messages, in one thread and without time. The control channels,
+// the transports and the reconcilers are modelled as single steps, and the test chooses the next step. After
+// each step the world checks the laws.
 //
-// Discovery keeps the last of each endpoint: what was overwritten before it came may or may not come, and
-// what came last may come twice. What is said of one endpoint comes in order. A node may lose another and
-// find it again, which brings all again that the other has to say. Nodes may be killed and come back under
-// new ids.
+// Discovery keeps the last message of each endpoint. A message that was overwritten before it came may or
+// may not come, and the last one may come twice. Messages about one endpoint come in order. A node may lose
+// another and find it again, which brings all announcements of the other again. Nodes may be killed and come
+// back with new ids.
 #pragma once
 
 #include <array>
@@ -26,18 +26,19 @@ class NegotiationWorld {
   using Budget = NegotiationPlan::Budget;
   using Step = NegotiationStep;
 
-  /// `type` outlives the world. `random` chooses what a step leaves open; without, the first possibility.
+  /// `type` outlives the world. `random` chooses what a step leaves open. If it is null, the first
+  /// possibility is taken.
   NegotiationWorld(const Plan& plan, const TypeSupport& type, Random* random = nullptr);
 
-  /// All that may happen next.
+  /// Returns all possible next steps.
   const std::vector<Step>& steps();
   void take(const Step& step);
-  /// All nodes find each other again, nothing else happens any more, and what is under way comes; then checks
-  /// that both sides of each pair agree, and that every reader is served under exactly what it asks for.
+  /// Lets all nodes find each other again, and all messages under way come. Then checks that both sides of
+  /// each pair agree, and that every reader is served under exactly what it asks for.
   void settle();
-  /// Empty while all is well.
+  /// Returns the first violation of a law; empty if there is none.
   const std::string& violation() const { return violation_; }
-  /// The steps so far.
+  /// Returns the steps so far as text.
   std::string history() const;
 
  private:

@@ -1,4 +1,4 @@
-// The nodes of the world tell each other things here, and these arrive or get lost.
+// The messages between the nodes of the world: how they are sent, arrive or get lost.
 #include <algorithm>
 #include <utility>
 

@@ -1,4 +1,4 @@
-// The reconciler of each node, and the daemon, as far as the world has them.
+// The world's models of the reconciler of each node, and of the daemon.
 #include <utility>
 
 #include "tests/simulation/negotiation/negotiation_laws.h"
@@ -7,7 +7,7 @@
 
 namespace sft::test {
 
-/// Notes that a node has work for its agent. What the negotiation wants is checked at once.
+/// Notes if a node has work for its agent, and checks at once what the negotiation wants.
 void NegotiationWorld::changed(std::size_t n, bool dirty) {
   WorldNode& node = state_.nodes[n];
   node.dirty |= dirty;
@@ -79,7 +79,7 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
   }
 }
 
-/// The daemon connects the first subscriber that waits with its writer's port.
+/// Connects the first waiting reader with its writer's port. Returns false if none waits.
 bool NegotiationWorld::connect_by_daemon() {
   const auto found = unconnected(state_.nodes);
   if (found) state_.nodes[found->node].readers.at(found->reader).fed.push_back(found->writer);

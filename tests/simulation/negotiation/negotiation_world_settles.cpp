@@ -1,10 +1,10 @@
-// The world comes to rest: nothing else happens any more, and what is under way comes.
+// Brings the world to rest: no new events happen, and all messages under way come.
 #include "tests/simulation/negotiation/negotiation_laws.h"
 #include "tests/simulation/negotiation/negotiation_world.h"
 
 namespace sft::test {
 
-/// Makes all that is still to come happen, for all nodes at once.
+/// Takes all steps that are still due, for all nodes.
 class NegotiationWorld::Settling {
  public:
   explicit Settling(NegotiationWorld& world) : world_(world) {}

@@ -1,7 +1,7 @@
-// A publisher and a subscriber while the reader is moved from one path to the other, and while what is asked
-// for changes: no route asks for a field that the sample at hand does not have, and the subscriber takes each
-// sample at most once and counts each that it misses exactly once. Tests publish within set_routes() as well,
-// which is what another thread may do.
+// A publisher and a subscriber, while the reader changes from one path to the other, and while its request
+// changes. No route asks for a field that the present sample does not have. The subscriber takes each sample
+// at most once, and counts each missed sample exactly once. Tests also publish within set_routes(), as
+// another thread may do.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,13 +25,13 @@ using sensor_msgs::msg::PointCloud2;
 constexpr EndpointId reader_id = 1;
 constexpr EndpointId neighbour_id = 2;
 
-/// Keeps what is sent by it until the test delivers it.
+/// A path that keeps its samples until the test delivers them.
 class Path {
  public:
   explicit Path(std::function<void()> between) : between_(std::move(between)) {}
 
   std::deque<SampleHandle> sent;
-  int uncovered = 0;  ///< routes that asked for more than the sample had
+  int uncovered = 0;  ///< number of routes that asked for more than the sample had
 
  protected:
   void put(std::vector<Route> routes) {
@@ -46,7 +46,7 @@ class Path {
   std::vector<Route> routes_;
 };
 
-/// The way through shared memory, where the reader keeps the limit of its rate.
+/// The path through shared memory, where the reader itself limits its rate.
 class MemoryPath final : public IdleLendingWriter, public Path {
  public:
   MemoryPath(std::shared_ptr<BufferPool> pool, std::function<void()> between)
@@ -108,7 +108,8 @@ class PathSwitch : public test::RandomTest {
     ++published;
   }
 
-  /// The request of the reader may arrive late.
+  /// Returns a random period for a request. Writer and reader may have different ones, because requests may
+  /// arrive late.
   std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
 
   static Route fallback(Route route) {
@@ -117,7 +118,7 @@ class PathSwitch : public test::RandomTest {
     return route;
   }
 
-  /// Any serving of the reader and of a neighbour whose mask is another.
+  /// Puts a random serving in force, for the reader and for a neighbour with another mask.
   void serve() {
     Serving serving;
     for (const EndpointId id : {reader_id, neighbour_id}) {
@@ -132,7 +133,8 @@ class PathSwitch : public test::RandomTest {
     ASSERT_TRUE(subscriber.feed().set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
   }
 
-  /// Datagrams may be lost, come late and come twice; chunks may be pushed out, but come in order.
+  /// Delivers or drops one sample. Datagrams may be lost, come late and come twice. Chunks may be pushed
+  /// out, but come in order.
   void move_one() {
     if (below(2) == 0 && !memory_writer->sent.empty()) {
       if (below(8) != 0) memory_reader->samples.push_back(memory_writer->sent.front());
@@ -145,7 +147,7 @@ class PathSwitch : public test::RandomTest {
     }
   }
 
-  /// Each at most once, in order, and the gap before it counted.
+  /// Takes all samples. Expects that they are in order, that none comes twice, and that gaps are counted.
   void take() {
     while (const untyped::Sample sample = subscriber.take()) {
       const SampleInfo& info = sample.info();
@@ -217,7 +219,7 @@ TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
   refused_percent = 30;
   run();
   memory_writer->refuses = false;
-  EXPECT_TRUE(test::eventually([&] {  // what waited for datagrams that were lost
+  EXPECT_TRUE(test::eventually([&] {  // samples that waited for lost datagrams
     take();
     return memory_reader->samples.empty() && network_reader->samples.empty() && !subscriber.available();
   }));
@@ -239,7 +241,7 @@ class PathSwitchWithinTimeout : public PathSwitch {
   void expect_in_place(const Serving& over_network, const Serving& in_memory);
 };
 
-// In shared memory a sample arrives when it is published; datagrams are under way for a while.
+// A sample in shared memory arrives at once, while datagrams are under way for a while.
 TEST_F(PathSwitchWithinTimeout, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
   refused_percent = 30;
   for (int step = 0; step < 100'000; ++step) {
@@ -266,7 +268,7 @@ TEST_F(PathSwitchWithinTimeout, WhatSharedMemoryRefusesComesByUdpInItsPlaceHowev
   EXPECT_EQ(sent.diverted.exhausted, sent.diverted.total());
 }
 
-/// Served by UDP the reader is attached while samples are under way.
+/// The reader is served by UDP, and is attached while samples are under way.
 void PathSwitchWithinTimeout::expect_in_place(const Serving& over_network, const Serving& in_memory) {
   for (int round = 0; round < 100; ++round) {
     publisher.serve(over_network, memory_writer);
@@ -276,7 +278,7 @@ void PathSwitchWithinTimeout::expect_in_place(const Serving& over_network, const
     take();
     const std::uint64_t lost = subscriber.feed().status().lost;
     for (int i = 0; i < 7; ++i) publish();
-    publisher.serve(in_memory, memory_writer);  // samples are published meanwhile
+    publisher.serve(in_memory, memory_writer);  // also publishes samples
     publish();
     deliver_all_of(*memory_writer, *memory_reader);
     take();
@@ -313,7 +315,7 @@ TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
     memory_writer->sent.clear();
     network_writer->sent.clear();
     const std::uint64_t before = published;
-    publisher.serve(in_memory, memory_writer);  // samples are published meanwhile
+    publisher.serve(in_memory, memory_writer);  // also publishes samples
     publish();
     std::set<std::uint64_t> sent;
     for (const auto* samples : {&memory_writer->sent, &network_writer->sent}) {
@@ -323,7 +325,8 @@ TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
   }
 }
 
-// Between samples of one gate, between gates, and between the reader's own counting and its publisher's.
+// Limits change between samples of one gate, between gates, and between the reader's counting and the
+// publisher's.
 TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChange) {
   periods_us = {0, 10, 30};
   run();
@@ -333,11 +336,11 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   Serving unlimited;
   unlimited.memory = {{reader_id, DoorbellAddress{}, type.full()}};
   publisher.serve(unlimited, memory_writer);
-  publish();  // what was skipped before is entered, too
+  publish();  // makes the subscriber count the samples before
   memory_reader->samples.push_back(memory_writer->sent.back());
   periods_us = {0, 10, 30};
   EXPECT_TRUE(test::eventually([&] { return take(), last == published; }))
-      << last;  // or it waits, for a while
+      << last;  // a sample may wait for earlier ones
   const SubscriberStatus status = subscriber.feed().status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_GT(status.withheld, 100U);

@@ -1,5 +1,5 @@
-// The writer's end of a reliable channel: keeps samples, sends them datagram by datagram as fast as the flow
-// window allows, and sends them again when an ack asks for them.
+// The writer's end of a reliable channel. It keeps samples, sends their datagrams as fast as the flow window
+// allows, and sends them again if an ack asks for them.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,20 @@ class ChannelSender {
   /// Opens the first channel. The arguments outlive this object.
   ChannelSender(const Scenario& scenario, Random& random, Network& network, LossAccount& loss_account);
 
-  /// Opens another channel. Nothing more is sent in the former one.
+  /// Opens another channel, after which nothing is sent in the former one.
   void open();
   std::uint32_t number() const { return number_; }
   const udp::ResendWindow& window() const { return *window_; }
 
   udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
-  /// A sample that was sent elsewhere has left.
+  /// Notes that a sample was sent by the multicast group.
   void departed(std::uint64_t ordinal, Time now) { window_->departed(ordinal, now); }
-  /// There may be something to send.
+  /// Notes that there may be something to send.
   void wake(Time now);
   void send(Time now);
   /// Takes an ack, or a report of the flow.
   void hear(const Bytes& bytes, Time now);
-  /// The time of the next send().
+  /// Returns the time of the next send().
   Time next(Time now) const;
 
  private:

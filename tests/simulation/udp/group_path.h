@@ -1,4 +1,4 @@
-// The writer's way to the process by a multicast group. The group has other members, too, which are not
+// The writer's path to the process of the readers by a multicast group. Other members of the group are not
 // simulated. The channel repairs what the group loses.
 #pragma once
 
@@ -20,31 +20,32 @@ class GroupPath {
   GroupPath(Random& random, Network& network, ChannelSender& channel, Laws& laws)
       : random_(random), network_(network), channel_(channel), laws_(laws) {}
 
-  /// True if the process is in a group.
+  /// Returns true if the process is in a group.
   bool exists() const { return group_.has_value(); }
-  /// The process gets into no group until the next change().
+  /// Takes the process out of its group until the next change().
   void leave() { group_.reset(); }
-  /// The process gets into another group, or into none, or nothing of the group reaches it any more.
+  /// Moves the process to another group or to none, or changes whether datagrams of its group reach it.
   void change();
-  /// The process has crashed and was started again. If it was in a group, it gets into another one.
+  /// Notes that the process has crashed and was started again. If it was in a group, it gets into another
+  /// one.
   void begin_anew();
 
-  /// Gives the sample a place in the channel and in the group. It leaves soon.
+  /// Gives the sample a place in the channel and in the group. The sample leaves soon.
   void send(const udp::JobHandle& job, Time now);
-  /// Sends the samples that have waited long enough.
+  /// Sends the samples that are due.
   void send_due(Time now);
-  /// Offers the group to the process, and sends a probe to the group, if it is time to do so.
+  /// Offers the group to the process, and sends a probe to the group, if these are due.
   void offer(Time now);
   void hear(const udp::GroupReport& report, Time now);
-  /// The time when the next sample leaves.
+  /// Returns the time when the next sample leaves.
   Time next() const { return leaving_.empty() ? Time::max() : leaving_.front().at; }
 
  private:
   struct Group {
     std::uint32_t number = 0;
-    bool deaf = false;                    ///< nothing of the group reaches the process
-    std::uint64_t last_ordinal = 1;       ///< what a probe says before the first sample
-    std::optional<std::int64_t> ahead{};  ///< the ordinals of the channel are by so much larger
+    bool deaf = false;                    ///< no datagram of the group reaches the process
+    std::uint64_t last_ordinal = 1;       ///< ordinal of the last sample, which probes name
+    std::optional<std::int64_t> ahead{};  ///< ordinals of the channel minus those of the group
     udp::GroupMembership membership{};
     udp::ProbeSchedule probes{};
   };
@@ -52,7 +53,7 @@ class GroupPath {
   struct Leaving {
     Time at;
     udp::JobHandle job;
-    std::uint64_t in_channel = 0;  ///< its ordinal there; 0: the channel sends the sample, too
+    std::uint64_t in_channel = 0;  ///< its ordinal there; 0 if the channel sends it, too
     bool lost = false;
   };
 

@@ -75,7 +75,7 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   if (!sample.merged && !account.names.contains(name_of_selection(sample)))
     return fail(which + " is of something that it has never asked for");
   if (sample.sequence == account.last) {
-    // While its wish changes, a sample can come under both, for it and for another.
+    // While its wish changes, a sample can come under both selections, for this reader and for another.
     const bool may_repeat = account.changed || changes;
     if (!may_repeat || !account.last_names.insert(name_of_selection(sample)).second)
       fail(which + " comes twice");
@@ -96,9 +96,10 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   account.got.insert(sample.sequence);
 }
 
-/// What was withheld never counts as lost. Between two samples of one gate, each one that has passed the gate
-/// and did not come counts as lost, if no other conditions can have been in force, and if the gate did not
-/// begin anew. Each one does that did not come, if the reader asks for all.
+/// Checks the count of lost samples before this one. Withheld samples never count as lost. If the reader
+/// asks for all samples, each one that did not come counts. Between two samples of one gate, each one that
+/// has passed the gate and did not come counts, if no other conditions can have been in force and the gate
+/// did not begin anew.
 void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
   const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
@@ -133,8 +134,8 @@ bool Laws::has_passed_its_gate(const core::SampleBuffer& sample) const {
   return passed != gate->second.end() && passed->second == sample.ordinal;
 }
 
-/// Returns true if the sample is what was published, under the selection that it names, and has passed the
-/// gate of that.
+/// Returns true if the sample has the published content under the selection that it names, and has passed
+/// the gate of that selection.
 bool Laws::is_sound(const core::SampleBuffer& sample, const std::string& which) {
   if (sample.writer != writer_id) return fail(which + " names another writer"), false;
   const auto published = published_.find(sample.sequence);
@@ -163,8 +164,8 @@ void Laws::check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals) {
   if (!scenario_.forgers) check_losses(*arrivals);
 }
 
-/// The process was told of each lost sample once, the oldest first: all of them lie before what may still
-/// come.
+/// Checks that the process has counted each lost sample once and in order. All of them precede the samples
+/// that may still come.
 void Laws::check_losses(udp::ArrivalWindow& arrivals) {
   const auto mark = arrivals.mark();
   if (arrivals.samples().lost() == lost_ || !mark) return;
@@ -208,8 +209,8 @@ void Laws::check_end(core::EndpointId reader, const Account& account) {
   }
 }
 
-/// A forged sample that claimed a place in the future has taken it from the true one: nobody can tell them
-/// apart. There are few of these.
+/// Checks that at most 1 % of the samples are missing. A forged sample may have taken the place of a later
+/// true one, because they cannot be distinguished. That is rare.
 void Laws::check_end_after_forgeries(const Account& account) {
   std::size_t owed = 0, missing = 0;
   for (const Variant& sample : account.owed) {

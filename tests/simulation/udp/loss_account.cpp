@@ -30,7 +30,8 @@ void LossAccount::heard(const std::optional<udp::ArrivalWindow::Mark>& before,
     channel.base = last.base + before->end - 1;
   }
   const bool is_of_channel = heartbeat && heartbeat->channel == mark->channel;
-  // A heartbeat is a word of the channel even before its first sample: what is sent after it can be lost.
+  // A heartbeat makes the channel known even before its first sample. Samples that are sent after it can be
+  // lost.
   if (!channel.known_from && (is_of_channel || mark->end > 1))
     channel.known_from = heartbeat ? heartbeat->first : 1;
   if (is_of_channel) channel.gone_before = std::max(channel.gone_before, heartbeat->first);
@@ -50,7 +51,7 @@ std::uint64_t LossAccount::lost_in_the_end(std::uint32_t channel) {
   return missing(former, former.gone_before) + missing(channels_[channel], UINT64_MAX);
 }
 
-/// Returns how many samples in front of the ordinal `end` are missing, among those that the process knows of.
+/// Returns how many samples before the ordinal `end` are missing, of those that the process knows of.
 std::uint64_t LossAccount::missing(const Channel& channel, std::uint64_t end) const {
   if (!channel.known_from) return 0;
   const auto first = channel.sent.lower_bound(*channel.known_from);

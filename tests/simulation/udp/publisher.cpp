@@ -46,7 +46,7 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   channel_.wake(now);
 }
 
-/// Puts the wishes in force, as Dispatch::serve() does with routes.
+/// Puts the wishes in force, as Dispatch::serve() does with routes. Returns their gates.
 Publisher::GatesInForce Publisher::give_gates(const std::map<core::EndpointId, Wish>& asked) {
   core::Serving serving;
   for (const auto& [reader, wish] : asked)
@@ -69,7 +69,7 @@ std::size_t Publisher::gates() const {
       std::ranges::count_if(given_, [](const auto& gate) { return !gate.second.expired(); }));
 }
 
-/// Wishes with the same conditions share a gate.
+/// Asks each gate once about the cloud. Wishes with the same conditions share a gate.
 void Publisher::ask_gates(const GatesInForce& gates, const Cloud& cloud) {
   std::set<core::Gate*> distinct;
   for (const auto& [wish, gate] : gates) distinct.insert(gate.get());
@@ -81,7 +81,7 @@ void Publisher::ask_gates(const GatesInForce& gates, const Cloud& cloud) {
   }
 }
 
-/// `may_span`: there may be several clouds, which are small then.
+/// Returns the next cloud or, only if `may_span`, sometimes several small ones.
 std::vector<Cloud> Publisher::next_clouds(bool may_span) {
   const bool is_span = may_span && happens(random_, scenario_.span);
   const double bytes_max = is_span ? 100 : static_cast<double>(scenario_.sample_bytes_max);
@@ -93,14 +93,15 @@ std::vector<Cloud> Publisher::next_clouds(bool may_span) {
   return clouds;
 }
 
-/// The sample has passed the gate of the wish, if there is one.
+/// Writes into the job that its sample has passed the gate of the wish, if there is one.
 void Publisher::mark(udp::Job& job, Wish wish, const GatesInForce& gates) {
   if (!gates.contains(wish)) return;
   job.first.flags |= udp::rate_follows;
   job.first.rate = {0, gates.at(wish)->ordinal()};
 }
 
-/// Returns the number of the variant that serves all these. It is the same by the group and without.
+/// Returns the number of the variant that serves all these wishes. It is the same by the group and without
+/// it.
 std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   if (served.size() == 1) return static_cast<std::uint16_t>(*served.begin());
   std::uint16_t number = 1000;
@@ -108,7 +109,7 @@ std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   return number;
 }
 
-/// Several clouds become a pack.
+/// Encodes the clouds. Several clouds become a pack.
 udp::JobHandle Publisher::encode(std::span<const Cloud> clouds, const Selection& selection,
                                  std::uint16_t variant) {
   const FieldMask all = cloud_type().full();

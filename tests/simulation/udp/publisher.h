@@ -1,5 +1,5 @@
-// The publisher of the simulation: makes samples now and then, encodes them as readers ask, asks
-// their gates, and hands them to the channel or to the multicast group.
+// The publisher of the simulation. It makes samples now and then, asks the gates of the readers, encodes the
+// samples as readers ask, and hands them to the channel or to the multicast group.
 #pragma once
 
 #include <cstdint>
@@ -28,13 +28,13 @@ class Publisher {
   /// Publishes one sample, or several small ones. `asked`: the wishes of the readers, as the writer knows
   /// them.
   void publish(const std::map<core::EndpointId, Wish>& asked, Time now);
-  /// The time of the next publish().
+  /// Returns the time of the next publish().
   Time next() const { return publish_at_; }
-  /// How many samples are still to be published.
+  /// Returns how many samples are still to be published.
   std::size_t left() const { return scenario_.samples - published_; }
-  /// How many gates there are, of wishes in force and of former ones.
+  /// Returns how many gates exist, of wishes in force and of former ones.
   std::size_t gates() const;
-  /// How many samples that have passed a gate were sent to a group.
+  /// Returns how many samples that have passed a gate were sent to a group.
   std::size_t gated_by_group() const { return gated_by_group_; }
 
  private:
@@ -57,10 +57,10 @@ class Publisher {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   core::Gates gates_{cloud_type()};
-  core::Serving serving_{};                                               ///< the serving that is in force
-  std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};  ///< gates, perhaps gone by now
+  core::Serving serving_{};                                               ///< the serving in force
+  std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};  ///< gates, some perhaps removed
   std::size_t gated_by_group_ = 0;
-  std::uint64_t sequence_ = scenario_.first_sequence;  ///< of the next sample
+  std::uint64_t sequence_ = scenario_.first_sequence;  ///< sequence of the next sample
   std::size_t published_ = 0;
   Time publish_at_ = start_time;
 };

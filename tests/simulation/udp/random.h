@@ -1,4 +1,4 @@
-// Random numbers and points in time of simulations. All random numbers of a run come from one seed.
+// Random numbers and times of simulations. All random numbers of a run come from one seed.
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ inline std::uint64_t from_to(Random& random, std::uint64_t least, std::uint64_t 
   return std::uniform_int_distribution<std::uint64_t>(least, most)(random);
 }
 
-/// From 1 to `most`. Each order of magnitude is as likely as another one.
+/// Returns a number from 1 to `most`. All orders of magnitude are equally likely.
 inline std::uint64_t log_uniform(Random& random, double most) {
   return static_cast<std::uint64_t>(std::exp(std::uniform_real_distribution<>(0, std::log(most))(random)));
 }

@@ -37,7 +37,7 @@ ReaderHost::Reader& ReaderHost::add_reader(Wish wish) {
   return reader;
 }
 
-/// Tells the reassembly what the readers want by now.
+/// Gives the present wishes of the readers to the reassembly.
 void ReaderHost::follow() {
   subscriptions_ = directory_->enter();
   reassembly_->set_streams(subscriptions_->streams);
@@ -64,7 +64,8 @@ std::map<core::EndpointId, Wish> ReaderHost::wishes_known() const {
   return known;
 }
 
-/// A reader that joins often wants what another one wants: then a group may serve both.
+/// Returns a random wish. If readers join, it is often another reader's wish, so that a group may serve
+/// both.
 Wish ReaderHost::any_wish() {
   const bool as_another = scenario_.asking.churn != 0 && happens(random_, 0.5);
   if (as_another) return readers_[from_to(random_, 0, readers_.size() - 1)].asked;
@@ -85,7 +86,7 @@ void ReaderHost::change_a_wish(Time now) {
   announce(reader, now);
 }
 
-/// The reader's request is on the way to the writer from now on.
+/// Sends the reader's request to the writer.
 void ReaderHost::announce(Reader& reader, Time now) {
   const Time after = reader.under_way.empty() ? now : reader.under_way.back().first;
   const auto delay = std::chrono::microseconds(log_uniform(random_, 50'000));
@@ -167,7 +168,7 @@ void ReaderHost::accept(const Bytes& bytes, Time now) {
   laws_.loss_account().heard(before, arrivals()->mark(), heartbeat);
 }
 
-/// Returns which samples of the datagram the window has not decided about, by their numbers in the datagram.
+/// Returns the samples of the datagram that the window still awaits, by their numbers in the datagram.
 std::set<std::uint64_t> ReaderHost::awaited_of(const std::optional<udp::Datagram>& datagram) {
   std::set<std::uint64_t> awaited;
   const std::uint64_t samples = datagram ? std::max<std::uint64_t>(datagram->samples, 1) : 0;
@@ -177,8 +178,8 @@ std::set<std::uint64_t> ReaderHost::awaited_of(const std::optional<udp::Datagram
   return awaited;
 }
 
-/// Nobody has asked for the selection of the datagram. The window has passed over those of its samples for
-/// which it had room; the others will come again.
+/// Notes that no reader has asked for the selection of the datagram. The window has passed over those of its
+/// samples for which it had room. The others will come again.
 void ReaderHost::refuse(const std::optional<udp::Datagram>& datagram,
                         const std::set<std::uint64_t>& awaited) {
   if (!datagram) return laws_.fail_unless_forged("what makes no sense is taken for unwanted");
@@ -188,7 +189,7 @@ void ReaderHost::refuse(const std::optional<udp::Datagram>& datagram,
   }
 }
 
-/// True if the sample that is `behind` that one in its channel has come, was passed over, or is lost.
+/// Returns true if the sample `behind` places after the mark has come, was passed over, or is lost.
 bool ReaderHost::has_decided(const udp::ChannelMark& mark, std::uint64_t behind) {
   const auto known = arrivals()->mark();
   if (!known || known->channel != mark.channel) return false;
@@ -229,7 +230,7 @@ void ReaderHost::hand_over(Time now) {
       arrivals()->holds_back() ? now + std::chrono::microseconds(log_uniform(random_, 20'000)) : Time::max();
 }
 
-/// Returns the room in the queue of a reader whose queue is now and then full.
+/// Returns the room in the queue of a reader, which is sometimes full.
 std::size_t ReaderHost::room_now() {
   const bool lags = scenario_.readers_lag && !arrivals()->overtakes();
   return lags ? from_to(random_, 0, 2) : SIZE_MAX;

@@ -1,5 +1,5 @@
-// The process of the readers: takes datagrams, reassembles samples, hands them to its readers, and answers
-// the writer. It can crash and be started again.
+// The process of the readers. It takes datagrams, reassembles samples, hands them to its readers, and
+// answers the writer. It can crash and be started again.
 #pragma once
 
 #include <cstdint>
@@ -34,36 +34,36 @@ class ReaderHost {
   void start();
   void crash();
 
-  /// The wishes of the readers, as the writer knows them.
+  /// Returns the wishes of the readers, as far as the writer knows them.
   std::map<core::EndpointId, Wish> wishes_known() const;
-  /// A reader asks for something else. It takes samples under both selections from now on, and the writer
-  /// gets to know later.
+  /// Changes the wish of a reader. It takes samples under both selections from now on, and the writer learns
+  /// of the change later.
   void change_a_wish(Time now);
-  /// Another reader joins, or one leaves, but not the first one. The writer gets to know later.
+  /// Adds a reader, or removes one other than the first. The writer learns of it later.
   void come_or_go(Time now);
-  /// How often a reader has changed its wish, has joined or has left.
+  /// Returns how often a reader has changed its wish, has joined or has left.
   std::size_t changes() const { return changes_; }
-  /// Fails if more is kept than what the present readers may need.
+  /// Fails if more state is kept than the present readers may need.
   void check_kept();
-  /// The writer gets to know what readers have asked for long enough ago.
+  /// Makes requests that have been under way long enough known to the writer.
   void notify_writer_of_wishes(Time now);
 
   void receive(const Bytes& bytes, Time now);
-  /// Hands over samples for which readers had no room before, and sends the answers that are due.
+  /// Hands over samples for which readers had no room before, and sends answers that are due.
   void look(Time now);
-  /// The time when there is something to do without a datagram.
+  /// Returns the time when there is something to do without a datagram.
   Time next() const;
-  /// Null while the process is away.
+  /// Returns null while the process is down.
   udp::ArrivalWindow* arrivals() { return reassembly_ == nullptr ? nullptr : reassembly_->window(0); }
 
  private:
   struct Reader {
     core::EndpointId id = 0;
-    std::shared_ptr<udp::Inbox> inbox;  ///< the subscriptions know the reader by it; nothing is queued
+    std::shared_ptr<udp::Inbox> inbox;  ///< identifies the reader in subscriptions; queues nothing
     core::AcceptedRequests requests;
     Wish asked = 0;                                 ///< its latest wish
-    std::optional<Wish> known{};                    ///< the wish of which the writer knows
-    std::deque<std::pair<Time, Wish>> under_way{};  ///< the wishes of which the writer will know, and when
+    std::optional<Wish> known{};                    ///< the wish that the writer knows
+    std::deque<std::pair<Time, Wish>> under_way{};  ///< wishes that the writer will know, and when
   };
 
   /// A reader that has left, of which the writer still knows.
@@ -95,13 +95,13 @@ class ReaderHost {
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   std::unique_ptr<udp::SubscriptionDirectory> directory_;
   std::shared_ptr<const udp::Subscriptions> subscriptions_;
-  std::unique_ptr<udp::Reassembly> reassembly_;  ///< null while the process is away
+  std::unique_ptr<udp::Reassembly> reassembly_;  ///< null while the process is down
   std::unique_ptr<udp::ReceiveShares> shares_;
   std::vector<Reader> readers_;
   std::vector<Departed> departed_;
   core::EndpointId last_id_ = 0;
   std::size_t changes_ = 0;
-  Time look_again_at_ = Time::max();  ///< readers that had no room may have some then
+  Time look_again_at_ = Time::max();  ///< time when readers may have room again
 };
 
 }  // namespace sft::simulation

@@ -1,4 +1,4 @@
-// The protocol of reliable delivery, on simulated I/O and time, from thousands of seeds.
+// The protocol of reliable delivery on simulated I/O and time, with thousands of seeds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -20,7 +20,7 @@ class Simulation : public testing::TestWithParam<int> {};
 
 INSTANTIATE_TEST_SUITE_P(Shards, Simulation, testing::Range(0, shards));
 
-/// A seed that is given is simulated alone.
+/// If SFT_TEST_SEED is set, only that seed is simulated.
 TEST_P(Simulation, DeliversAllThatHistoryAllowsInOrderAndComesToRest) {
   const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
   const std::uint64_t count = alone ? 1 : test::test_rounds(seeds / shards);
@@ -32,7 +32,7 @@ TEST_P(Simulation, DeliversAllThatHistoryAllowsInOrderAndComesToRest) {
   }
 }
 
-/// Bits flip and fields are forged, in both directions, beside all that networks do.
+/// Besides the usual faults of networks, bits flip and fields are forged, in both directions.
 TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
   const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
   const std::uint64_t count = alone ? 1 : test::test_rounds(beset_seeds / shards);
@@ -44,8 +44,7 @@ TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
   }
 }
 
-/// In each run there are some thousand of these changes, and conditions for more gates than a publisher
-/// keeps.
+/// Each run has some thousand of these changes, and conditions for more gates than a publisher keeps.
 TEST_P(Simulation, KeepsAllExactAndNothingForLongWhileReadersJoinLeaveAndChangeTheirConditions) {
   const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
   const std::uint64_t count = alone ? 1 : test::test_rounds(churning_seeds / shards);

@@ -1,4 +1,4 @@
-// The topic of the simulation: its type, its writer, and what its readers ask for.
+// The topic of the simulation: its type, its writer, and the wishes of its readers.
 #pragma once
 
 #include <cstddef>
@@ -15,27 +15,28 @@ namespace sft::simulation {
 using Cloud = sensor_msgs::msg::PointCloud2;
 
 inline constexpr core::EndpointId writer_id = 0x7'0000'0001;
-/// The writer is the low half of its ID on the wire.
+/// Datagrams name the writer by the low half of its id.
 inline constexpr auto writer_label = static_cast<std::uint32_t>(writer_id);
-/// The writer hears answers at this port.
+/// The port at which the writer receives answers.
 inline constexpr std::uint16_t writer_port = 7;
 
 inline const TypeSupport& cloud_type() { return udp::test::type_support<Cloud>(); }
 
-/// A cloud of a few rows with about so many bytes of data, whose bytes tell its number. There is room between
-/// the channels and behind the rows.
+/// Returns a cloud of a few rows with about that many bytes of data, which depend on its number. There are
+/// gaps between the channels and behind the rows.
 Cloud make_cloud(std::size_t data_bytes, std::uint32_t number);
 
 using Wish = std::size_t;  ///< an index of wishes()
-/// The selections that readers ask for: first three masks, then channels and windows, and then some with
-/// conditions on the number, some of these with windows. Behind the usual ones there are so many others with
-/// conditions that a publisher does not keep all their gates.
+/// Returns the selections that readers ask for: three masks, then channels and windows, then conditions on
+/// the number, partly with windows. After these usual ones come so many others with conditions that a
+/// publisher does not keep all their gates.
 const std::vector<Selection>& wishes();
 inline constexpr Wish masks_end = 3, usual_wishes_end = 10;
 
-/// The hash by which datagrams name the selection under which the sample came; 0: nobody asks for that.
+/// Returns the hash by which datagrams name the selection of the sample; 0 if no reader asks for that
+/// selection.
 std::uint64_t name_of_selection(const core::SampleBuffer& sample);
-/// The bytes of the cloud under the selection that the sample names. REQUIRES: it names one.
+/// Returns the bytes of the cloud under the selection that the sample names. REQUIRES: the sample names one.
 std::vector<std::byte> body_under(const Cloud& cloud, const core::SampleBuffer& sample);
 
 }  // namespace sft::simulation

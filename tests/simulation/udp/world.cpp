@@ -12,7 +12,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t steps_max = 200'000, steps_of_a_sample_max = 100;
 
-/// A publisher lets go of unused gates beyond so many (core/publish/gates.h), when it serves others.
+/// The number of unused gates that a publisher keeps (core/publish/gates.h). It removes further ones when it
+/// serves other wishes.
 constexpr std::size_t gates_remembered = 64;
 
 }  // namespace
@@ -41,7 +42,7 @@ std::string World::run() {
   return laws_.violation() + ", after " + std::to_string((now_ - start_time) / 1us) + " us";
 }
 
-/// Returns false if nothing happens any more.
+/// Advances to the next event. Returns false if there is none.
 bool World::step() {
   const Time next = next_event();
   if (next == Time::max()) return false;
@@ -78,7 +79,7 @@ void World::deliver() {
   }
 }
 
-/// The successor of the process is served by another channel, once the writer has noticed.
+/// Crashes the process of the readers. Its successor will be served by another channel.
 void World::crash() {
   crash_at_ = Time::max();
   readers_.crash();

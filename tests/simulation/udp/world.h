@@ -1,6 +1,6 @@
-// One writer, a process with some readers of it, and a network in between, from a seed: both ends of the
-// protocol as they are, on simulated I/O and time. The world has the clock, and lets its parts act in turn.
-// Its laws are checked after each event, and at the end.
+// A simulation from one seed: a writer, a process with some of its readers, and a network in between. Both
+// ends of the protocol are the real code, on simulated I/O and time. The world has the clock, and lets its
+// parts act in turn. It checks the laws after each event and at the end.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ namespace sft::simulation {
 
 class World {
  public:
-  /// Where datagrams are forged, all samples are delivered again from a second after the last forgery on;
-  /// those that were lost before are not counted.
+  /// If datagrams are forged, all samples that are published later than a second after the last forgery must
+  /// come. Samples that were lost before do not count.
   explicit World(std::uint64_t seed, Plan plan = Plan::usual);
 
-  /// Runs until nothing happens any more. Returns the first violation of a law; empty if there is none.
+  /// Runs until there are no more events. Returns the first violation of a law; empty if there is none.
   std::string run();
 
-  /// How often readers have joined, left, or asked for something else.
+  /// Returns how often readers have joined, left, or changed their wishes.
   std::size_t changes() const { return readers_.changes(); }
-  /// How many samples that have passed the conditions of all readers were sent to a group.
+  /// Returns how many samples that have passed a gate were sent to a group.
   std::size_t gated_by_group() const { return publisher_.gated_by_group(); }
 
  private:
