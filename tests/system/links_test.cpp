@@ -302,8 +302,8 @@ TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   EXPECT_TRUE(falls_silent(subscriber()));
   EXPECT_TRUE(comes_soon(subscriber()));
   const std::uint64_t before = subscriber().report().taken;
-  EXPECT_TRUE(eventually([&] { return subscriber().report().taken > before + samples_of_a_lease; },
-                         hang_timeout))
+  EXPECT_TRUE(
+      eventually([&] { return subscriber().report().taken > before + samples_of_a_lease; }, hang_timeout))
       << "samples went back to the network that is cut";
   EXPECT_EQ(publisher().report().matched, 1U);
 }
