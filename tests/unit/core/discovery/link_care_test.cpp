@@ -130,6 +130,13 @@ TEST_F(LinkCareTest, KeepsAReplacedLinkNoLongerThanALease) {
   EXPECT_EQ(care.next(), Time::max());
 }
 
+TEST_F(LinkCareTest, LooksNowAndThenWhetherAReplacedLinkMayEnd) {
+  care.retire(1, now);
+  EXPECT_EQ(care.next(), now + timing.retire_after);
+  after(timing.retire_after);
+  EXPECT_EQ(care.next(), now + timing.retire_after / 4);
+}
+
 TEST_F(LinkCareTest, DoesNotMakeAReplacedLinkAnew) {
   care.retire(1, now);
   misses({7});

@@ -341,6 +341,9 @@ TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
   EXPECT_TRUE(takes(11, 0, 100));
   EXPECT_FALSE(takes(11, 1, 1));
   EXPECT_TRUE(takes(11, 0, 99)) << "in the place of the one before";
+  EXPECT_FALSE(takes(12, 0, 500));
+  small.participant_gone(on(cable, 10));
+  EXPECT_TRUE(takes(12, 0, 500)) << "what a participant had is room for others once it is gone";
 }
 
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {

@@ -144,6 +144,20 @@ TEST_F(DispatchTest, CountsWhySharedMemoryDidNotTakeASample) {
             (PublisherStatus::Diverted{.exhausted = 1, .too_large = 2, .unavailable = 1}));
 }
 
+TEST_F(DispatchTest, ASampleIsTooLargeOnlyIfItIsLargerThanTheLargestChunk) {
+  serve_two_in_memory();
+  memory->is_full = true;
+  constexpr std::uint32_t body_bytes = 1000;
+  const std::size_t bytes = SampleLayout(type.index_slots()).bytes(body_bytes);
+  for (const std::size_t largest : {bytes, bytes - 1}) {
+    memory->largest_bytes = largest;
+    const Dispatch::Call call(dispatch);
+    EXPECT_EQ(dispatch.miss(dispatch.admit(FieldSource::of_nothing(), 1), body_bytes),
+              PublishStatus::no_memory);
+  }
+  EXPECT_EQ(dispatch.diverted(), (PublisherStatus::Diverted{.exhausted = 1, .too_large = 1}));
+}
+
 TEST_F(DispatchTest, TellsReadersInSharedMemoryWhichSampleWentOverTheNetworkAlone) {
   serve_two_in_memory();
   memory->is_full = true;

@@ -106,6 +106,20 @@ TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
   EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(Event::Kind::incompatible_type));
 }
 
+TEST(EventsTest, PeersThatStayIncompatibleForAnotherReasonAreToldOnceMore) {
+  PublisherStatus::Reader before = reader(false, {}, "words");
+  before.incompatible_policy = QosPolicy::deadline;
+  PublisherStatus::Reader other_words = before, other_policy = before;
+  other_words.reason = "other words";
+  other_policy.incompatible_policy = QosPolicy::liveliness;
+  for (const auto& after : {other_words, other_policy}) {
+    const auto events = between(serving(before), serving(after));
+    ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::incompatible_qos));
+    EXPECT_EQ(events[0].text, after.reason);
+    EXPECT_EQ(events[0].policy, after.incompatible_policy);
+  }
+}
+
 TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {
   PublisherStatus::Reader r = reader(false, {}, "words");
   r.no_path = true;

@@ -67,6 +67,15 @@ TEST_F(RateBudgetTest, InAnyNPeriodsAtMostNAndTwoSamplesPass) {
   }
 }
 
+TEST_F(RateBudgetTest, ASampleThatPassesBehindALongPauseUsesOneOfTheTwoThatWereSaved) {
+  RateBudget budget(100'000);
+  budget.take(now_ns);
+  const std::int64_t later_ns = now_ns + 3'600'000 * ms;
+  budget.spend(later_ns);
+  EXPECT_TRUE(budget.take(later_ns));
+  EXPECT_FALSE(budget.take(later_ns));
+}
+
 TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   RateBudget budget(100'000);
   while (budget.take(now_ns)) {
