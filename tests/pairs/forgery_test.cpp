@@ -153,10 +153,10 @@ class OutdatedByForgery : public Forgeries {
 TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   constexpr std::size_t neighbours = 3;
   const auto all_are_served = [&](Peer& peer) {
-    const json status = peer.status();
-    return std::ranges::all_of(status.at("neighbours"), [](const json& neighbour) {
-      return neighbour.at("readers") == 2;  // its own, and that of the other process
-    });
+    const json opened = peer.status().at("neighbours");
+    return opened.size() == neighbours && std::ranges::all_of(opened, [](const json& neighbour) {
+             return neighbour.at("readers") == 2;  // its own, and that of the other process
+           });
   };
   publisher().open_neighbours(neighbours);
   outdate_for(2s);

@@ -352,6 +352,7 @@ TEST_F(FallbackTest, ASlowReaderKnowsExactlyHowManySamplesOfEachWriterItMissed) 
     }
   }
   const SubscriberStatus status = subscriber.status();
+  EXPECT_EQ(status.writers.size(), publishers.size());
   for (const SubscriberStatus::Writer& writer : status.writers) {
     EXPECT_EQ(writer.received + writer.lost, published);
     EXPECT_EQ(writer.lost, 1U + 32U + 992U);

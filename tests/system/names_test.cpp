@@ -81,8 +81,9 @@ TEST_F(NamesTest, EverythingThatTakesATopicFollowsTheRules) {
   auto pub = cam.publisher("gain", *type).value();
   auto sub = cam.subscriber("gain", *type, "*").value();
   EXPECT_TRUE(cam.ask_accounts("gain"));
-  for (const NodeSnapshot::Subscriber& subscriber : cam.snapshot().subscribers)
-    EXPECT_EQ(subscriber.topic, "shared/gain");
+  const std::vector<NodeSnapshot::Subscriber> subscribers = cam.snapshot().subscribers;
+  EXPECT_EQ(subscribers.size(), 2U);
+  for (const NodeSnapshot::Subscriber& subscriber : subscribers) EXPECT_EQ(subscriber.topic, "shared/gain");
   EXPECT_EQ(cam.snapshot().publishers.at(0).topic, "shared/gain");
   ASSERT_TRUE(eventually([&] { return cam.topics().size() == 1; }));
   const TopicInfo topic = cam.topics().at(0);

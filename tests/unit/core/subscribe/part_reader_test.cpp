@@ -440,13 +440,11 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
     for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
       *at = static_cast<std::byte>(random());
     if (some.around.parts == nullptr) continue;
-    std::size_t sum = 0;  // a sanitizer sees what is read beyond the sample
     const auto seen = view<PointCloud2>(some.state);
-    for (const auto byte : seen.data()) sum += byte;
+    for (const auto byte : seen.data()) asm volatile("" : : "r"(byte));  // a sanitizer sees what is read
     if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
-      for (const auto& [x] : *points) sum += x != 0 ? 1 : 0;
+      for (const auto& [x] : *points) asm volatile("" : : "m"(x));
     }
-    EXPECT_GE(sum, 0U);
   }
 }
 
