@@ -134,7 +134,7 @@ TEST_F(PublisherStatusTest, TheProgressCountsNeitherWhatWasDroppedNorWhatLateRea
   durable.serve(serving, memory);
   EXPECT_EQ(durable.progress().samples, 3U);
   EXPECT_EQ(durable.status().dropped, 2U);
-  EXPECT_EQ(durable.publish(&cloud), PublishStatus::dropped);
+  EXPECT_EQ(durable.publish(&cloud), PublishStatus::no_memory);
   EXPECT_EQ(durable.progress().samples, 3U);
 }
 
