@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
+#include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <optional>
@@ -52,13 +53,27 @@ struct Holdings {
   }
 };
 
-/// Returns how many chunks of shared memory have samples, as the daemon has written last.
-std::int64_t chunks_in_use() {
+/// What the daemon has written last.
+nlohmann::json daemon_status() {
   const std::string command = program_directory() + "/sftd status --json";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
-  const nlohmann::json status = nlohmann::json::parse(output.get());
+  return nlohmann::json::parse(output.get());
+}
+
+/// The memory of the daemon is that which it shares with nobody.
+Holdings holdings_of_daemon(pid_t pid) {
+  const std::string process = "/proc/" + std::to_string(pid);
+  Holdings held{0, entries_of((process + "/fd").c_str()), entries_of((process + "/task").c_str())};
+  std::ifstream status(process + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("RssAnon:")) held.bytes = std::stol(line.substr(8)) * 1024;
+  return held;
+}
+
+/// Returns how many chunks of shared memory have samples.
+std::int64_t chunks_in_use() {
   std::int64_t chunks = 0;
-  for (const nlohmann::json& pool : status.at("usage").at("pools"))
+  for (const nlohmann::json& pool : daemon_status().at("usage").at("pools"))
     chunks += pool.at("in_use").get<std::int64_t>();
   return chunks;
 }
@@ -250,13 +265,14 @@ class Growth : public testing::TestWithParam<Act> {
       return stage_->node.status().shm_ready &&
              std::ranges::all_of(others_, [](const auto& other) { return other->report().settled.load(); });
     }));
+    daemon_ = daemon_status().at("pid");
     ASSERT_TRUE(eventually([&] {
       return std::ranges::any_of(
           stage_->publisher.status().readers,
           [](const PublisherStatus::Reader& reader) { return reader.transport == TransportKind::shm; });
     }));
   }
-  /// Returns what this process holds, and then what each other one holds.
+  /// Returns what this process holds, then what each other one holds, and last what the daemon holds.
   std::vector<Holdings> holdings() const {
     std::vector<Holdings> all{Holdings::of_this_process()};
     for (const auto& other : others_) {
@@ -265,6 +281,7 @@ class Growth : public testing::TestWithParam<Act> {
       eventually([&] { return held.looks > looks + 1; });
       all.push_back({held.bytes, held.descriptors, held.threads});
     }
+    all.push_back(holdings_of_daemon(daemon_));
     return all;
   }
   /// The same once no node remembers what was withdrawn.
@@ -299,6 +316,7 @@ class Growth : public testing::TestWithParam<Act> {
   std::optional<hosts::EmulatedNetwork> network_;
   std::vector<std::unique_ptr<Other>> others_;
   std::optional<Stage> stage_;
+  pid_t daemon_ = 0;
   std::uint64_t next_round_ = 0;
 };
 

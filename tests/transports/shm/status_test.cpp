@@ -115,6 +115,29 @@ TEST_F(SftdCommands, ShowTheMostChunksThatAPortHasHeld) {
   EXPECT_EQ(status_now().usage.pools[0].peak, 10U);
 }
 
+/// Returns how much memory of its own the process has: "RssAnon", as proc(5) says of status.
+std::size_t own_kib(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("RssAnon:")) return std::stoul(line.substr(8));
+  return 0;
+}
+
+TEST_F(SftdCommands, KeepNothingOfPublishersThatAreGone) {
+  Process daemon = start_sftd();
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  core::EndpointId id = 0;
+  const auto open_and_close = [&](int publishers) {
+    for (int i = 0; i < publishers; ++i) const Writer writer(node, ++id);
+  };
+  open_and_close(500);
+  const std::size_t before = own_kib(daemon.pid());
+  ASSERT_GT(before, 0U);
+  open_and_close(3000);
+  EXPECT_LT(own_kib(daemon.pid()), before + 1000) << "a third of a kilobyte of each is noise";
+}
+
 TEST_F(SftdCommands, CountDeadPrograms) {
   Process daemon = start_sftd();
   Process victim = start_peer({"publish", "1", "100"});
