@@ -85,6 +85,15 @@ TEST_F(DispatchTest, EndsWhatTheNetworkCountsOnceNobodyReadsThere) {
   EXPECT_EQ(network->take(), (Calls{"begin"})) << "so that the counts of the last reader end";
 }
 
+TEST_F(DispatchTest, ASampleThatPushesAnotherOneOutOfAQueueIsSentAndCountsAsDropped) {
+  serve_two_in_memory();
+  memory->answer = SendStatus::displaced;
+  EXPECT_EQ(send(), PublishStatus::dropped);
+  EXPECT_EQ(dispatch.dropped(), 1U);
+  EXPECT_EQ(book->of(1), (Delivered{.sent = 1}));
+  EXPECT_EQ(dispatch.diverted(), PublisherStatus::Diverted{});
+}
+
 TEST_F(DispatchTest, TellsWhoPublishesThatARouteDidNotGetTheSample) {
   serve_one_by_network();
   network->answer = SendStatus::dropped;

@@ -438,6 +438,18 @@ TEST_F(WaitingPublisherTest, WaitsTheShorterForReadersTheLongerItHasWaitedForACh
   EXPECT_LE(network->timeout, std::chrono::milliseconds(97)) << "it looks once in a millisecond";
 }
 
+TEST_F(WaitingPublisherTest, WaitsForNoChunkWhereAReliableReaderHasAFallbackRoute) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), std::make_shared<WaitingPort>());
+  Serving serving;
+  serving.memory = {local(true)};
+  serving.fallback = {Route{2, UdpAddress{}, type.full()}};
+  serving.fallback[0].fallback = true;
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+  EXPECT_EQ(memory->refusals, 2);
+}
+
 TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {
   PublisherCore core(waiting(), BufferPool::make(1 << 20), nullptr);
   Serving serving;
