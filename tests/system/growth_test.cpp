@@ -297,7 +297,7 @@ class Growth : public testing::TestWithParam<Act> {
   /// The lists of Cyclone DDS may become longer once more, though not each time.
   void expect_nothing_left(std::uint64_t rounds) {
     std::int64_t left = left_bytes_max(rounds) + 1;
-    for (int time = 0; time < 3 && left > left_bytes_max(rounds); ++time) {
+    for (int time = 0; time < 5 && left > left_bytes_max(rounds); ++time) {
       const std::vector<Holdings> before = settled_holdings();
       repeat(rounds);
       ASSERT_FALSE(HasFatalFailure());

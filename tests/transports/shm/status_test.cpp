@@ -128,8 +128,10 @@ TEST_F(SftdCommands, KeepNothingOfPublishersThatAreGone) {
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   core::EndpointId id = 0;
-  const auto open_and_close = [&](int publishers) {
-    for (int i = 0; i < publishers; ++i) const Writer writer(node, ++id);
+  const auto open_and_close = [&](core::EndpointId publishers) {
+    const auto opens = [&] { return node->open_writer({.id = id, .type = &frame_type()}).has_value(); };
+    // The daemon takes ports back ten times in a second, and has no room for more publishers until then.
+    for (const core::EndpointId end = id + publishers; ++id <= end;) ASSERT_TRUE(eventually(opens));
   };
   open_and_close(500);
   const std::size_t before = own_kib(daemon.pid());
