@@ -304,11 +304,11 @@ TEST_F(IntakeTest, TheSecondSampleInARowThatIsFarBehindTellsThatAForgedNumberWas
   EXPECT_THAT(taken(), ElementsAre(1, forged, 3));
 }
 
-TEST_F(IntakeTest, TheLatestSampleReportsTheLossesOfThoseThatWerePassedOver) {
-  for (const std::uint64_t sequence : {1U, 3U, 4U}) over_network({sequence});
+TEST_F(IntakeTest, TheLatestSampleReportsItsLossesAndThoseOfSamplesThatWerePassedOver) {
+  for (const std::uint64_t sequence : {1U, 3U, 6U}) over_network({sequence});
   const Taken newest = latest();
-  EXPECT_EQ(newest.info.sequence, 4U);
-  EXPECT_EQ(newest.info.lost_before, 1U);
+  EXPECT_EQ(newest.info.sequence, 6U);
+  EXPECT_EQ(newest.info.lost_before, 3U);
   EXPECT_EQ(status().received, 3U);
 }
 
