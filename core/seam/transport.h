@@ -113,6 +113,8 @@ class Network : public Transport {
   /// Wakes the thread that is in NetworkReader::receive(): its doorbell has been rung by something else than
   /// this network. Any thread, also in a signal handler.
   virtual void wake_receiver() noexcept = 0;
+  /// Sentences about the network that the log should have once. Asked after poll().
+  virtual std::vector<std::string> take_remarks() { return {}; }
   /// Sets the fields of status() that only this network can know. Any thread.
   virtual void add_to(NodeStatus& status) const = 0;
 };

@@ -26,6 +26,22 @@ bool is_told(const DomainSnapshot::Pair& pair) {
   return !pair.matched || (pair.account.publisher && pair.account.subscriber);
 }
 
+/// A subscriber learns of losses by what comes behind them. So where nothing comes, it knows of none.
+bool has_nothing_come(const DomainSnapshot::Pair& pair) {
+  const auto& [publisher, subscriber] = pair.account;
+  return pair.matched && publisher && subscriber && publisher->sent > 0 && subscriber->received == 0;
+}
+
+std::string nothing_came_text(const DomainSnapshot::Pair& pair) {
+  if (!has_nothing_come(pair)) return {};
+  return fmt::format(
+      "{} sent, and the subscriber has taken none: it does not take them, or they do not arrive (a firewall, "
+      "or "
+      "a path that drops long datagrams; the log of the publisher's node says so)",
+      pair.account.publisher->sent == 1 ? "1 sample was"
+                                        : count_text(pair.account.publisher->sent, "sample") + " were");
+}
+
 std::string sent_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_reported;
   const DomainSnapshot::Sent& account = *pair.account.publisher;

@@ -9,6 +9,11 @@ namespace sft::tool {
 /// True if both sides have reported their counters, or if the pair does not match and has none.
 bool is_told(const DomainSnapshot::Pair& pair);
 
+/// True if both sides have reported, samples were sent, and the subscriber has none of them and misses none.
+bool has_nothing_come(const DomainSnapshot::Pair& pair);
+/// "120 samples were sent, and the subscriber has taken none"; empty if that is not so.
+std::string nothing_came_text(const DomainSnapshot::Pair& pair);
+
 // Counters that their side has not reported are "not told yet".
 
 /// "5 samples, 40 B over the network"

@@ -76,6 +76,7 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
     print_row("saved", saved_text(pair), output);
     print_row("withheld", withheld_text(pair), output);
     print_row("lost", lost_text(pair), output);
+    print_indented(nothing_came_text(pair), Color::red, output);
     return;
   }
   print_row("offered", qos_text(publisher.qos), output);
@@ -111,7 +112,7 @@ void print_pairs_json(const OneTopic& topic, Output& output) {
 }  // namespace
 
 /// Asks the nodes of all pairs for their counters first. Most answer while the command still looks for other
-/// nodes.
+/// nodes. What is under way has time to come before it counts as missing.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);
   if (!inquiry) return give_up(inquiry.error());
@@ -122,9 +123,15 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
     return std::ranges::all_of(topic->pairs, is_told);
   };
   session.wait_until(all_are_reported, common.wait_s);
+  const auto something_has_come = [&](const DomainSnapshot& domain) {
+    topic = part_of(domain, topic->name);
+    return std::ranges::none_of(topic->pairs, has_nothing_come);
+  };
+  session.wait_until(something_has_come, 2 * common.wait_s);
   common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
-  const bool all_match = std::ranges::all_of(topic->pairs, &DomainSnapshot::Pair::matched);
-  return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
+  const bool all_is_well = std::ranges::all_of(
+      topic->pairs, [](const auto& pair) { return pair.matched && !has_nothing_come(pair); });
+  return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }
 
 }  // namespace sft::tool

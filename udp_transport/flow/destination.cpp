@@ -103,6 +103,7 @@ void Destination::look_after(Time now, bool anew) noexcept {
     learn_from_kernel();
   }
   path_.look_after(now);
+  limit_is_told_ = limit_is_told_ && path_.limited_to() != 0;
 }
 
 }  // namespace sft::udp

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <utility>
 
 #include "core/platform/ip_address.h"
 #include "udp_transport/flow/connection_pair.h"
@@ -95,6 +96,8 @@ class Destination {
 
   /// Called from time to time: the path may take longer datagrams by now. `anew`: it may be another one.
   void look_after(Time now, bool anew) noexcept;
+  /// True once for each time that a limit of the length of datagrams was found.
+  bool has_new_limit() noexcept { return path_.limited_to() != 0 && !std::exchange(limit_is_told_, true); }
 
  private:
   static constexpr std::chrono::seconds kernel_is_asked_every{5};
@@ -109,7 +112,9 @@ class Destination {
   ConnectionPair connections_;
   SharedFlowWindow window_;
   std::atomic<std::uint32_t> moves_{0};
-  Time kernel_asked_at_{};  ///< used by the thread that looks after the destination
+  // Used by the thread that looks after the destination.
+  Time kernel_asked_at_{};
+  bool limit_is_told_ = false;
 };
 
 }  // namespace sft::udp

@@ -81,13 +81,15 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
   return nullptr;
 }
 
-void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {
+void DestinationDirectory::look_after(PathMtu::Time now, bool anew, std::vector<std::string>& remarks) {
   {
     const core::Lock lock(mutex_);
     for (const auto& [key, entry] : known_) looked_after_.push_back(entry.lock());
   }
   for (const std::shared_ptr<Destination>& destination : looked_after_) {
-    if (destination != nullptr) destination->look_after(now, anew);
+    if (destination == nullptr) continue;
+    destination->look_after(now, anew);
+    if (destination->has_new_limit()) remarks.push_back(destination->path().limit_in_words());
   }
   looked_after_.clear();
 }

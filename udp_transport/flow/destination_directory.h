@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <string>
 #include <utility>
 #include <vector>
 
@@ -27,8 +28,9 @@ class DestinationDirectory {
   /// The one that reports by that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Looks after all known destinations. `anew`: routes or own addresses have changed.
-  void look_after(PathMtu::Time now, bool anew);
+  /// Looks after all known destinations. `anew`: routes or own addresses have changed. Adds what the user
+  /// should know of paths to the remarks.
+  void look_after(PathMtu::Time now, bool anew, std::vector<std::string>& remarks);
 
  private:
   /// One that has several addresses is known by its node and port, any other by its address.

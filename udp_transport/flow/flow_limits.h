@@ -29,8 +29,6 @@ struct FlowLimits {
   /// The same where acks come. A slow reliable flow has one every 4 s (ResendLimits::heartbeat_period), which
   /// does what a mark would.
   std::chrono::milliseconds mark_anew_behind_acks{4500};
-  /// The same while it is not sure that long datagrams arrive (LengthMonitor).
-  std::chrono::milliseconds mark_anew_unconfirmed{40};
   std::chrono::milliseconds silence{1000};  ///< after which nothing but marks is sent
   // Between two marks to a receiver that is silent, or has never reported: longer the longer it lasts, but it
   // is served again soon after it has come back.

@@ -28,11 +28,15 @@ class PathMtu {
 
   std::size_t datagram_bytes() const { return bytes_; }
   /// True if arrived() should be called.
-  bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0; }
+  bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0 || is_limited_; }
 
   void kernel_says(std::size_t bytes);
-  /// The length that longer datagrams have not got beyond; 0 if no such limit was found.
-  std::size_t limited_to() const { return bytes_ < ceiling_ ? bytes_ : 0; }
+  /// The length of which it is known that longer datagrams do not arrive; 0 if all that the kernel sends do,
+  /// as far as is known.
+  std::size_t limited_to() const {
+    if (!is_limited_) return 0;
+    return proven_ != 0 ? proven_ : bytes_;
+  }
   /// Datagrams of that length, or longer ones, were sent, and none has arrived.
   void lost(std::size_t length, Time now);
   /// The longest datagram that has arrived of late had that length.
@@ -53,6 +57,7 @@ class PathMtu {
   std::size_t bytes_;            ///< the present length of datagrams
   std::size_t proven_ = 0;       ///< the greatest that has arrived; 0: none has yet
   std::size_t too_long_ = none;  ///< did not arrive
+  bool is_limited_ = false;      ///< it was shortened, and the ceiling has not arrived since
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
   int losses_ = 0;                  ///< without the arrival of something as long in between

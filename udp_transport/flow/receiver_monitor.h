@@ -49,6 +49,8 @@ class ReceiverMonitor {
 
   /// The time at which a mark that was not answered is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
+  /// A mark follows what was sent after this time if a part of it may not have arrived.
+  static constexpr std::chrono::milliseconds anew_unconfirmed{40};
   /// True if nothing was heard for a time after which the receiver has to be asked about what was sent.
   /// `is_uncertain`: part of it may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;

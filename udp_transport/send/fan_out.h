@@ -49,7 +49,7 @@ class FanOut final : public DeferredWork {
   void finish() noexcept;
 
   /// The sending thread.
-  void carry_out() noexcept override;
+  bool carry_out() noexcept override;
 
  private:
   static bool is_large(const DeferredSample& deferred) {

@@ -222,7 +222,7 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
   EXPECT_EQ(ended.code, worst);
   for (const char* part :
        {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages", "memlock", "buffers",
-        "/dev/shm", "sftd", "chunks", "users", "clock", "kernel", "loopback", "domain"}) {
+        "/proc", "/tmp", "/dev/shm", "sftd", "chunks", "users", "clock", "kernel", "loopback", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});

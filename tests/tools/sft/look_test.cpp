@@ -114,6 +114,7 @@ TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
 
 TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   const Publishing publishing(points, cloud());
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(monitor.take()); }));
   const Json json = Json::parse(run_tool({"why", "points", "--json", "--wait", "2"}).out);
   const Json& pair = json["pairs"].at(0);
   EXPECT_EQ(pair["matched"], true);
@@ -174,6 +175,17 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
                                             "    saved      60 MB, 99.9998 % of the whole samples\n"
                                             "    withheld   0 samples; 0 dropped\n"
                                             "    lost       0 samples; 10 received\n"));
+}
+
+/// Nothing is lost as far as the subscriber knows.
+TEST_F(LookTest, WhySaysThatNothingHasComeThoughSamplesWereSent) {
+  const Publishing publishing(points, cloud());
+  Ended why;
+  EXPECT_TRUE(eventually([&] {
+    why = run_tool({"why", "points"});
+    return why.out.find("samples were sent, and the subscriber has taken none") != std::string::npos;
+  })) << why.out;
+  EXPECT_EQ(why.code, 1);
 }
 
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {

@@ -13,6 +13,7 @@
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/flow/connection_pair.h"
+#include "udp_transport/flow/destination.h"
 
 namespace sft::udp::test {
 
@@ -99,5 +100,21 @@ class NoSender : public DatagramSender {
  private:
   Connections& connections_;
 };
+
+/// The receiver reports again and again that no datagram comes which is longer than a mark, although longer
+/// ones are sent. The path is shorter then. Returns the time then.
+inline Destination::Time lose_long_ones(Destination& to, const Connections& sent, Destination::Time now) {
+  const core::IpAddress there = to.path().address().ip;
+  for (int i = 0; i <= 2 * PathMtu::losses_max; ++i, now += PathMtu::timeout) {
+    to.asked_again();
+    to.sent(to.connection(), to.path().datagram_bytes(), 1, to.path().datagram_bytes(), now);
+    FlowReport report = sent.answer_to_mark();
+    report.flow = to.flow();
+    report.longest = i == 0 ? 0 : mark_bytes;
+    static_cast<void>(to.hear(report, there, now));
+    if (to.path().limited_to() != 0) break;
+  }
+  return now;
+}
 
 }  // namespace sft::udp::test

@@ -127,5 +127,29 @@ TEST_F(DestinationTest, LooksForTheWayAnewAfterARefusal) {
   EXPECT_EQ(connections_.reconnected(), 2U);
 }
 
+TEST_F(DestinationTest, SendsShorterDatagramsWhereReportsShowThatLongOnesDoNotArriveAndTellsOnce) {
+  const std::size_t before = to_.path().datagram_bytes();
+  EXPECT_FALSE(to_.has_new_limit());
+  test::lose_long_ones(to_, connections_, now_);
+  EXPECT_LT(to_.path().datagram_bytes(), before);
+  EXPECT_EQ(to_.path().limit_in_words(),
+            "datagrams longer than 1252 bytes do not arrive at 127.0.0.1: "
+            "samples go there in shorter ones");
+  EXPECT_TRUE(to_.has_new_limit());
+  EXPECT_FALSE(to_.has_new_limit());
+}
+
+TEST_F(DestinationTest, AsksSoonOnceSomethingIsAskedForAgainAndNotBefore) {
+  to_.sent(to_.connection(), 1000, 1, 1000, now_);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).accepted);
+  const std::size_t marks = connections_.sent().size();
+  to_.sent(to_.connection(), 1000, 1, 1000, now_ + 100ms);
+  EXPECT_EQ(connections_.sent().size(), marks) << "a path without loss takes no further datagram";
+  to_.asked_again();
+  to_.lives(now_ + 199ms);
+  to_.sent(to_.connection(), 1000, 1, 1000, now_ + 200ms);
+  EXPECT_EQ(connections_.sent().size(), marks + 1);
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -1,0 +1,119 @@
+// Whole nodes on two hosts, between which long packets vanish without a word, as in some tunnels: the devices
+// of both hosts take 1500 bytes.
+#include <gtest/gtest.h>
+#include <sft/sft.h>
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "tests/support/eventually.h"
+#include "tests/support/isolated_host.h"
+#include "tests/system/node_process.h"
+#include "tools/hosts/network.h"
+
+namespace sft::test {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using F = PointCloud2::Field;
+using namespace std::chrono_literals;
+
+/// Bytes of samples that take one datagram that fits, one that does not, a few, and many.
+constexpr std::array<std::size_t, 4> sizes{100, 1300, 9000, 1'600'000};
+constexpr std::array<Reliability, 2> reliabilities{Reliability::best_effort, Reliability::reliable};
+constexpr std::size_t topics = sizes.size() * reliabilities.size();
+
+std::string name_of(std::size_t topic) {
+  return "points" + std::to_string(sizes[topic / 2]) + to_string(reliabilities[topic % 2]);
+}
+
+struct Report {
+  std::atomic<bool> failed{false};
+  std::array<std::atomic<std::uint64_t>, topics> taken{};
+  std::atomic<std::size_t> limits_in_status{0};  ///< pairs of which the status says that there is a limit
+  std::atomic<std::size_t> limits_in_log{0};
+};
+
+constexpr std::string_view limit =
+    "datagrams longer than 1252 bytes do not arrive at 10.77.0.2: samples go there in shorter ones";
+
+void publish(Node& node, Report& report) {
+  std::vector<Publisher<PointCloud2>> publishers;
+  for (std::size_t i = 0; i < topics; ++i)
+    publishers.push_back(
+        node.publisher<PointCloud2>(name_of(i), {.reliability = reliabilities[i % 2]}).value());
+  for (;;) {
+    std::size_t limits = 0;
+    for (std::size_t i = 0; i < topics; ++i) {
+      PointCloud2 cloud;
+      cloud.data.resize(sizes[i / 2]);
+      publishers[i].publish(cloud);
+      for (const auto& reader : publishers[i].status().readers)
+        limits += reader.reason.find(limit) != std::string::npos ? 1 : 0;
+    }
+    report.limits_in_status = limits;
+    poll(nullptr, 0, 50);
+  }
+}
+
+void subscribe(Node& node, Report& report) {
+  std::vector<Subscriber<PointCloud2, F::data>> subscribers;
+  for (std::size_t i = 0; i < topics; ++i)
+    subscribers.push_back(
+        node.subscriber<PointCloud2, F::data>(name_of(i), {.reliability = reliabilities[i % 2], .depth = 100})
+            .value());
+  for (;;) {
+    for (std::size_t i = 0; i < topics; ++i) {
+      while (subscribers[i].take()) ++report.taken[i];
+    }
+    poll(nullptr, 0, 5);
+  }
+}
+
+class SilentSwitchTest : public testing::Test {
+ protected:
+  void SetUp() override {
+    if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+    auto network = hosts::EmulatedNetwork::create(2);
+    if (!network) GTEST_SKIP() << network.error().message;
+    network_ = std::make_unique<hosts::EmulatedNetwork>(std::move(*network));
+    for (std::size_t i : {0U, 1U})
+      ASSERT_TRUE(
+          network_->host(i).run({"sh", "-ec", "ethtool -K eth0 tx-udp-segmentation off > /dev/null"}));
+    const Result<void> done =
+        network_->run_on_switch({"sh", "-ec",
+                                 "nft add table bridge silent; "
+                                 "nft add chain bridge silent f '{ type filter hook forward priority 0; }'; "
+                                 "nft add rule bridge silent f meta length \\> 1280 drop"});
+    if (!done) GTEST_SKIP() << done.error().message;
+  }
+
+  std::unique_ptr<hosts::EmulatedNetwork> network_;
+};
+
+TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
+  SharedWithChildren<Report> told;
+  NodeOptions options{.name = "publisher", .transport = TransportChoice::udp};
+  options.log = [&](LogLevel, std::string_view line) {
+    if (line.find(limit) != line.npos) ++told->limits_in_log;
+  };
+  using NodeProcess = NodeProcessWith<Report>;
+  const NodeProcess publisher(network_->host(0), options, publish);
+  const NodeProcess subscriber(network_->host(1), {.name = "subscriber", .transport = TransportChoice::udp},
+                               subscribe);
+  for (std::size_t i = 0; i < topics; ++i) {
+    EXPECT_TRUE(eventually([&] { return subscriber.report().taken[i] > 10; }))
+        << name_of(i) << ": " << subscriber.report().taken[i];
+  }
+  EXPECT_TRUE(eventually([&] { return publisher.report().limits_in_status == topics; }));
+  EXPECT_TRUE(eventually([&] { return told->limits_in_log > 0; }));
+  EXPECT_EQ(told->limits_in_log, 1U);
+}
+
+}  // namespace
+}  // namespace sft::test
