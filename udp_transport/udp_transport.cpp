@@ -68,7 +68,7 @@ class UdpTransport final : public core::Network {
     return receiver_->health().is_broken ? core::Availability::unavailable : core::Availability::ready;
   }
 
-  std::vector<std::string> take_remarks() override { return std::exchange(remarks_, {}); }
+  std::vector<Remark> take_remarks() override { return std::exchange(remarks_, {}); }
 
   std::chrono::steady_clock::time_point next_poll() const override { return send_side_->writers.next(); }
 
@@ -144,7 +144,7 @@ class UdpTransport final : public core::Network {
   const std::vector<std::string> interfaces_;
   std::uint64_t network_changes_ = 0;  ///< seen so far
   bool network_has_changed_ = false;
-  std::vector<std::string> remarks_;
+  std::vector<Remark> remarks_;  ///< that nobody has taken yet
   mutable core::Mutex links_mutex_;
   /// The links as the system listed them last; at times it cannot.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);

@@ -59,7 +59,8 @@ void TransportMonitor::log_memory() {
 TransportMonitor::NetworkChange TransportMonitor::look_at_network(Time now) {
   if (network_ == nullptr || network_failed_) return NetworkChange::none;
   const bool is_ready = network_->poll(now) == Availability::ready;
-  for (const std::string& remark : network_->take_remarks()) log_.write(LogLevel::warning, "UDP: " + remark);
+  for (const Network::Remark& remark : network_->take_remarks())
+    log_.write(remark.level, "UDP: " + remark.text, now);
   if (is_ready) return look_at_addresses(now);
   network_failed_ = true;
   log_.write(LogLevel::error, "UDP: " + network_->description());

@@ -39,7 +39,7 @@ class TransportMonitor {
     links,      ///< of links()
     addresses,  ///< of addresses(), and maybe of links()
   };
-  /// Writes to the log what the transport remarks, and if it has failed.
+  /// Writes to the log what the transport remarks, and that it has failed.
   NetworkChange look_at_network(Time now);
   /// Returns when a transport wants to be looked at again. Asked after both were looked at.
   Time next_look(Time now) const;

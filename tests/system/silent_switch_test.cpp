@@ -40,7 +40,7 @@ struct Report {
 };
 
 constexpr std::string_view limit =
-    "datagrams longer than 1252 bytes do not arrive at 10.77.0.2: samples go there in shorter ones";
+    "datagrams longer than 1252 bytes do not arrive at '10.77.0.2': samples go there in shorter ones";
 
 void publish(Node& node, Report& report) {
   std::vector<Publisher<PointCloud2>> publishers;

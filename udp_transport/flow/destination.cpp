@@ -103,7 +103,12 @@ void Destination::look_after(Time now, bool anew) noexcept {
     learn_from_kernel();
   }
   path_.look_after(now);
-  limit_is_told_ = limit_is_told_ && path_.limited_to() != 0;
+}
+
+Destination::LimitChange Destination::take_limit_change() noexcept {
+  const bool is_limited = path_.limited_to() != 0;
+  if (std::exchange(was_limited_, is_limited) == is_limited) return LimitChange::none;
+  return is_limited ? LimitChange::found : LimitChange::over;
 }
 
 }  // namespace sft::udp

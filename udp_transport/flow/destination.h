@@ -8,7 +8,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
-#include <utility>
 
 #include "core/platform/ip_address.h"
 #include "udp_transport/flow/connection_pair.h"
@@ -96,8 +95,9 @@ class Destination {
 
   /// Called from time to time: the path may take longer datagrams by now. `anew`: it may be another one.
   void look_after(Time now, bool anew) noexcept;
-  /// True once for each time that a limit of the length of datagrams was found.
-  bool has_new_limit() noexcept { return path_.limited_to() != 0 && !std::exchange(limit_is_told_, true); }
+  enum class LimitChange : std::uint8_t { none, found, over };
+  /// Returns whether a limit of the length of datagrams was found since the last call, or is over.
+  LimitChange take_limit_change() noexcept;
 
  private:
   static constexpr std::chrono::seconds kernel_is_asked_every{5};
@@ -114,7 +114,7 @@ class Destination {
   std::atomic<std::uint32_t> moves_{0};
   // Used by the thread that looks after the destination.
   Time kernel_asked_at_{};
-  bool limit_is_told_ = false;
+  bool was_limited_ = false;  ///< at the last call of take_limit_change()
 };
 
 }  // namespace sft::udp

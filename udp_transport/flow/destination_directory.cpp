@@ -81,7 +81,19 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
   return nullptr;
 }
 
-void DestinationDirectory::look_after(PathMtu::Time now, bool anew, std::vector<std::string>& remarks) {
+/// Processes of one host share the path to it, of which one line is enough.
+void DestinationDirectory::remark_limit(Destination& destination,
+                                        std::vector<core::Network::Remark>& remarks) {
+  const Destination::LimitChange change = destination.take_limit_change();
+  if (change == Destination::LimitChange::none) return;
+  const bool is_over = change == Destination::LimitChange::over;
+  std::string text = is_over ? destination.path().no_limit_in_words() : destination.path().limit_in_words();
+  if (text.empty() || std::ranges::find(remarks, text, &core::Network::Remark::text) != remarks.end()) return;
+  remarks.push_back({is_over ? LogLevel::info : LogLevel::warning, std::move(text)});
+}
+
+void DestinationDirectory::look_after(PathMtu::Time now, bool anew,
+                                      std::vector<core::Network::Remark>& remarks) {
   {
     const core::Lock lock(mutex_);
     for (const auto& [key, entry] : known_) looked_after_.push_back(entry.lock());
@@ -89,7 +101,7 @@ void DestinationDirectory::look_after(PathMtu::Time now, bool anew, std::vector<
   for (const std::shared_ptr<Destination>& destination : looked_after_) {
     if (destination == nullptr) continue;
     destination->look_after(now, anew);
-    if (destination->has_new_limit()) remarks.push_back(destination->path().limit_in_words());
+    remark_limit(*destination, remarks);
   }
   looked_after_.clear();
 }

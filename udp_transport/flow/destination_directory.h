@@ -4,11 +4,11 @@
 #include <cstdint>
 #include <map>
 #include <memory>
-#include <string>
 #include <utility>
 #include <vector>
 
 #include "core/seam/address.h"
+#include "core/seam/transport.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
@@ -28,9 +28,9 @@ class DestinationDirectory {
   /// The one that reports by that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Looks after all known destinations. `anew`: routes or own addresses have changed. Adds what the user
-  /// should know of paths to the remarks.
-  void look_after(PathMtu::Time now, bool anew, std::vector<std::string>& remarks);
+  /// Looks after all known destinations. `anew`: routes or own addresses have changed. Adds limits of the
+  /// length of datagrams that were found, or are over, to the remarks.
+  void look_after(PathMtu::Time now, bool anew, std::vector<core::Network::Remark>& remarks);
 
  private:
   /// One that has several addresses is known by its node and port, any other by its address.
@@ -39,6 +39,7 @@ class DestinationDirectory {
   std::uint32_t first_channel(const Key& key) const;
   std::shared_ptr<Destination> known(const core::UdpAddress& address) SFT_REQUIRES(mutex_);
   std::uint32_t unused_flow() SFT_REQUIRES(mutex_);
+  static void remark_limit(Destination& destination, std::vector<core::Network::Remark>& remarks);
 
   const DestinationLimits limits_;
   const Connect connect_;

@@ -47,6 +47,8 @@ class RemotePath {
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
   /// The same as a sentence; empty if there is no such limit.
   std::string limit_in_words() const;
+  /// Says that there is no such limit any more.
+  std::string no_limit_in_words() const;
   /// True if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
   /// The kernel was asked about the path to that address. Ignored if the socket has moved meanwhile.
