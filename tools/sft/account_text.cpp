@@ -27,19 +27,21 @@ bool is_told(const DomainSnapshot::Pair& pair) {
 }
 
 /// A subscriber learns of losses by what comes behind them. So where nothing comes, it knows of none.
-bool has_nothing_come(const DomainSnapshot::Pair& pair) {
+bool takes_none(const DomainSnapshot::Pair& pair) {
   const auto& [publisher, subscriber] = pair.account;
   return pair.matched && publisher && subscriber && publisher->sent > 0 && subscriber->received == 0;
 }
 
-std::string nothing_came_text(const DomainSnapshot::Pair& pair) {
-  if (!has_nothing_come(pair)) return {};
-  return fmt::format(
-      "{} sent, and the subscriber has taken none: it does not take them, or they do not arrive (a firewall, "
-      "or "
-      "a path that drops long datagrams; the log of the publisher's node says so)",
-      pair.account.publisher->sent == 1 ? "1 sample was"
-                                        : count_text(pair.account.publisher->sent, "sample") + " were");
+std::string takes_none_text(const DomainSnapshot::Pair& pair) {
+  if (!takes_none(pair)) return {};
+  const std::uint64_t sent = pair.account.publisher->sent;
+  const bool by_memory = pair.connected && pair.transport == TransportKind::shm;
+  return fmt::format("{} {} sent, and the subscriber has taken none: its program does not take them{}",
+                     count_text(sent, "sample"), sent == 1 ? "was" : "were",
+                     by_memory
+                         ? ""
+                         : ", or they do not arrive (because of a firewall, or because a path drops long "
+                           "datagrams, which the log of the publisher's node names)");
 }
 
 std::string sent_text(const DomainSnapshot::Pair& pair) {

@@ -9,10 +9,11 @@ namespace sft::tool {
 /// True if both sides have reported their counters, or if the pair does not match and has none.
 bool is_told(const DomainSnapshot::Pair& pair);
 
-/// True if both sides have reported, samples were sent, and the subscriber has none of them and misses none.
-bool has_nothing_come(const DomainSnapshot::Pair& pair);
-/// "120 samples were sent, and the subscriber has taken none"; empty if that is not so.
-std::string nothing_came_text(const DomainSnapshot::Pair& pair);
+/// True if both sides have reported their counters, samples were sent, and the subscriber has taken none.
+bool takes_none(const DomainSnapshot::Pair& pair);
+/// "120 samples were sent, and the subscriber has taken none", and what may be the cause; empty if that is not
+/// so.
+std::string takes_none_text(const DomainSnapshot::Pair& pair);
 
 // Counters that their side has not reported are "not told yet".
 

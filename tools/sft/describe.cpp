@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/sft/account_text.h"
 #include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
 
@@ -97,6 +98,7 @@ Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint&
           {"publisher_told_ns_ago", age_json(pair.account.publisher)},
           {"received", told(pair.account.subscriber, &DomainSnapshot::Received::received)},
           {"lost", told(pair.account.subscriber, &DomainSnapshot::Received::lost)},
+          {"takes_none", takes_none(pair)},
           {"subscriber_told_ns_ago", age_json(pair.account.subscriber)}};
 }
 

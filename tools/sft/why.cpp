@@ -76,7 +76,7 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
     print_row("saved", saved_text(pair), output);
     print_row("withheld", withheld_text(pair), output);
     print_row("lost", lost_text(pair), output);
-    print_indented(nothing_came_text(pair), Color::red, output);
+    print_indented(takes_none_text(pair), Color::red, output);
     return;
   }
   print_row("offered", qos_text(publisher.qos), output);
@@ -123,14 +123,14 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
     return std::ranges::all_of(topic->pairs, is_told);
   };
   session.wait_until(all_are_reported, common.wait_s);
-  const auto something_has_come = [&](const DomainSnapshot& domain) {
+  const auto all_have_taken = [&](const DomainSnapshot& domain) {
     topic = part_of(domain, topic->name);
-    return std::ranges::none_of(topic->pairs, has_nothing_come);
+    return std::ranges::none_of(topic->pairs, takes_none);
   };
-  session.wait_until(something_has_come, 2 * common.wait_s);
+  session.wait_until(all_have_taken, 2 * common.wait_s);
   common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
-  const bool all_is_well = std::ranges::all_of(
-      topic->pairs, [](const auto& pair) { return pair.matched && !has_nothing_come(pair); });
+  const auto is_well = [](const DomainSnapshot::Pair& pair) { return pair.matched && !takes_none(pair); };
+  const bool all_is_well = std::ranges::all_of(topic->pairs, is_well);
   return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }
 

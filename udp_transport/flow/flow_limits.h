@@ -7,7 +7,6 @@
 
 namespace sft::udp {
 
-/// Larger than usual: it has all times and sizes of a flow, each with its reason.
 struct FlowLimits {
   bool asks = true;  ///< false: nobody is asked to report, or waited for: a multicast group
   std::uint64_t unheard_bytes_per_s = 600'000'000;  ///< that pass where nobody is asked

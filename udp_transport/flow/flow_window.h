@@ -38,7 +38,6 @@ constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
 /// of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
 
-/// Larger than usual: it joins all that is known of one receiver by marks and reports.
 class FlowWindow {
  public:
   using Time = std::chrono::steady_clock::time_point;

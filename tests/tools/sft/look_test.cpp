@@ -178,7 +178,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
 }
 
 /// Nothing is lost as far as the subscriber knows.
-TEST_F(LookTest, WhySaysThatNothingHasComeThoughSamplesWereSent) {
+TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
   const Publishing publishing(points, cloud());
   Ended why;
   EXPECT_TRUE(eventually([&] {
@@ -186,6 +186,10 @@ TEST_F(LookTest, WhySaysThatNothingHasComeThoughSamplesWereSent) {
     return why.out.find("samples were sent, and the subscriber has taken none") != std::string::npos;
   })) << why.out;
   EXPECT_EQ(why.code, 1);
+  EXPECT_THAT(why.out, HasSubstr("firewall"));
+  EXPECT_EQ(Json::parse(run_tool({"why", "points", "--json"}).out)["pairs"].at(0)["takes_none"], true);
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(monitor.take()); }));
+  EXPECT_TRUE(eventually([&] { return run_tool({"why", "points"}).code == 0; }));
 }
 
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
