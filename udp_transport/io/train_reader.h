@@ -15,16 +15,21 @@ class TrainReader {
  public:
   explicit TrainReader(std::shared_ptr<const UdpSocket> socket);
 
-  /// Never waits. False if nothing is there.
+  /// Never waits. False if nothing is there. What was sent to groups comes behind the rest, unless much of
+  /// the rest has come in a row: whoever sends without end to the one socket must not keep others out of the
+  /// other one.
   bool read(DatagramSink& sink) noexcept;
   /// The same, of what was sent to groups, even if the process has left them all.
   bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:
+  static constexpr int trains_in_a_row_max = 16;
+
   bool read_from(int fd, DatagramSink& sink) noexcept;
 
   const std::shared_ptr<const UdpSocket> socket_;
   std::vector<std::byte> train_;
+  int trains_in_a_row_ = 0;  ///< that were read before one of a group was looked for
   alignas(cmsghdr) std::byte control_[train_control_bytes];
 };
 
