@@ -149,7 +149,8 @@ NodeCore::~NodeCore() {
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
-    if (callbacks_.start()) callbacks_.post([sink, level, line = std::string(line)] { sink(level, line); });
+    if (callbacks_.start())
+      callbacks_.post(this, [sink, level, line = std::string(line)] { sink(level, line); });
   };
 }
 
