@@ -40,7 +40,7 @@ constexpr std::array demands{
     Demand{
         "General/EnableMulticastLoopback", "true", "nodes of one host would not find each other", {"false"}},
     Demand{"General/FragmentSize",
-           "1344 B",
+           "1100 B",
            "announcements would not get through, or in hundreds of datagrams",
            {},
            128},
@@ -188,13 +188,20 @@ constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
+/// Messages fit into packets of 1280 bytes, as fragments of samples do (General/FragmentSize, above). Longer
+/// ones would be cut by the kernel into packets as long as the own interface takes. Some tunnels drop these
+/// without an error, and nodes would not find each other.
+constexpr std::string_view message_max = "1232 B";
+
 /// A peer is asked at every port that a node of it may have, each time: that has to be rare, and they few.
 std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
   const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
   std::string discovery =
       element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
   if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
-  return document(element("General", element("AllowMulticast", multicast)) + element("Discovery", discovery) +
+  const std::string general = element("AllowMulticast", multicast) + element("MaxMessageSize", message_max) +
+                              element("MaxRexmitMessageSize", message_max);
+  return document(element("General", general) + element("Discovery", discovery) +
                   std::string(settings_of_all_links));
 }
 

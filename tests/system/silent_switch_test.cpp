@@ -1,6 +1,7 @@
 // Whole nodes on two hosts, between which long packets vanish without a word, as in some tunnels: the devices
 // of both hosts take 1500 bytes.
 #include <gtest/gtest.h>
+#include <sft/msg_text.h>
 #include <sft/sft.h>
 
 #include <array>
@@ -75,6 +76,29 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
+/// A type whose description has some 30 KB.
+DynamicType long_type() {
+  std::string text;
+  for (int i = 0; i < 300; ++i) text += "float64 " + std::string(90, 'x') + std::to_string(i) + "\n";
+  return from_msg("test_msgs/msg/Long", text).value();
+}
+
+void publish_long_type(Node& node, Report&) {
+  auto publisher = node.publisher("long", long_type()).value();
+  for (;;) {
+    EXPECT_EQ(publisher.publish_yaml("{}"), PublishStatus::ok);
+    poll(nullptr, 0, 50);
+  }
+}
+
+void subscribe_to_long_type(Node& node, Report& report) {
+  auto subscriber = node.subscriber("long", long_type(), "*").value();
+  for (;;) {
+    while (subscriber.take()) ++report.taken[0];
+    poll(nullptr, 0, 5);
+  }
+}
+
 class SilentSwitchTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -93,19 +117,20 @@ class SilentSwitchTest : public testing::Test {
     if (!done) GTEST_SKIP() << done.error().message;
   }
 
+  using NodeProcess = NodeProcessWith<Report>;
+  static NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
+
   std::unique_ptr<hosts::EmulatedNetwork> network_;
 };
 
 TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
   SharedWithChildren<Report> told;
-  NodeOptions options{.name = "publisher", .transport = TransportChoice::udp};
-  options.log = [&](LogLevel, std::string_view line) {
+  NodeOptions with_log = options("publisher");
+  with_log.log = [&](LogLevel, std::string_view line) {
     if (line.find(limit) != line.npos) ++told->limits_in_log;
   };
-  using NodeProcess = NodeProcessWith<Report>;
-  const NodeProcess publisher(network_->host(0), options, publish);
-  const NodeProcess subscriber(network_->host(1), {.name = "subscriber", .transport = TransportChoice::udp},
-                               subscribe);
+  const NodeProcess publisher(network_->host(0), with_log, publish);
+  const NodeProcess subscriber(network_->host(1), options("subscriber"), subscribe);
   for (std::size_t i = 0; i < topics; ++i) {
     EXPECT_TRUE(eventually([&] { return subscriber.report().taken[i] > 10; }))
         << name_of(i) << ": " << subscriber.report().taken[i];
@@ -113,6 +138,13 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
   EXPECT_TRUE(eventually([&] { return publisher.report().limits_in_status == topics; }));
   EXPECT_TRUE(eventually([&] { return told->limits_in_log > 0; }));
   EXPECT_EQ(told->limits_in_log, 1U);
+}
+
+TEST_F(SilentSwitchTest, NodesFindATopicWhoseTypeTakesManyDatagramsToDescribe) {
+  const NodeProcess publisher(network_->host(0), options("publisher"), publish_long_type);
+  const NodeProcess subscriber(network_->host(1), options("subscriber"), subscribe_to_long_type);
+  EXPECT_TRUE(eventually([&] { return subscriber.report().taken[0] > 3; }));
+  EXPECT_FALSE(publisher.report().failed || subscriber.report().failed);
 }
 
 }  // namespace

@@ -11,8 +11,8 @@ bool is_told(const DomainSnapshot::Pair& pair);
 
 /// True if both sides have reported their counters, samples were sent, and the subscriber has taken none.
 bool takes_none(const DomainSnapshot::Pair& pair);
-/// "120 samples were sent, and the subscriber has taken none", and what may be the cause; empty if that is not
-/// so.
+/// "120 samples were sent, and the subscriber has taken none", and what may be the cause; empty if some were
+/// taken.
 std::string takes_none_text(const DomainSnapshot::Pair& pair);
 
 // Counters that their side has not reported are "not told yet".
