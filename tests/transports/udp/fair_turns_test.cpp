@@ -95,6 +95,20 @@ TEST_P(FairTurnsTest, ASendingThreadServesAStopButtonBesideLargeSamplesWithoutEn
   press(stop, {&of_stop}, flood);
 }
 
+/// Both go out on the threads that publish as long as there is room at the receiver.
+TEST_P(FairTurnsTest, APublisherThatNeverStopsLeavesRoomAtTheReceiverToAStopButtonOfItsNode) {
+  const auto here = open(), there = open();
+  const auto of_cloud = reader_of_cloud(*there, false);
+  Subscriber of_stop(*there, {"*"}, 1000, 1);
+  of_stop.listen_reliably_to(stop_id);
+  Publisher cloud(*here, cloud_id), stop(*here, stop_id);
+  cloud.serve({{test::loopback_address(*there), "*"}});
+  stop.serve({{test::loopback_address(*there), "*", true}});
+  const core::SampleHandle sample = cloud.make(make_image(4));
+  const EndlessTopic flood([&] { cloud.port().send(sample); });
+  press(stop, {&of_stop}, flood);
+}
+
 TEST_P(FairTurnsTest, AReceivingThreadServesAStopButtonBesideASenderThatNeverStops) {
   const auto flooding = open(), rare = open(), there = open();
   const auto of_cloud = reader_of_cloud(*there, false);
