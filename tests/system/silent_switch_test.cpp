@@ -38,6 +38,7 @@ struct Report {
   std::array<std::atomic<std::uint64_t>, topics> taken{};
   std::atomic<std::size_t> limits_in_status{0};  ///< pairs of which the status says that there is a limit
   std::atomic<std::size_t> limits_in_log{0};
+  std::atomic<std::size_t> in_groups{0};  ///< pairs that share a multicast group
 };
 
 constexpr std::string_view limit =
@@ -49,15 +50,18 @@ void publish(Node& node, Report& report) {
     publishers.push_back(
         node.publisher<PointCloud2>(name_of(i), {.reliability = reliabilities[i % 2]}).value());
   for (;;) {
-    std::size_t limits = 0;
+    std::size_t limits = 0, in_groups = 0;
     for (std::size_t i = 0; i < topics; ++i) {
       PointCloud2 cloud;
       cloud.data.resize(sizes[i / 2]);
       publishers[i].publish(cloud);
-      for (const auto& reader : publishers[i].status().readers)
+      for (const auto& reader : publishers[i].status().readers) {
         limits += reader.reason.find(limit) != std::string::npos ? 1 : 0;
+        in_groups += reader.multicast.starts_with("group ") ? 1 : 0;
+      }
     }
     report.limits_in_status = limits;
+    report.in_groups = in_groups;
     poll(nullptr, 0, 50);
   }
 }
@@ -103,10 +107,10 @@ class SilentSwitchTest : public testing::Test {
  protected:
   void SetUp() override {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-    auto network = hosts::EmulatedNetwork::create(2);
+    auto network = hosts::EmulatedNetwork::create(host_count);
     if (!network) GTEST_SKIP() << network.error().message;
     network_ = std::make_unique<hosts::EmulatedNetwork>(std::move(*network));
-    for (std::size_t i : {0U, 1U})
+    for (std::size_t i = 0; i < host_count; ++i)
       ASSERT_TRUE(
           network_->host(i).run({"sh", "-ec", "ethtool -K eth0 tx-udp-segmentation off > /dev/null"}));
     const Result<void> done =
@@ -118,6 +122,7 @@ class SilentSwitchTest : public testing::Test {
   }
 
   using NodeProcess = NodeProcessWith<Report>;
+  static constexpr std::size_t host_count = 3;
   static NodeOptions options(const char* name) { return {.name = name, .transport = TransportChoice::udp}; }
 
   std::unique_ptr<hosts::EmulatedNetwork> network_;
@@ -138,6 +143,26 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
   EXPECT_TRUE(eventually([&] { return publisher.report().limits_in_status == topics; }));
   EXPECT_TRUE(eventually([&] { return told->limits_in_log > 0; }));
   EXPECT_EQ(told->limits_in_log, 1U);
+}
+
+/// Two hosts ask for the same, so that one copy by multicast serves both once it is known how long it may be.
+TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAtHostsThatShareACopy) {
+  const NodeProcess publisher(network_->host(0), options("publisher"), publish);
+  const NodeProcess one(network_->host(1), options("one"), subscribe);
+  const NodeProcess other(network_->host(2), options("other"), subscribe);
+  const auto all_come = [&] {
+    for (const NodeProcess* subscriber : {&one, &other}) {
+      for (std::size_t i = 0; i < topics; ++i) {
+        const std::uint64_t before = subscriber->report().taken[i];
+        EXPECT_TRUE(eventually([&] { return subscriber->report().taken[i] > before + 10; })) << name_of(i);
+      }
+    }
+  };
+  all_come();
+  constexpr std::size_t pairs_of_large_samples = 8;
+  EXPECT_TRUE(eventually([&] { return publisher.report().in_groups >= pairs_of_large_samples; }))
+      << publisher.report().in_groups;
+  all_come();
 }
 
 TEST_F(SilentSwitchTest, NodesFindATopicWhoseTypeTakesManyDatagramsToDescribe) {
