@@ -63,7 +63,7 @@ class NotRoot {
 
 TEST_F(SurroundingsTest, NameADirectoryInWhichThisAccountMayNotWrite) {
   for (const std::string& one : {root_, all_.proc, all_.proc + "/self"})
-    fs::permissions(one, fs::perms::others_read | fs::perms::others_exec, fs::perm_options::add);
+    fs::permissions(one, fs::perms::owner_all | fs::perms(0055));
   for (const std::string& one : {all_.shm, all_.tmp}) fs::permissions(one, fs::perms::all);
   const auto lacking = [&] {
     const NotRoot account;
