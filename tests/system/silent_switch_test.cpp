@@ -25,7 +25,7 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 /// Bytes of samples that take one datagram that fits, one that does not, a few, and many.
-constexpr std::array<std::size_t, 4> sizes{100, 1300, 9000, 1'600'000};
+constexpr std::array<std::size_t, 4> sizes{100, 1300, 9000, 200'000};
 constexpr std::array<Reliability, 2> reliabilities{Reliability::best_effort, Reliability::reliable};
 constexpr std::size_t topics = sizes.size() * reliabilities.size();
 
