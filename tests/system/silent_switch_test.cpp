@@ -151,11 +151,14 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAtHostsThatShareACopy) {
   const NodeProcess one(network_->host(1), options("one"), subscribe);
   const NodeProcess other(network_->host(2), options("other"), subscribe);
   const auto all_come = [&] {
-    for (const NodeProcess* subscriber : {&one, &other}) {
-      for (std::size_t i = 0; i < topics; ++i) {
-        const std::uint64_t before = subscriber->report().taken[i];
-        EXPECT_TRUE(eventually([&] { return subscriber->report().taken[i] > before + 10; })) << name_of(i);
-      }
+    std::array<std::uint64_t, topics> of_one{}, of_other{};
+    for (std::size_t i = 0; i < topics; ++i) {
+      of_one[i] = one.report().taken[i];
+      of_other[i] = other.report().taken[i];
+    }
+    for (std::size_t i = 0; i < topics; ++i) {
+      EXPECT_TRUE(eventually([&] { return one.report().taken[i] > of_one[i] + 10; })) << name_of(i);
+      EXPECT_TRUE(eventually([&] { return other.report().taken[i] > of_other[i] + 10; })) << name_of(i);
     }
   };
   all_come();
