@@ -18,8 +18,7 @@ std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
 /// Used by the publisher's thread, except where a function says more.
 class Gate {
  public:
-  /// A gate for a maximum rate alone. It begins with one sample, not with a burst. (A reader's budget begins
-  /// full: it must not have less.)
+  /// A gate for a maximum rate alone. It begins with one sample, not with a burst, and so do its readers.
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
   /// A gate with conditions, which Conditions::check() has accepted. Nothing passes before reader_begins()
   /// was called for its first reader. `hash` is that of the selection's gate without a rate.

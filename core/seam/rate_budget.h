@@ -5,9 +5,9 @@
 // sample, and one that was not used can be saved: a source that beats about as fast as the limit then loses
 // nothing to its jitter. So in any n periods at most n + 2 samples pass, and in the long run one in each.
 //
-// A reader and its writer keep equal limits without talking to each other: whoever admits only what the other
-// one admits never has less to spend than the other one. That is how a reader in shared memory follows its
-// writer.
+// A reader and its writer keep equal limits without talking to each other: whoever begins with as much and
+// admits only what the other one admits never has less to spend than the other one. That is how a reader in
+// shared memory follows its writer.
 #pragma once
 
 #include <cstdint>
