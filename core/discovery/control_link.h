@@ -72,7 +72,7 @@ class ControlLink {
   Result<void> use_reports(bool reads, bool writes);
   /// May get lost, and does so where reports are not written.
   void give_report(std::span<const std::byte> body);
-  /// Calls hear(heartbeat, age) for each one that has come by UDP since the last call.
+  /// Calls hear(heartbeat, age, from) for each one that has come by UDP since the last call.
   template <class Hear>
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);

@@ -44,6 +44,17 @@ Names peers_in_numbers(const DdsConfig& config) {
   return peers;
 }
 
+/// Says what to do if heartbeats, which are multicast, come from there, and no unicast does. Empty within the
+/// host.
+std::string way_through_firewalls(const IpAddress& from, const DdsConfig& config) {
+  if (from.is_any() || in_one_network(from, loopback_ipv4, 8) || !config.heartbeat_port) return "";
+  constexpr unsigned first = 6, last = 47;  // of processes that peers ask, behind the port of heartbeats
+  const auto port = [&](unsigned offset) { return std::to_string(*config.heartbeat_port + offset); };
+  return "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all "
+         "UDP of it, or name both hosts as DiscoverySettings::peers of each other and let in the ports " +
+         port(first) + " to " + port(last) + " (docs/operations.md, Firewalls)";
+}
+
 /// Returns nothing if the system cannot list the interfaces. Those of containers come and go, and have no
 /// link unless they are listed.
 std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
@@ -337,8 +348,8 @@ Time ControlPlane::look(Time now) {
   if (monitors_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
   std::vector<KnownPeers::HeartbeatTaken> heartbeats;
   links_.each([&](LinkId id, ControlLink& link) {
-    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age) {
-      heartbeats.push_back({.link = id, .heartbeat = one, .age = age});
+    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age, const IpAddress& from) {
+      heartbeats.push_back({.link = id, .heartbeat = one, .age = age, .from = from});
     });
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
@@ -362,11 +373,12 @@ void ControlPlane::try_again(Time now) {
 
 void ControlPlane::act(const PeerAction& action, Time now) {
   if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
-    const std::string why = "something is missing of what a process has that heartbeats count";
-    const auto renewed = links_.renew(renewal->link, why);
+    const std::string at = renewal->from.is_any() ? "" : " at " + format(renewal->from);
+    const auto renewed = links_.renew(
+        renewal->link, "something is missing of what a process" + at + " has that heartbeats count");
     if (renewed && !renewed->text.empty())
       report({renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
-              renewed->text});
+              renewed->text + way_through_firewalls(renewal->from, config_)});
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);

@@ -42,7 +42,8 @@ void KnownPeers::pass_on() {
 
 KnownPeers::Todo KnownPeers::look(const std::vector<HeartbeatTaken>& heartbeats, Time now) {
   const Lock lock(mutex_);
-  for (const auto& [link, heartbeat, age] : heartbeats) peers_.heartbeat_came(link, heartbeat, now, age);
+  for (const auto& [link, heartbeat, age, from] : heartbeats)
+    peers_.heartbeat_came(link, heartbeat, now, age, from);
   peers_.look(now);
   take_actions();
   return {std::exchange(of_links_, {}), peers_.next()};

@@ -40,6 +40,7 @@ class KnownPeers final : public ControlLinkListener {
     LinkId link = 0;
     Heartbeat heartbeat{};
     Time::duration age{};  ///< as of Peers::heartbeat_came()
+    IpAddress from{};      ///< of the sender
   };
   /// Takes the heartbeats that have come, and looks after peers. No lock is needed.
   Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);

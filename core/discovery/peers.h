@@ -18,6 +18,7 @@
 #include "core/discovery/records.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
+#include "core/platform/ip_address.h"
 
 namespace sft::core {
 
@@ -101,8 +102,10 @@ class Peers {
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if there is no room for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
-  /// `age`: the time for which it has waited to be read.
-  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {});
+  /// `age`: the time for which it has waited to be read. `from`: where it came from; any if that is not
+  /// known.
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {},
+                      const IpAddress& from = {});
   /// To be called after all heartbeats that have come.
   void look(Time now);
 

@@ -104,6 +104,23 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
 }
 
 /// The second one may have come in a moment in which a link that is cut worked.
+TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
+  const IpAddress elsewhere(0x0a000007);
+  found(cable);
+  std::vector<RenewLink> renewals;
+  for (int i = 0; i < 60; ++i) {
+    now += 1s;
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now, {}, elsewhere);
+    peers.look(now);
+    for (const PeerAction& action : peers.take_actions()) {
+      if (const auto* const renewal = std::get_if<RenewLink>(&action)) renewals.push_back(*renewal);
+    }
+  }
+  ASSERT_FALSE(renewals.empty());
+  EXPECT_EQ(renewals[0].because_of, neighbour);
+  EXPECT_EQ(renewals[0].from, elsewhere);
+}
+
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
   writes(1, "b", {wlan});
