@@ -31,7 +31,7 @@ class Remapping {
   /// No namespace, no rules, and a node without a name.
   Remapping() = default;
   /// `environment`: SFT_REMAP, which may be null. Its rules stand before those of the options. The error
-  /// names what is wrong with a rule or the namespace; the name of the node is not checked.
+  /// names what is wrong with a rule, the name of the node or its namespace.
   static Result<Remapping> of(const NodeOptions& options, const char* environment);
 
   /// The name of the node in its namespace: "left/cam". Empty if the node has no name.

@@ -64,7 +64,7 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   endpoint.node_id = node_.id;
   endpoint.node = node_.options.name;
   endpoint.topic = name.topic;
-  if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;
+  endpoint.given_topic = name.given;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
   if (auto description = announced_description(type.type())) {

@@ -71,8 +71,7 @@ class MissingClock {
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
-  const auto fault = options.name.empty() ? std::string_view() : fault_of_name(options.name);
-  if (!fault.empty())
+  if (const auto fault = fault_of_name(options.name); !fault.empty())
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   const std::shared_ptr<BufferPool> heap = parts.heap;

@@ -115,7 +115,7 @@ void open_subscriber(Stage& stage, std::uint64_t) {
   expect_matched(stage.node.subscriber<PointCloud2, F::width>("source").value());
 }
 void open_subscriber_for_a_moment(Stage& stage, std::uint64_t round) {
-  (void)stage.node.subscriber<PointCloud2>("source " + std::to_string(round)).value();
+  (void)stage.node.subscriber<PointCloud2>("source_" + std::to_string(round)).value();
 }
 void open_publisher(Stage& stage, std::uint64_t round) {
   auto publisher = stage.node.publisher<PointCloud2>("clouds").value();
@@ -123,7 +123,7 @@ void open_publisher(Stage& stage, std::uint64_t round) {
   publisher.publish({.height = static_cast<std::uint32_t>(round)});
 }
 void open_node(Stage&, std::uint64_t round) {
-  Node node = Node::open({.name = "node " + std::to_string(round)}).value();
+  Node node = Node::open({.name = "node_" + std::to_string(round)}).value();
   expect_matched(node.subscriber<PointCloud2, F::width>("source").value());
 }
 void call_service(Stage& stage, std::uint64_t) {
@@ -140,7 +140,7 @@ void fail_to_open(Stage& stage, std::uint64_t round) {
   EXPECT_FALSE(stage.node.subscriber<PointCloud2>("a\nb"));
   EXPECT_FALSE(stage.node.subscriber<PointCloud2>("source", {.selection = "no_field"}));
   EXPECT_FALSE(Node::open({.name = std::string(300, 'x')}));
-  NodeOptions unknown{.name = "node " + std::to_string(round)};
+  NodeOptions unknown{.name = "node_" + std::to_string(round)};
   unknown.cyclonedds_config = "<General><Colour>red</></>";
   EXPECT_FALSE(Node::open(unknown));
 }

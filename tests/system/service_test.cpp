@@ -112,7 +112,7 @@ TEST_P(ServiceTest, ACallWaitsForAServerThatComesLater) {
 TEST_P(ServiceTest, TenClientsThatBeginTogetherWithTheServerGetTheirOwnAnswers) {
   constexpr std::int64_t clients = 10, calls = 5;
   std::vector<Node> nodes;
-  for (const char* name : {"client 1", "client 2", "client 3"}) nodes.push_back(open(name));
+  for (const char* name : {"client_1", "client_2", "client_3"}) nodes.push_back(open(name));
   Node a = open("server");
   std::latch start(clients + 1);
   std::vector<std::thread> threads;

@@ -50,7 +50,7 @@ const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const 
 
 Result<Session> Session::open(const CommonOptions& options, std::string_view command, Stop& stop,
                               Output& output) {
-  NodeOptions node{.name = "sft-" + std::string(command) + "-" + std::to_string(getpid())};
+  NodeOptions node{.name = "sft_" + std::string(command) + "_" + std::to_string(getpid())};
   node.domain = options.domain;
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;

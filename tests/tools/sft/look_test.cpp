@@ -211,7 +211,7 @@ TEST_F(LookTest, WhyNamesTheReasonForWhichAnotherNodeHasNoSharedMemory) {
 }
 
 TEST_F(LookTest, NoLineOfWhyIsLongerThanEightyColumns) {
-  Node talkative = open("a node of which the name, " + std::string(120, 'n') + ", is long");
+  Node talkative = open("a_node_of_which_the_name_" + std::string(120, 'n') + "_is_long");
   auto strict = talkative.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   auto many = talkative
                   .subscriber<PointCloud2, F::header | F::height | F::width | F::fields | F::is_bigendian |
