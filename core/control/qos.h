@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "sft/options.h"
 #include "sft/qos.h"
@@ -20,9 +21,15 @@ Result<Qos> qos_of(const SubscriberOptions& options);
 /// maximum rate.
 Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
+/// A sentence for each option that was set and changes nothing beside the other ones. `udp`, `shm`: the
+/// transports that the endpoint may use.
+std::vector<std::string> options_without_effect(const NodeOptions& options);
+std::vector<std::string> options_without_effect(const PublisherOptions& options, bool udp);
+std::vector<std::string> options_without_effect(const SubscriberOptions& options, bool shm, bool recorded);
+
 struct QosConflict {
   QosPolicy policy = QosPolicy::none;  ///< the first that does not fit
-  std::string reason;                  ///< every one that does not, with both values
+  std::string reason;                  ///< every one that does not, with both values, and what to set
 };
 QosConflict conflict_between(const Qos& offered, const Qos& requested);
 

@@ -174,8 +174,9 @@ void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.said_by);
   if (account.id.said_by == Role::writer) {
     auto& counts = account.by_writer;
-    for (auto* const count : {&counts.sent, &counts.withheld, &counts.dropped, &counts.retained,
-                              &counts.bytes_sent, &counts.bytes_saved})
+    for (auto* const count :
+         {&counts.sent, &counts.withheld, &counts.dropped, &counts.retained, &counts.bytes_sent,
+          &counts.bytes_saved, &counts.diverted, &counts.too_large_bytes, &counts.chunk_bytes})
       body.number(*count);
   } else {
     body.number(account.by_reader.received);

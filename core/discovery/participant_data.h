@@ -26,7 +26,7 @@ struct ParticipantData {
   friend bool operator==(const ParticipantData&, const ParticipantData&) = default;
 };
 
-/// "sft/15/3sta/0123456789abcdef": the version, the count, the letters of what is true, the process.
+/// "sft/16/3sta/0123456789abcdef": the version, the count, the letters of what is true, the process.
 std::string to_text(const ParticipantData& data);
 /// Nothing if the user data are not those of a participant of this version.
 std::optional<ParticipantData> parse_participant_data(std::string_view user_data);

@@ -180,12 +180,16 @@ std::vector<EndpointId> LocalWriter::matching_readers() const {
 
 Account::OfWriter LocalWriter::account_of(EndpointId reader) const {
   const Delivered delivered = core_->delivered(reader);
+  const PublisherStatus::Diverted diverted = core_->diverted();
   return {.sent = delivered.sent,
           .withheld = delivered.withheld,
           .dropped = delivered.dropped,
           .retained = delivered.retained,
           .bytes_sent = delivered.bytes,
-          .bytes_saved = delivered.bytes_saved};
+          .bytes_saved = delivered.bytes_saved,
+          .diverted = delivered.diverted,
+          .too_large_bytes = diverted.too_large_bytes,
+          .chunk_bytes = diverted.chunk_bytes};
 }
 
 }  // namespace sft::core

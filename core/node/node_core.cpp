@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/control/names.h"
+#include "core/control/qos.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
 #include "core/node/type_search.h"
@@ -89,6 +90,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
+  for (const std::string& text : options_without_effect(options)) node->log_.write(LogLevel::warning, text);
   const Discovery::Configuration configuration = node->discovery_->configuration();
   for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);

@@ -127,8 +127,9 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   dirty_ |= negotiation_.tick(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_monitor_.log_refusals(now);
-  control_monitor_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
-                                        now);
+  const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
+  control_monitor_.name_misspelt_topics(publishers_of, now);
+  control_monitor_.name_second_servers(publishers_of, now);
   next_piece_of_work();
   look_after_endpoints(now);
   next_piece_of_work();

@@ -6,6 +6,7 @@
 
 #include "core/publish/lent_copy.h"
 #include "core/seam/gate_table.h"
+#include "sft/detail/misuse.h"
 
 namespace sft::core {
 
@@ -40,8 +41,15 @@ Dispatch::Dispatch(Setup setup)
       history_(setup.history),
       waits_(setup.waits),
       postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()),
+      topic_(std::move(setup.topic)),
       gates_(type_) {
   outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
+}
+
+void Dispatch::stop_second_thread() const noexcept {
+  detail::stop_misuse("topic '" + topic_ +
+                      "': two threads publish with one publisher at the same time: give each thread a "
+                      "publisher of its own, or guard this one with a mutex");
 }
 
 /// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
@@ -123,8 +131,12 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
 /// Counts the reason why shared memory has not lent memory for such a body.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
-  (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)
-      .fetch_add(1, std::memory_order_relaxed);
+  const std::size_t chunk_bytes = in_force_->memory->largest_loan_bytes();
+  const bool is_too_large = bytes > chunk_bytes;
+  (is_too_large ? refusals_.too_large : refusals_.exhausted).fetch_add(1, std::memory_order_relaxed);
+  if (!is_too_large || bytes <= refusals_.too_large_bytes.load(std::memory_order_relaxed)) return;
+  refusals_.too_large_bytes.store(bytes, std::memory_order_relaxed);
+  refusals_.chunk_bytes.store(chunk_bytes, std::memory_order_relaxed);
 }
 
 PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
@@ -180,7 +192,7 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
   const SendStatus status = memory.send(lent);
   if (waits_) timeout = memory.time_left();
   if (status != SendStatus::sent && status != SendStatus::displaced)
-    unavailable_.fetch_add(1, std::memory_order_relaxed);
+    refusals_.unavailable.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
 
@@ -203,8 +215,11 @@ std::optional<Batch> Dispatch::batch(BatchTimeout timeout) noexcept {
 }
 
 PublisherStatus::Diverted Dispatch::diverted() const noexcept {
-  return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
-          unavailable_.load(std::memory_order_relaxed)};
+  const auto read = [](const std::atomic<std::uint64_t>& count) {
+    return count.load(std::memory_order_relaxed);
+  };
+  return {read(refusals_.exhausted), read(refusals_.too_large), read(refusals_.unavailable),
+          read(refusals_.too_large_bytes), read(refusals_.chunk_bytes)};
 }
 
 }  // namespace sft::core

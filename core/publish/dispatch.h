@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/publish/gates.h"
@@ -34,15 +35,19 @@ class Dispatch {
     std::shared_ptr<DeliveryBook> book;
     History* history = nullptr;  ///< keeps every sample; null if the publisher retains none
     bool waits = false;          ///< the publisher waits for readers
+    std::string topic{};         ///< for people
   };
   explicit Dispatch(Setup setup);
 
   // The publisher's thread.
 
-  /// The outlets that are in force for one call of the program, from the beginning to the end of the scope.
+  /// The outlets that are in force for one call of the program, from the beginning to the end of the scope. A
+  /// Call that begins on a second thread meanwhile ends the program.
   class Call {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
+      if (!reading_.is_only()) [[unlikely]]
+        dispatch.stop_second_thread();
       dispatch.look_at_outlets();
       if (!outlets().to_memory || dispatch.network_ == nullptr) return;
       yielding_ = dispatch.network_.get();
@@ -128,6 +133,7 @@ class Dispatch {
   PublisherStatus::Diverted diverted() const noexcept;
 
  private:
+  [[noreturn, gnu::cold]] void stop_second_thread() const noexcept;
   void look_at_outlets() noexcept {
     const Outlets* outlets = outlets_.load();
     if (outlets != in_force_) [[unlikely]]
@@ -157,13 +163,15 @@ class Dispatch {
   History* const history_;
   const bool waits_;
   const bool postpones_;
+  const std::string topic_;
 
   Published<Outlets> outlets_;
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  std::atomic<std::uint64_t> exhausted_{0};
-  std::atomic<std::uint64_t> too_large_{0};
-  std::atomic<std::uint64_t> unavailable_{0};
+  /// See PublisherStatus::Diverted. One thread writes.
+  struct Refusals {
+    std::atomic<std::uint64_t> exhausted{0}, too_large{0}, unavailable{0}, too_large_bytes{0}, chunk_bytes{0};
+  } refusals_;
 
   // The publisher's thread.
   const Outlets* in_force_ = nullptr;    ///< deliveries are counted on their page

@@ -29,7 +29,8 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap,
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
       maker_({spec_.id, spec_.topic, spec_.type, spec_.max_sample_bytes, spec_.refused}, std::move(heap)),
-      dispatch_({spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0}),
+      dispatch_(
+          {spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0, spec_.topic}),
       late_readers_(*spec_.type, network_, spec_.book, history_.get()),
       events_(spec_.on_event, spec_.callbacks),
       readers_changed_(spec_.on_readers_changed, spec_.callbacks),
@@ -155,11 +156,11 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype,
 }
 
 PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
+  const Dispatch::Call call(dispatch_);
   if (has_gaps) {
     if (const PublishStatus status = maker_.close_gaps(*sample); status != PublishStatus::ok) return status;
   }
   const std::int64_t stamp_ns = realtime_ns();
-  const Dispatch::Call call(dispatch_);
   std::chrono::nanoseconds timeout = spec_.max_blocking;
   Dispatch::Admission admission = dispatch_.admit(sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();

@@ -299,6 +299,25 @@ TEST_P(ServiceTest, ACallInACallbackForSamplesIsRefused) {
   EXPECT_EQ(runs, 0);
 }
 
+TEST_P(ServiceTest, ASecondThreadThatCallsWithAClientMeanwhileIsRefused) {
+  Node a = open("server");
+  Node b = open("client");
+  Gate gate;
+  std::atomic<bool> asked{false};
+  const auto server = serve(a, [&](const Add::Request& request) {
+    asked = true;
+    gate.pass();
+    return sum(request);
+  });
+  auto client = client_of(b);
+  auto first = std::async(std::launch::async, [&] { return answer(client, 1, 2); });
+  EXPECT_TRUE(eventually([&] { return asked.load(); }));
+  EXPECT_THAT(answer(client, 3, 4), HasSubstr("two threads call with one client at the same time"));
+  gate.open();
+  EXPECT_EQ(first.get(), "3");
+  EXPECT_EQ(answer(client, 5, 6), "11");
+}
+
 TEST_P(ServiceTest, AProgramWithoutTheTypeCallsByTopicsAlone) {
   Node a = open("server");
   Node b = open("tool");

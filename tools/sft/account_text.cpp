@@ -52,6 +52,20 @@ std::string withheld_text(const DomainSnapshot::Pair& pair) {
                      pair.account.publisher->dropped);
 }
 
+std::string diverted_text(const DomainSnapshot::Pair& pair) {
+  if (!pair.account.publisher || pair.account.publisher->diverted == 0) return "";
+  const DomainSnapshot::Sent& account = *pair.account.publisher;
+  const std::string why =
+      account.too_large_bytes == 0
+          ? "shared memory had no chunk free"
+          : fmt::format("the largest chunk of shared memory has room for {}, and samples have up to {}",
+                        bytes_text(static_cast<double>(account.chunk_bytes)),
+                        bytes_text(static_cast<double>(account.too_large_bytes)));
+  return fmt::format(
+      "{} of these went by UDP: {}: enlarge /dev/shm, or set total_mib or [[pool]] in sftd.toml",
+      account.diverted, why);
+}
+
 std::string lost_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.subscriber) return not_reported;
   return fmt::format("{}; {} received", count_text(pair.account.subscriber->lost, "sample"),

@@ -17,6 +17,8 @@ std::string sent_text(const DomainSnapshot::Pair& pair);
 std::string saved_text(const DomainSnapshot::Pair& pair);
 /// "5 samples; 0 dropped"
 std::string withheld_text(const DomainSnapshot::Pair& pair);
+/// Says which samples went by UDP because shared memory could not take them, and what to do; empty if none.
+std::string diverted_text(const DomainSnapshot::Pair& pair);
 /// "0 samples; 5 received"
 std::string lost_text(const DomainSnapshot::Pair& pair);
 

@@ -50,6 +50,11 @@ class Session {
   /// while no node publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
+  /// An error if the topic is private to a node, "~/image": a command takes topics by their full names.
+  Result<void> check_name(std::string_view topic);
+  /// Adds to an error about a topic that is not known which topics programs call so.
+  Error explained(Error error, std::string_view topic) const;
+
   /// Errc::unavailable if no node announces the topic within the timeout. If its nodes announce a type
   /// without its fields, the definition comes from files (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
@@ -66,6 +71,10 @@ class Session {
   Stop* stop_;
   Output* output_;
 };
+
+/// What is said where a host that --peer names is not heard.
+inline constexpr const char* peers_name_each_other =
+    "nodes on the host that --peer names have to name this host as a peer, too (DiscoverySettings::peers)";
 
 /// Prints the error, and returns its exit code.
 ExitCode give_up(const Error& error);

@@ -27,8 +27,9 @@ void print_indented(const std::string& text, Color color, Output& output) {
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
-/// Prints the text in the same way, with a name in front of its first line.
+/// Prints the text in the same way, with a name in front of its first line. Nothing if it is empty.
 void print_row(const char* name, const std::string& text, Output& output) {
+  if (text.empty()) return;
   constexpr std::size_t name_width = 11;
   for (const std::string& line : lines_of(printable(text), width - indent - name_width, LongWords::broken)) {
     output.line(fmt::format("{:{}}{:<{}}{}", "", indent, name, name_width, line));
@@ -73,6 +74,7 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   if (pair.matched) {
     print_row("fields", request_text(subscriber), output);
     print_row("sent", sent_text(pair), output);
+    print_row("diverted", diverted_text(pair), output);
     print_row("saved", saved_text(pair), output);
     print_row("withheld", withheld_text(pair), output);
     print_row("lost", lost_text(pair), output);
@@ -113,6 +115,7 @@ void print_pairs_json(const OneTopic& topic, Output& output) {
 /// Asks the nodes of all pairs for their counters first. Most answer while the command still looks for other
 /// nodes.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
+  if (const Result<void> sound = session.check_name(options.topic); !sound) return give_up(sound.error());
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);
   if (!inquiry) return give_up(inquiry.error());
   Result<OneTopic> topic = look_at(options.topic, common, session);

@@ -680,7 +680,7 @@ heartbeat:register_heuristic("udp", looks_like_heartbeat)
 -- the bodies of core/control/record_body.h, whose members follow each other without padding.
 local control = Proto("sft_control", "SFT control sample")
 
-local control_version = 15
+local control_version = 16
 local struct_depth_max = 64
 local conditions_max, condition_depth_max = 32, 8
 local parts_max = 16

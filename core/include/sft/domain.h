@@ -49,7 +49,7 @@ struct TopicInfo {
 /// or a copy of it lives; Node::domain() has the answers. The first answers come after a second or so, and
 /// are repeated about once a second. A node reports 32 accounts at a time; if there are more, they take
 /// turns. An inquiry keeps its node alive. Any thread may destroy it.
-class AccountInquiry {
+class [[nodiscard]] AccountInquiry {
  public:
   AccountInquiry() = default;  ///< asks nobody
 
@@ -122,6 +122,9 @@ struct DomainSnapshot::Sent {
   std::uint64_t retained = 0;      ///< samples from before the subscriber came; not in the counts above
   std::uint64_t bytes_sent = 0;    ///< bytes of bodies over the network
   std::uint64_t bytes_saved = 0;   ///< bytes of the fields that were left out of these bodies
+  std::uint64_t diverted = 0;  ///< a part of `sent`: sent by UDP because shared memory could not take them
+  /// As in PublisherStatus::Diverted.
+  std::uint64_t too_large_bytes = 0, chunk_bytes = 0;
 };
 
 /// The counts of the subscriber's node for one publisher, with the meanings of SubscriberStatus::Writer.

@@ -129,7 +129,9 @@ struct NodeOptions {
   /// DDS derives port numbers from the domain, and has none for a greater one.
   static constexpr std::uint32_t domain_max = 232;
 
-  std::string name = "node";  ///< shown to people; several nodes may have the same name
+  /// Shown to people; several nodes may have the same name. As in ROS 2 it consists of letters of ASCII,
+  /// digits and '_', and does not begin with a digit.
+  std::string name = "node";
   /// The namespace, with or without a slash in front: in "left" the topic "points" is "left/points", and the
   /// node "cam" is shown as "left/cam". Empty: none. Node (node.h) says which names are in it.
   std::string namespace_{};
@@ -161,8 +163,9 @@ struct NodeOptions {
   /// Default: $CYCLONEDDS_URI.
   std::optional<std::string> cyclonedds_config{};
   /// Gets the log. Without it the log goes to the standard error of the process, and the library prints
-  /// nothing else. Cyclone DDS prints nothing in a process with a node: its messages have one destination in
-  /// a process, and are kept for the errors that they explain.
+  /// nothing else, but for the line with which a misuse ends the program. Cyclone DDS prints nothing in a
+  /// process with a node: its messages have one destination in a process, and are kept for the errors that
+  /// they explain.
   LogSink log{};
   /// Lines below this level are not even made. Default: info with `log`, warning without. Without `log` the
   /// environment variable SFT_LOG takes precedence: off, error, warning, info or debug.

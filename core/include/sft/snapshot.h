@@ -16,7 +16,8 @@
 //   udp           state, refused {malformed, unknown, incomplete, over_limit}
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
-//                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
+//                 dropped, diverted {exhausted, too_large, unavailable, too_large_bytes, chunk_bytes},
+//                 deadlines_missed, alive, readers[]
 //     readers[]   id, node, served, transport, reason, multicast, incompatible_type,
 //                 incompatible_policy (null: none), no_path, fields, max_rate_hz, request, published, sent,
 //                 withheld, dropped, retained, diverted, bytes_sent, bytes_saved

@@ -113,9 +113,11 @@ struct PublisherStatus {
   /// The number of samples that shared memory could not take, by reason. They went by UDP to the readers that
   /// may use UDP; the other readers missed them.
   struct Diverted {
-    std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
-    std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
-    std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
+    std::uint64_t exhausted = 0;        ///< readers, loans and the history held all chunks of that size
+    std::uint64_t too_large = 0;        ///< the sample was larger than the largest chunk
+    std::uint64_t unavailable = 0;      ///< the daemon had just ended, or held a lock
+    std::uint64_t too_large_bytes = 0;  ///< the size of the largest of those that were too large
+    std::uint64_t chunk_bytes = 0;      ///< the largest sample that had room in a chunk then
     /// Samples, for whatever reason.
     std::uint64_t total() const { return exhausted + too_large + unavailable; }
     friend bool operator==(const Diverted&, const Diverted&) = default;

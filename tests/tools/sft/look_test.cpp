@@ -1,9 +1,12 @@
 // The verbs ls, info, type and why tell what is there.
+#include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sstream>
 
 #include "sft/detail/type_description.h"
+#include "tests/support/isolated_host.h"
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {
@@ -101,6 +104,32 @@ TEST_F(LookTest, TypeOfANameThatNoTopicHasIsTheMessageWithThatName) {
   auto odd = robot.publisher<Odometry>("std_msgs/Header").value();
   EXPECT_EQ(run_tool({"type", "std_msgs/Header", "--name"}).out, "nav_msgs/msg/Odometry\n")
       << "it is a topic";
+}
+
+TEST_F(LookTest, TypePrintsTheConstantsThatTheFilesOfTheTypeHave) {
+  for (const char* const name : {"points", "sensor_msgs/PointCloud2"}) {
+    EXPECT_THAT(run_tool({"type", name}).out,
+                HasSubstr("\nMSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\n"))
+        << name;
+  }
+  const std::string status = run_tool({"type", "sensor_msgs/NavSatStatus"}).out;
+  EXPECT_THAT(status, HasSubstr("\nint8 STATUS_NO_FIX="));
+  EXPECT_LT(status.find("STATUS_NO_FIX"), status.find("int8 status\n")) << status;
+}
+
+TEST_F(LookTest, TypeKnowsServices) {
+  std::ifstream file(program_directory() + "/../share/sft/interfaces/std_srvs/srv/SetBool.srv");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_THAT(text, HasSubstr("---\n"));
+  for (const char* const name : {"std_srvs/SetBool", "std_srvs/srv/SetBool", "std_srvs::srv::SetBool"}) {
+    const Ended ended = run_tool({"type", name, "--wait", "0.1"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, text) << name;
+  }
+  EXPECT_EQ(Json::parse(run_tool({"type", "std_srvs/SetBool", "--wait", "0.1", "--json"}).out)["srv"], text);
+  const Ended fields = run_tool({"type", "std_srvs/SetBool", "--wait", "0.1", "--fields"});
+  EXPECT_EQ(fields.code, 2);
+  EXPECT_THAT(fields.err, HasSubstr("'std_srvs/SetBool' is a service, and --fields is for messages"));
 }
 
 TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
@@ -281,7 +310,7 @@ TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesTheDomainAndTheTopicsThatAr
     EXPECT_EQ(ended.code, 1) << command;
     EXPECT_EQ(ended.out, "") << command;
     EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints' in domain " + domain +
-                             "; topics that were seen: points\n")
+                             "; topics that were seen: points; did you mean 'points'?\n")
         << command;
   }
 }

@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,22 @@ std::uint64_t new_client_id();
 
 /// True while a callback for samples runs on this thread. It may be the thread that receives.
 bool in_sample_callback();
+
+/// The right of one thread to use an object, to the end of the scope; false if another thread has it.
+class OnlyCall {
+ public:
+  explicit OnlyCall(std::atomic<bool>& is_used) : is_used_(is_used), is_only_(!is_used.exchange(true)) {}
+  ~OnlyCall() {
+    if (is_only_) is_used_ = false;
+  }
+  OnlyCall(const OnlyCall&) = delete;
+  OnlyCall& operator=(const OnlyCall&) = delete;
+  explicit operator bool() const { return is_only_; }
+
+ private:
+  std::atomic<bool>& is_used_;
+  const bool is_only_;
+};
 
 /// A server, as a client sees it.
 struct SeenServer {

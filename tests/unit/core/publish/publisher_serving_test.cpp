@@ -163,6 +163,22 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   EXPECT_EQ(told, 1);
 }
 
+using PublisherServingDeathTest = PublisherServingTest;
+
+TEST_F(PublisherServingDeathTest, ASecondThreadThatPublishesMeanwhileIsStoppedWithASentence) {
+  publisher.serve(to_one(type.full()), nullptr);
+  Result<SampleHandle> loan = publisher.loan(&cloud, {}, ReservedMemory::zeroed);
+  auto publishing = std::async(std::launch::async, [&] { publisher.publish(&cloud); });
+  port->sending.get_future().wait();
+  const char* const why = "sft: topic 'points': two threads publish with one publisher at the same time: ";
+  EXPECT_DEATH(publisher.publish(&cloud), why);
+  EXPECT_DEATH(publisher.publish(&cloud, 1, sizeof cloud), why);
+  EXPECT_DEATH((void)publisher.publish_cdr(payload()), why);
+  EXPECT_DEATH((void)publisher.loan(&cloud, {}, ReservedMemory::zeroed), why);
+  EXPECT_DEATH(publisher.commit(*loan, true), why);
+  port->go_on.set_value();
+}
+
 /// A publisher that publishes a sample whenever the routes of one of its ports are about to change and have
 /// changed, and what has come to one of its readers, by whichever port.
 class ChangeOverTest : public ::testing::Test {
