@@ -31,6 +31,9 @@ class ControlLinkListener {
   virtual void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) = 0;
   virtual void participant_gone(const RemoteParticipant& id) = 0;
   virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
+  /// A participant that is not one of SFT, on a link without DDS Security. Told again when its user data have
+  /// changed.
+  virtual void vanilla_came(const RemoteParticipant& id) = 0;
   virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
   virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
   virtual void report_came(const RemoteParticipant& by, NodeReport report) = 0;

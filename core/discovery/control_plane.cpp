@@ -72,6 +72,7 @@ class SharedPlane final : public Discovery {
   Inquiries inquiries() const override { return plane_->inquiries(); }
   void report(const NodeReport& report) override { plane_->give_report(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
+  Vanilla vanilla() const override { return plane_->vanilla(); }
   Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
  private:
@@ -181,6 +182,8 @@ std::vector<Discovery::KnownPublisher> ControlPlane::publishers_of(std::string_v
 Time ControlPlane::newcomer_at() {
   return known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
 }
+
+Discovery::Vanilla ControlPlane::vanilla() { return known_.vanilla(); }
 
 Result<void> ControlPlane::hear(Seat& seat, Role role) {
   Result<void> heard;

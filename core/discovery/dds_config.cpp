@@ -305,6 +305,24 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   return config;
 }
 
+/// Multicasts of samples would reach the ports of all links of this network. The one setting that SFT cannot
+/// do without concerns the runtime of iceoryx, of which a process has one.
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config) {
+  const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
+  if (!user) return tl::unexpected(user.error());
+  const bool suffices = !user->sets(own_domain_number) && !user->depends_on_domain();
+  const std::string users = suffices ? user_config : user->for_any_domain({own_domain_number});
+  std::string on_wire = user->value(own_domain_number).value_or("default");
+  if (equals(on_wire, "default")) on_wire = std::to_string(domain);
+  constexpr std::string_view ours =
+      "<General><AllowMulticast>spdp</></><Sizing><ReceiveBufferSize>256 KiB</></>"
+      "<Internal><MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>";
+  const std::string insisted = element("SharedMemory", element("Enable", "false")) +
+                               element("Discovery", element("ExternalDomainId", on_wire));
+  return VanillaConfig{.text = document(ours) + "," + (users.empty() ? "" : users + ",") + document(insisted),
+                       .is_secured = user->sets("Security")};
+}
+
 std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
   std::vector<std::string> asked = peers;
   asked.insert(asked.end(), user_peers.begin(), user_peers.end());

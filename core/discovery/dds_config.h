@@ -49,6 +49,14 @@ struct DdsConfig {
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
 
+/// The configuration of the participant that serves DDS nodes which know nothing of SFT. It is that of a ROS
+/// 2 node in the same environment: interfaces, peers and the rest are the user's.
+struct VanillaConfig {
+  std::string text;         ///< for dds_create_domain
+  bool is_secured = false;  ///< the user's configuration has DDS Security
+};
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config);
+
 /// Names and addresses of the interfaces that the user's configuration names, or else the settings.
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
                                                       const std::string& user_config);

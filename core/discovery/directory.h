@@ -74,6 +74,8 @@ class Directory {
   void paths_cut(const PathsCut& cut);
   /// Only those parts of the report count that are about endpoints which the process has announced.
   void report_came(ProcessId process, NodeReport report);
+  /// Participants have come or gone that are not SFT's.
+  void vanilla_changed();
   /// Somebody has said something that cannot be used.
   void refuse(std::string why);
 
@@ -122,6 +124,7 @@ class Directory {
   void show_next(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   void notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
+  ListeningNodes all_nodes() const;
   void notify_seen(ListeningNodes to, const Entry& entry);
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);

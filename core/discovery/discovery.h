@@ -72,6 +72,14 @@ class Discovery {
   /// When the latest newcomer among other processes was heard first; Time{} if there was none. What it
   /// announces may be yet to come. Any thread.
   virtual Time newcomer_at() const = 0;
+  /// The participants that are not SFT's, as the links hear them: nodes of DDS and ROS 2.
+  struct Vanilla {
+    bool is_there = false;
+    std::uint64_t came = 0;  ///< how many have come so far
+    friend bool operator==(const Vanilla&, const Vanilla&) = default;
+  };
+  /// Any thread.
+  virtual Vanilla vanilla() const = 0;
   /// To be called often: takes interfaces into use and out of use, and lets nodes that have not heard of us,
   /// or have lost us, find us. Cyclone does that by itself every now and then. Returns when this node has to
   /// call it again at the latest; Time::max() if it need not hurry.

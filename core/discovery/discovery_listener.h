@@ -21,6 +21,8 @@ class DiscoveryListener {
   virtual void report_received(NodeReport report) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
+  /// Discovery::vanilla() tells something else than before.
+  virtual void vanilla_changed() {}
   /// Other interfaces are used now. Called on the thread that calls look_after().
   virtual void links_changed(const std::string& /*summary*/) {}
   /// Something of another process was missing on one link, which was made anew. Called on the same thread.

@@ -28,6 +28,11 @@ struct ParticipantData {
 
 /// "sft/15/3sta/0123456789abcdef": the version, the count, the letters of what is true, the process.
 std::string to_text(const ParticipantData& data);
+/// In the user data of the endpoints, and of their participant, that SFT makes for DDS nodes which know
+/// nothing of SFT. Such user data are pairs, as in "key=value;".
+inline constexpr std::string_view vanilla_mark = "sft=1;";
+/// True if these user data are those of a participant or an endpoint of SFT, of whatever release.
+bool is_of_sft(std::string_view user_data);
 /// Nothing if the user data are not those of a participant of this version.
 std::optional<ParticipantData> parse_participant_data(std::string_view user_data);
 /// The version of the control protocol if it is another one than ours. The user data of all versions begin

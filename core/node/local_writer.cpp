@@ -16,17 +16,20 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
     : node_(node),
       id_(endpoint.id),
       core_(std::move(core)),
+      vanilla_(node, *core_),
       monitor_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
   Serving wanted = node_.negotiation.serving(id_);
   if (open_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
   wanted = reachable(std::move(wanted));
-  if (in_force_ == wanted) return;
-  const bool as_before = in_force_ && in_force_->serves_like(wanted);
+  const bool has_other_port = vanilla_.reconcile(std::chrono::steady_clock::now());
+  if (in_force_ == wanted && !has_other_port) return;
+  const bool as_before = in_force_ && in_force_->serves_like(wanted) && !has_other_port;
   in_force_ = wanted;
   has_changes_ = true;
-  as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
+  as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_, vanilla_.port());
+  if (has_other_port) vanilla_.in_force();
 }
 
 /// Returns true if the desired state has changed: readers that were unreached without the port are no more.

@@ -47,6 +47,15 @@ void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   }
 }
 
+VanillaAccess::Setup vanilla_setup(const NodeOptions& options, std::function<void()> readers_changed) {
+  return {.choice = options.vanilla_dds.value_or(NodeOptions::VanillaDds::automatic),
+          .plan = {.domain = options.domain.value_or(0),
+                   .user_config = options.cyclonedds_config.value_or(""),
+                   .threads = options.threads.discovery},
+          .sender = options.threads.sender,
+          .readers_changed = std::move(readers_changed)};
+}
+
 /// Logs once that the topic "/clock", which the node follows, has no publisher.
 class MissingClock {
  public:
@@ -94,9 +103,9 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
   }
-  node->reconciler_ =
-      std::make_unique<Reconciler>(node->network_id_, node->memory_.get(), node->network_.get(),
-                                   *node->discovery_, node->dispatcher_, node->log_);
+  node->reconciler_ = std::make_unique<Reconciler>(
+      node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
+      node->log_, vanilla_setup(node->options_, [node = node.get()] { node->vanilla_changed(); }));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,
@@ -179,6 +188,10 @@ EndpointOpening::Notifications NodeCore::endpoint_notifications() {
           [this](LogLevel level, std::string text) {
             agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
           }};
+}
+
+void NodeCore::vanilla_changed() {
+  agent_.post([this] { reconciler_->look_after_vanilla(); });
 }
 
 Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,

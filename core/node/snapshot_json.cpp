@@ -68,6 +68,7 @@ Json publisher(const NodeSnapshot::Publisher& p) {
            {{"exhausted", p.diverted.exhausted},
             {"too_large", p.diverted.too_large},
             {"unavailable", p.diverted.unavailable}}},
+          {"vanilla_readers", p.vanilla_readers},
           {"deadlines_missed", p.deadlines_missed},
           {"alive", p.alive},
           {"readers", list(p.readers, reader)}};

@@ -41,7 +41,8 @@ Dispatch::Dispatch(Setup setup)
       waits_(setup.waits),
       postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()),
       gates_(type_) {
-  outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
+  outlets_.replace(
+      make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, nullptr, history_ != nullptr}));
 }
 
 /// The network ceases here, too, to count for readers that it serves no more: a publisher that sends nothing
@@ -64,11 +65,13 @@ void Dispatch::send_by_both(const Outlets& before, const Outlets& after) {
   outlets_.wait_for_reader();
 }
 
-FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory) {
+FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory,
+                          std::shared_ptr<VanillaPort> vanilla) {
   gates_.tidy();
   for (auto* routes : {&serving.memory, &serving.network, &serving.fallback}) gates_.give(*routes);
   const std::shared_ptr<Outlets> after =
-      make_outlets(type_, serving, gates_, {std::move(memory), network_ != nullptr, history_ != nullptr});
+      make_outlets(type_, serving, gates_,
+                   {std::move(memory), network_ != nullptr, std::move(vanilla), history_ != nullptr});
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->provides_for(*after)) {
     // A route must never ask for more than is encoded, or by a gate that was not asked: first do what old and
@@ -160,6 +163,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
     if (send_over_network(sample, reach, admission.transmission) != SendStatus::sent)
       status = PublishStatus::dropped;
   }
+  if (outlets.vanilla != nullptr) outlets.vanilla->send(sample);
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }

@@ -96,7 +96,9 @@ class Dispatch {
   /// Admits a sample that is encoded already; empty: there was no memory for it.
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   /// True if nobody but the network gets the sample, which takes copies that are postponed.
-  bool may_postpone() const noexcept { return postpones_ && in_force_->to_network && !in_force_->to_memory; }
+  bool may_postpone() const noexcept {
+    return postpones_ && in_force_->to_network && !in_force_->to_memory && in_force_->vanilla == nullptr;
+  }
   /// Counts samples that nobody wants, so that readers can tell.
   PublishStatus withhold(std::size_t samples = 1) noexcept {
     sequence_.fetch_add(samples, std::memory_order_relaxed);
@@ -117,8 +119,10 @@ class Dispatch {
   // The agent's thread.
 
   /// Gives the routes their gates, and puts a new division of readers between the ports in force. `memory` is
-  /// null while there is no shared memory. Returns what samples have from now on.
-  FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory);
+  /// null while there is no shared memory, and `vanilla` while no unmodified DDS reader is served. Returns
+  /// what samples have from now on.
+  FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory,
+                  std::shared_ptr<VanillaPort> vanilla = nullptr);
 
   // Any thread.
 

@@ -35,8 +35,9 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap,
       readers_changed_(spec_.on_readers_changed, spec_.callbacks),
       encoded_(spec_.type->none()) {}
 
-void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory) {
-  const FieldMask encoded = dispatch_.serve(serving, memory);
+void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory,
+                          std::shared_ptr<VanillaPort> vanilla) {
+  const FieldMask encoded = dispatch_.serve(serving, memory, vanilla);
   late_readers_.serve(serving, std::move(memory));
   std::set<EndpointId> known;
   for (const PublisherStatus::Reader& reader : serving.readers) known.insert(reader.id);
@@ -45,6 +46,12 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
     const Lock lock(status_mutex_);
     readers_ = std::move(serving.readers);
     encoded_ = encoded;
+    const bool is_new = std::exchange(vanilla_, vanilla) != vanilla;
+    if (!is_new) vanilla = nullptr;
+  }
+  if (vanilla != nullptr) {
+    vanilla->begin_with(history_ == nullptr ? std::vector<SampleHandle>()
+                                            : history_->last(spec_.qos.history_depth, realtime_ns()));
   }
   readers_known_.notify_all();
   if (readers_changed_.is_set()) readers_changed_(status());
@@ -227,6 +234,7 @@ PublisherStatus PublisherCore::status() const {
   status.bytes_saved = spec_.book->total().bytes_saved;
   const Lock lock(status_mutex_);
   status.mask = encoded_;
+  status.vanilla_readers = vanilla_ == nullptr ? 0 : vanilla_->readers();
   status.readers = readers_;
   for (PublisherStatus::Reader& reader : status.readers) {
     const Delivered delivered = spec_.book->of(reader.id);

@@ -87,8 +87,9 @@ class PublisherCore {
   // The agent's thread.
 
   /// Puts a new division of readers between the ports in force. `memory` is null while there is no shared
-  /// memory.
-  void serve(Serving serving, std::shared_ptr<LendingWriter> memory);
+  /// memory, and `vanilla` while no unmodified DDS reader is served.
+  void serve(Serving serving, std::shared_ptr<LendingWriter> memory,
+             std::shared_ptr<VanillaPort> vanilla = nullptr);
   /// Only what status() says of readers has changed. A request with another number and nothing new in it is
   /// no change to tell the program of.
   void show(std::vector<PublisherStatus::Reader> readers);
@@ -138,6 +139,7 @@ class PublisherCore {
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   mutable Condition readers_known_;  ///< that they may be others than before
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
+  std::shared_ptr<const VanillaPort> vanilla_ SFT_GUARDED_BY(status_mutex_);
   FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded at present
 };
 

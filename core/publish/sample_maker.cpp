@@ -106,8 +106,8 @@ Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payloa
   if (size.bytes > product_.max_sample_bytes) {
     return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
                                           std::to_string(size.bytes) + " bytes; at most " +
-                                          std::to_string(product_.max_sample_bytes) +
-                                          " may be sent" + what_to_do_about(product_.max_sample_bytes));
+                                          std::to_string(product_.max_sample_bytes) + " may be sent" +
+                                          what_to_do_about(product_.max_sample_bytes));
   }
   return size.bytes;
 }
@@ -188,9 +188,9 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // then it names no gates
   if (!sample && outlets.needs_memory && timeout.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, timeout);
-  // The sample can still go over the network if there is no chunk for it.
-  if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
-    sample = take_heap(bytes);
+  // The sample can still go elsewhere if there is no chunk for it.
+  const bool may_go_elsewhere = outlets.to_network || outlets.has_fallback || outlets.vanilla != nullptr;
+  if (!sample && (!outlets.to_memory || may_go_elsewhere)) sample = take_heap(bytes);
   return sample;
 }
 

@@ -119,6 +119,12 @@ struct NodeOptions {
     ThreadSettings discovery{};
   };
 
+  /// Whether publishers also serve unmodified nodes of DDS and ROS 2 that read their topics (docs/ros2.md).
+  /// `automatic`: while a node that is not one of SFT is heard, unless the program speaks DDS itself. A node
+  /// on this host that was started before is heard within 8 s, and one that uses the loopback only is not
+  /// heard. `always`: as long as the node has a publisher.
+  enum class VanillaDds : std::uint8_t { automatic, always, never };
+
   /// A callback for lines of the log. It runs on a thread of the node for just that and for events (event.h),
   /// and may call any function of SFT. If several nodes have the same sink, a thread of each node calls it.
   /// A warning or an error that comes again is written after a pause, which grows from 5 s to 11 minutes. Of
@@ -147,6 +153,8 @@ struct NodeOptions {
   bool use_sim_time = false;
   /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
+  /// Default: that of $SFT_VANILLA_DDS (auto, always, never), otherwise automatic.
+  std::optional<VanillaDds> vanilla_dds{};
   /// Settings by which nodes find each other.
   DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< limits all publishers and subscribers of it

@@ -133,6 +133,9 @@ struct PublisherStatus {
   /// Samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;  ///< the fields of a sample that are encoded at present
+  /// Readers of DDS and ROS 2, which know nothing of SFT and are not in `readers`, that are served at
+  /// present.
+  std::size_t vanilla_readers = 0;
   /// All subscribers of the topic, served or not. A subscriber with several selections is here once for each.
   std::vector<Reader> readers;
 };

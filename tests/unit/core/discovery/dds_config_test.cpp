@@ -57,6 +57,32 @@ TEST(DdsConfig, ReceiveBuffersAreSmallUnlessTheUserWantsOthers) {
               is("2 MiB"));
 }
 
+CycloneSettings of_vanilla(const std::string& user, std::uint32_t domain = 0) {
+  return CycloneSettings::read(vanilla_config(domain, user).value().text, domain).value();
+}
+
+TEST(VanillaConfig, IsThatOfTheUserWithTheInterfacesAndTheDomainOfTheUser) {
+  const auto theirs = of_vanilla(
+      "<General><Interfaces><NetworkInterface name=\"eth7\"/></><AllowMulticast>true</></>,"
+      "<Discovery><ExternalDomainId>9</></>",
+      3);
+  EXPECT_THAT(theirs.values("General/Interfaces/NetworkInterface/@name"), ElementsAre("eth7"));
+  EXPECT_THAT(theirs.value("General/AllowMulticast"), is("true"));
+  EXPECT_THAT(theirs.value("Discovery/ExternalDomainId"), is("9"));
+  EXPECT_THAT(of_vanilla("", 3).value("Discovery/ExternalDomainId"), is("3"));
+}
+
+TEST(VanillaConfig, MulticastsNoSamplesAndUsesNoRuntimeOfIceoryx) {
+  EXPECT_THAT(of_vanilla("").value("General/AllowMulticast"), is("spdp"));
+  EXPECT_THAT(of_vanilla("<SharedMemory><Enable>true</></>").value("SharedMemory/Enable"), is("false"));
+}
+
+TEST(VanillaConfig, SaysThatTheUserWantsSecurity) {
+  EXPECT_FALSE(vanilla_config(0, "").value().is_secured);
+  EXPECT_TRUE(
+      vanilla_config(0, "<Security><Authentication><IdentityCA>file:ca.pem</></></>").value().is_secured);
+}
+
 struct Breakage {
   const char* user;
   const char* path;

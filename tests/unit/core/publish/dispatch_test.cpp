@@ -113,6 +113,36 @@ TEST_F(DispatchTest, SendsByFallbackRoutesWhatSharedMemoryDoesNotTakeAndOthersMi
   EXPECT_EQ(book->of(2), (Delivered{.dropped = 1}));
 }
 
+TEST_F(DispatchTest, HandsEachWholeSampleToReadersOfDdsBesideWhateverElseItIsFor) {
+  const auto vanilla = std::make_shared<VanillaLog>();
+  Serving serving;
+  serving.network = {network_route(1, type)};
+  serving.network[0].min_period_us = 1'000'000;
+  dispatch.serve(serving, nullptr, vanilla);
+  constexpr std::int64_t now_ns = 5'000'000'000;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(send(now_ns), PublishStatus::ok);
+  EXPECT_EQ(vanilla->sent.size(), 3U) << "no gate is theirs";
+  dispatch.serve(serving, nullptr);
+  send(now_ns);
+  EXPECT_EQ(vanilla->sent.size(), 3U);
+}
+
+TEST_F(DispatchTest, EncodesAllFieldsForReadersOfDdsAndPostponesNoCopies) {
+  Serving serving;
+  serving.network = {network_route(1, type)};
+  serving.network[0].selection = FieldMask(type.closed(type.none()));
+  serve(serving);
+  {
+    const Dispatch::Call call(dispatch);
+    EXPECT_FALSE(call.outlets().whole);
+    EXPECT_TRUE(dispatch.may_postpone());
+  }
+  dispatch.serve(serving, nullptr, std::make_shared<VanillaLog>());
+  const Dispatch::Call call(dispatch);
+  EXPECT_TRUE(call.outlets().whole);
+  EXPECT_FALSE(dispatch.may_postpone());
+}
+
 TEST_F(DispatchTest, TellsTheNetworkWhenReadersInSharedMemoryHaveTheirTurn) {
   serve_one_by_network();
   send();
