@@ -6,6 +6,7 @@
 #include "core/discovery/dds_config.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
+#include "core/node/vanilla_choice.h"
 #include "core/platform/domain_id.h"
 #include "core/platform/forked.h"
 #include "core/platform/process_limits.h"
@@ -23,9 +24,11 @@ namespace {
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
-NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, const core::Remapping& names) {
+NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, NodeOptions::VanillaDds vanilla,
+                          const core::Remapping& names) {
   NodeOptions result = options;
   result.domain = domain;
+  result.vanilla_dds = vanilla;
   result.name = names.node();
   const char* config = std::getenv("CYCLONEDDS_URI");
   if (!result.cyclonedds_config) result.cyclonedds_config = config == nullptr ? "" : config;
@@ -101,7 +104,9 @@ Result<Node> Node::open(const NodeOptions& options) {
     return tl::unexpected(settings.error());
   Result<core::Remapping> names = core::Remapping::of(options, std::getenv("SFT_REMAP"));
   if (!names) return tl::unexpected(names.error());
-  const NodeOptions resolved = with_defaults(options, *domain, *names);
+  const auto vanilla = core::vanilla_choice(options.vanilla_dds, std::getenv("SFT_VANILLA_DDS"));
+  if (!vanilla) return tl::unexpected(vanilla.error());
+  const NodeOptions resolved = with_defaults(options, *domain, *vanilla, *names);
   core::NodeCore::Parts parts;
   parts.names = std::move(*names);
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);

@@ -62,11 +62,13 @@ class UdpTransport final : public core::Network {
     const bool anew = std::exchange(network_has_changed_, false);
     if (anew || now - destinations_looked_after_at_ >= PathMtu::search_pause) {
       destinations_looked_after_at_ = now;
-      send_side_->destinations.look_after(now, anew);
+      send_side_->destinations.look_after(now, anew, remarks_);
     }
     if (send_side_->pool != nullptr) send_side_->pool->stock();
     return receiver_->health().is_broken ? core::Availability::unavailable : core::Availability::ready;
   }
+
+  std::vector<Remark> take_remarks() override { return std::exchange(remarks_, {}); }
 
   std::chrono::steady_clock::time_point next_poll() const override { return send_side_->writers.next(); }
 
@@ -142,6 +144,7 @@ class UdpTransport final : public core::Network {
   const std::vector<std::string> interfaces_;
   std::uint64_t network_changes_ = 0;  ///< number of network changes seen so far
   bool network_has_changed_ = false;
+  std::vector<Remark> remarks_;  ///< that nobody has taken yet
   mutable core::Mutex links_mutex_;
   /// The links when the system listed them last, for times when it cannot list them.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);

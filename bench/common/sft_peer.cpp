@@ -47,7 +47,7 @@ Durability durability(const Topic& topic) {
 /// not keep up, like the writers of other contenders.
 PublisherOptions publisher_options(const Topic& topic, const Ways& ways) {
   PublisherOptions options{.reliability = reliability(topic), .durability = durability(topic)};
-  if (!ways.usual) options.max_blocking = std::chrono::seconds(1);
+  if (!ways.usual && topic.reliable) options.max_blocking = std::chrono::seconds(1);
   if (topic.messages)
     options.max_sample_bytes = std::max(options.max_sample_bytes, topic.messages->largest());
   return options;

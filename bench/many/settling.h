@@ -6,7 +6,7 @@
 
 namespace sft::bench {
 
-/// The bytes that the host had sent just before a sample was published.
+/// The total number of bytes that the host had sent by the time `at_ns`, just before a sample was published.
 struct Counted {
   std::int64_t at_ns = 0;
   std::int64_t bytes = 0;

@@ -47,7 +47,8 @@ struct Used {
 
 class Team {
  public:
-  /// The session in which the team takes part. `phases` must outlive the team.
+  /// What the team does: the number of its receivers, the phases, and when it sends. `phases` must outlive
+  /// the team.
   struct Task {
     std::size_t receivers;
     const std::vector<Phase>& phases;

@@ -11,7 +11,7 @@ namespace sft::bench::peers {
 inline constexpr std::uint32_t bytes_max = 8 << 20;
 inline constexpr std::size_t sizes_max = 8;
 inline constexpr std::size_t readers_max = 8;
-inline constexpr std::size_t samples_max = 4096;  ///< the most latencies of one size
+inline constexpr std::size_t samples_max = 4096;  ///< the maximum number of latencies of one message size
 
 struct Pace {
   std::int64_t period_us = 200;  ///< time between two messages; longer if the first one has not arrived

@@ -86,6 +86,9 @@ struct Account {
     std::uint64_t retained = 0;
     std::uint64_t bytes_sent = 0;
     std::uint64_t bytes_saved = 0;
+    std::uint64_t diverted = 0;
+    std::uint64_t too_large_bytes = 0;  ///< the largest sample that was too large for shared memory
+    std::uint64_t chunk_bytes = 0;      ///< what would have fitted into the largest chunk then
     friend bool operator==(const OfWriter&, const OfWriter&) = default;
   };
   OfWriter by_writer{};

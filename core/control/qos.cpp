@@ -52,19 +52,32 @@ class Conflicts {
   void note(QosPolicy policy, const std::string& offered, const std::string& requested) {
     note(policy, to_string(policy), offered, requested);
   }
-  void note(QosPolicy policy, const char* name, const std::string& offered, const std::string& requested) {
+  void note(QosPolicy policy, const std::string& option, const std::string& offered,
+            const std::string& requested) {
     if (conflict_.policy == QosPolicy::none) {
       conflict_ = {policy, "incompatible QoS: "};
     } else {
       conflict_.reason += "; ";
     }
-    conflict_.reason += std::string(name) + " " + offered + " is offered, " + requested + " is requested";
+    conflict_.reason += option + " " + offered + " is offered, " + requested + " is requested";
+    of_publisher_ += " ." + option + " = " + requested;
+    of_subscriber_ += " ." + option + " = " + offered;
   }
-  QosConflict result() && { return std::move(conflict_); }
+  QosConflict result() && {
+    if (conflict_.policy != QosPolicy::none)
+      conflict_.reason +=
+          ": open the publisher with" + of_publisher_ + ", or the subscriber with" + of_subscriber_;
+    return std::move(conflict_);
+  }
 
  private:
   QosConflict conflict_;
+  std::string of_publisher_, of_subscriber_;  ///< what either side sets to match
 };
+
+std::string has_no_effect(const char* option, const std::string& why) {
+  return std::string(option) + " has no effect: " + why;
+}
 
 }  // namespace
 
@@ -115,6 +128,59 @@ Result<Qos> qos_of(const SubscriberOptions& options) {
       .map([&] { return qos; });
 }
 
+std::vector<std::string> options_without_effect(const NodeOptions& options) {
+  std::vector<std::string> sentences;
+  const bool limits_udp = options.udp.port != 0 || options.udp.max_bytes_per_s != 0;
+  if (limits_udp && options.transport == TransportChoice::shm)
+    sentences.push_back(has_no_effect("NodeOptions::udp", "the node does not use UDP"));
+  if (!options.shm.daemon_users.empty() && options.transport == TransportChoice::udp)
+    sentences.push_back(has_no_effect("ShmSettings::daemon_users", "the node does not use shared memory"));
+  if (!options.shm.daemon_path.empty() && !options.shm.start_daemon)
+    sentences.push_back(has_no_effect("ShmSettings::daemon_path", "start_daemon is false"));
+  return sentences;
+}
+
+std::vector<std::string> options_without_effect(const PublisherOptions& options, bool udp) {
+  std::vector<std::string> sentences;
+  if (options.max_blocking.count() != 0 && options.reliability == Reliability::best_effort) {
+    sentences.push_back(
+        has_no_effect("PublisherOptions::max_blocking",
+                      "publish() waits for reliable subscribers only; set .reliability = reliable"));
+  }
+  if (options.history_depth != PublisherOptions{}.history_depth &&
+      options.durability == Durability::volatile_) {
+    sentences.push_back(has_no_effect(
+        "PublisherOptions::history_depth",
+        "only a publisher with .durability = transient_local keeps samples for late subscribers; "
+        "SubscriberOptions::depth is the queue of a subscriber"));
+  }
+  if (options.asynchronous && options.max_blocking.count() != 0)
+    sentences.push_back(has_no_effect("PublisherOptions::asynchronous", "max_blocking is not 0"));
+  if (options.asynchronous && !udp)
+    sentences.push_back(has_no_effect("PublisherOptions::asynchronous", "the publisher does not use UDP"));
+  if (options.max_bytes_per_s != 0 && !udp)
+    sentences.push_back(has_no_effect("PublisherOptions::max_bytes_per_s", "the publisher does not use UDP"));
+  return sentences;
+}
+
+std::vector<std::string> options_without_effect(const SubscriberOptions& options, bool shm, bool recorded) {
+  const SubscriberOptions usual;
+  std::vector<std::string> sentences;
+  if (options.max_held != usual.max_held && !shm)
+    sentences.push_back(
+        has_no_effect("SubscriberOptions::max_held", "the subscriber does not use shared memory"));
+  if (options.spin != usual.spin && options.pollable)
+    sentences.push_back(has_no_effect("SubscriberOptions::spin", "the subscriber is pollable"));
+  const bool sets_recording = options.recording.learn_samples != usual.recording.learn_samples ||
+                              options.recording.narrow_after_samples != usual.recording.narrow_after_samples;
+  if (sets_recording && !recorded) {
+    sentences.push_back(
+        has_no_effect("SubscriberOptions::recording",
+                      "the fields are declared; a subscriber with sft::recorded records them"));
+  }
+  return sentences;
+}
+
 Result<std::uint32_t> min_period_us_of(double max_rate_hz) {
   constexpr double slowest_rate_hz = SubscriberOptions::slowest_rate_hz;
   constexpr double fastest_rate_hz = SubscriberOptions::fastest_rate_hz;
@@ -142,7 +208,7 @@ QosConflict conflict_between(const Qos& offered, const Qos& requested) {
     conflicts.note(QosPolicy::liveliness, to_string(offered.liveliness), to_string(requested.liveliness));
   }
   if (!at_most(offered.liveliness_lease, requested.liveliness_lease)) {
-    conflicts.note(QosPolicy::liveliness, "liveliness lease", text_of(offered.liveliness_lease),
+    conflicts.note(QosPolicy::liveliness, "liveliness_lease", text_of(offered.liveliness_lease),
                    text_of(requested.liveliness_lease));
   }
   return std::move(conflicts).result();

@@ -4,6 +4,7 @@
 #include <chrono>
 #include <cstdint>
 #include <string>
+#include <vector>
 
 #include "sft/options.h"
 #include "sft/qos.h"
@@ -19,9 +20,15 @@ Result<Qos> qos_of(const SubscriberOptions& options);
 /// Returns the period of a maximum rate, as it is in requests, rounded to microseconds; 0: no maximum rate.
 Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
+/// A sentence for each option that was set and changes nothing beside the other ones. `udp`, `shm`: the
+/// transports that the endpoint may use.
+std::vector<std::string> options_without_effect(const NodeOptions& options);
+std::vector<std::string> options_without_effect(const PublisherOptions& options, bool udp);
+std::vector<std::string> options_without_effect(const SubscriberOptions& options, bool shm, bool recorded);
+
 struct QosConflict {
   QosPolicy policy = QosPolicy::none;  ///< the first policy that does not fit
-  std::string reason;                  ///< names all policies that do not fit, with both values
+  std::string reason;                  ///< names all policies that do not fit, both values, and what to set
 };
 QosConflict conflict_between(const Qos& offered, const Qos& requested);
 

@@ -176,8 +176,9 @@ void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.said_by);
   if (account.id.said_by == Role::writer) {
     auto& counts = account.by_writer;
-    for (auto* const count : {&counts.sent, &counts.withheld, &counts.dropped, &counts.retained,
-                              &counts.bytes_sent, &counts.bytes_saved})
+    for (auto* const count :
+         {&counts.sent, &counts.withheld, &counts.dropped, &counts.retained, &counts.bytes_sent,
+          &counts.bytes_saved, &counts.diverted, &counts.too_large_bytes, &counts.chunk_bytes})
       body.number(*count);
   } else {
     body.number(account.by_reader.received);
@@ -225,7 +226,7 @@ std::string fault_of(const Endpoint& endpoint) {
     return fault.empty() ? ""
                          : std::string("whose ") + what + " " + in_quotes(name) + " " + std::string(fault);
   };
-  std::string fault = check("topic", endpoint.topic, fault_of_topic(endpoint.topic));
+  std::string fault = check("topic", endpoint.topic, fault_of_announced_topic(endpoint.topic));
   for (const auto& [what, name] :
        {std::pair("program's topic", &endpoint.given_topic), std::pair("node name", &endpoint.node)}) {
     if (fault.empty() && !name->empty()) fault = check(what, *name, fault_of_name(*name));
@@ -284,7 +285,7 @@ Result<Request> request_in(std::span<const std::byte> bytes) {
 Result<Inquiry> inquiry_in(std::span<const std::byte> bytes) {
   Result<Inquiry> inquiry = read<Inquiry>(bytes, "an inquiry");
   if (!inquiry || inquiry->topic.empty()) return inquiry;
-  if (const auto fault = fault_of_topic(inquiry->topic); !fault.empty())
+  if (const auto fault = fault_of_announced_topic(inquiry->topic); !fault.empty())
     return fail(Errc::malformed, "an inquiry whose topic " + std::string(fault));
   return inquiry;
 }

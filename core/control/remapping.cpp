@@ -24,20 +24,11 @@ std::string joined(std::string_view space, std::string_view name) {
   return space.empty() ? std::string(name) : std::string(space) + '/' + std::string(name);
 }
 
-std::string_view fault_of_namespace(std::string_view name) {
-  return name.empty() || name == "/" ? std::string_view() : fault_of_topic(name);
-}
-
 /// Returns the suffix that a topic of a service has behind the service's name; empty for other topics.
 std::string_view end_of_service(std::string_view topic, std::string_view type) {
   if (type.find("::srv::") == type.npos) return {};
   if (type.ends_with("_Call") && topic.ends_with("/call")) return "/call";
   return type.ends_with("_Reply") && topic.ends_with("/reply") ? "/reply" : "";
-}
-
-std::string_view fault_of_node(std::string_view name) {
-  if (name.find('/') != name.npos) return "has a slash in it; __ns sets the namespace";
-  return fault_of_name(name);
 }
 
 }  // namespace
@@ -82,7 +73,7 @@ Result<Remapping::Rule> Remapping::parse(std::string_view text, const std::strin
   if (const std::size_t colon = from.rfind(':'); colon != from.npos) {
     rule.node = from.substr(0, colon);
     from.remove_prefix(colon + 1);
-    if (const auto fault = fault_of_name(without_slash(rule.node)); !fault.empty())
+    if (const auto fault = fault_of_topic(rule.node); !fault.empty())
       return rule.refused("the name of the node " + std::string(fault));
   }
   if (from == "__node" || from == "__name") rule.about = Rule::About::node_name;
@@ -127,6 +118,9 @@ Result<Remapping> Remapping::of(const NodeOptions& options, const char* environm
   made.name_ = options.name;
   made.namespace_ = without_slash(options.namespace_);
   made.name_node(*rules);
+  if (const auto fault = fault_of_node(made.name_); !fault.empty())
+    return fail(Errc::invalid_argument,
+                "the node's name " + in_quotes(made.name_) + " " + std::string(fault));
   for (const Rule& rule : *rules) {
     made.texts_.push_back(rule.text);
     if (const Result<void> added = made.add_topic_rule(rule); !added) return tl::unexpected(added.error());

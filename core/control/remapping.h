@@ -32,7 +32,7 @@ class Remapping {
   /// No namespace, no rules, and a node without a name.
   Remapping() = default;
   /// `environment` is the value of SFT_REMAP, or null. Its rules come before those of the options. The error
-  /// says what is wrong with a rule or the namespace; the name of the node is not checked.
+  /// says what is wrong with a rule, the name of the node or its namespace.
   static Result<Remapping> of(const NodeOptions& options, const char* environment);
 
   /// Returns the full name of the node: "left/cam". Empty if the node has no name.

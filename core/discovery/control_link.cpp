@@ -345,6 +345,7 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   }
   const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
   if (const auto version = other_release(user_data)) listener_.other_release_seen(here(guid), *version);
+  if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) listener_.vanilla_came(here(guid));
   const auto data = parse_participant_data(user_data);
   if (!data || data->is_secured != place_.is_secured) return;
   listener_.participant_came(here(guid), *data, known_.insert(guid).second);

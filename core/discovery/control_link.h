@@ -33,6 +33,9 @@ class ControlLinkListener {
   virtual void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) = 0;
   virtual void participant_gone(const RemoteParticipant& id) = 0;
   virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
+  /// A participant that is not one of SFT, on a link without DDS Security. Told again when its user data have
+  /// changed.
+  virtual void vanilla_came(const RemoteParticipant& id) = 0;
   virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
   virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
   virtual void report_came(const RemoteParticipant& by, NodeReport report) = 0;
@@ -74,7 +77,7 @@ class ControlLink {
   Result<void> use_reports(bool reads, bool writes);
   /// Sends a report, which may get lost. It is dropped if no writer of reports is open.
   void give_report(std::span<const std::byte> body);
-  /// Calls hear(heartbeat, age) for each heartbeat that has come by UDP since the last call.
+  /// Calls hear(heartbeat, age, from) for each heartbeat that has come by UDP since the last call.
   template <class Hear>
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);

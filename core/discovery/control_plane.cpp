@@ -44,6 +44,17 @@ Names peers_in_numbers(const DdsConfig& config) {
   return peers;
 }
 
+/// Returns what to do if multicast heartbeats come from that address, and no unicast does. Returns an empty
+/// text for an address of this host.
+std::string way_through_firewalls(const IpAddress& from, const DdsConfig& config) {
+  if (from.is_any() || in_one_network(from, loopback_ipv4, 8) || !config.heartbeat_port) return "";
+  constexpr unsigned first = 6, last = 47;  // of processes that peers ask, behind the port of heartbeats
+  const auto port = [&](unsigned offset) { return std::to_string(*config.heartbeat_port + offset); };
+  return "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all "
+         "UDP of it, or name both hosts as DiscoverySettings::peers of each other and let in the ports " +
+         port(first) + " to " + port(last) + " (docs/operations.md, Firewalls)";
+}
+
 /// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
 /// containers come and go, so they have no link unless they are listed.
 std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
@@ -72,6 +83,7 @@ class SharedPlane final : public Discovery {
   Inquiries inquiries() const override { return plane_->inquiries(); }
   void report(const NodeReport& report) override { plane_->give_report(seat_, report); }
   Time newcomer_at() const override { return plane_->newcomer_at(); }
+  Vanilla vanilla() const override { return plane_->vanilla(); }
   Time look_after(Time now) override { return plane_->look_after(seat_, now); }
 
  private:
@@ -182,6 +194,8 @@ std::vector<Discovery::KnownPublisher> ControlPlane::publishers_of(std::string_v
 Time ControlPlane::newcomer_at() {
   return known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
 }
+
+Discovery::Vanilla ControlPlane::vanilla() { return known_.vanilla(); }
 
 Result<void> ControlPlane::hear(Seat& seat, Role role) {
   Result<void> heard;
@@ -339,8 +353,8 @@ Time ControlPlane::look(Time now) {
   if (monitors_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
   std::vector<KnownPeers::HeartbeatTaken> heartbeats;
   links_.each([&](LinkId id, ControlLink& link) {
-    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age) {
-      heartbeats.push_back({.link = id, .heartbeat = one, .age = age});
+    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age, const IpAddress& from) {
+      heartbeats.push_back({.link = id, .heartbeat = one, .age = age, .from = from});
     });
   });
   const KnownPeers::Todo todo = known_.look(heartbeats, now);
@@ -364,11 +378,12 @@ void ControlPlane::try_again(Time now) {
 
 void ControlPlane::act(const PeerAction& action, Time now) {
   if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
-    const std::string why = "something is missing of what a process has that heartbeats count";
-    const auto renewed = links_.renew(renewal->link, why);
+    const std::string at = renewal->from.is_any() ? "" : " at " + format(renewal->from);
+    const auto renewed = links_.renew(
+        renewal->link, "something is missing of what a process" + at + " has that heartbeats count");
     if (renewed && !renewed->text.empty())
       report({renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
-              renewed->text});
+              renewed->text + way_through_firewalls(renewal->from, config_)});
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);

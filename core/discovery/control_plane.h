@@ -67,6 +67,7 @@ class ControlPlane {
   void give_report(Seat& seat, const NodeReport& report);
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
   Time newcomer_at();
+  Discovery::Vanilla vanilla();
   Time look_after(Seat& seat, Time now);
 
  private:

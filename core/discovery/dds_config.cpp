@@ -40,7 +40,7 @@ constexpr std::array demands{
     Demand{
         "General/EnableMulticastLoopback", "true", "nodes of one host would not find each other", {"false"}},
     Demand{"General/FragmentSize",
-           "1344 B",
+           "1100 B",
            "announcements would not get through, or in hundreds of datagrams",
            {},
            128},
@@ -192,6 +192,11 @@ constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
+/// Messages fit into packets of 1280 bytes, as fragments of samples do (General/FragmentSize, above). The
+/// kernel would cut longer ones into packets as long as the own interface takes. Some tunnels drop these
+/// without an error, and nodes would not find each other.
+constexpr std::string_view message_max = "1232 B";
+
 /// A peer is asked at every port that a node there may have, each time. So peers are asked seldom, at few
 /// ports.
 std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
@@ -199,7 +204,9 @@ std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
   std::string discovery =
       element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
   if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
-  return document(element("General", element("AllowMulticast", multicast)) + element("Discovery", discovery) +
+  const std::string general = element("AllowMulticast", multicast) + element("MaxMessageSize", message_max) +
+                              element("MaxRexmitMessageSize", message_max);
+  return document(element("General", general) + element("Discovery", discovery) +
                   std::string(settings_of_all_links));
 }
 
@@ -310,6 +317,24 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
                 (users.empty() ? "" : users + ",") + document(insisted);
   return config;
+}
+
+/// Multicasts of samples would reach the ports of all links of this network. The one setting that SFT cannot
+/// do without concerns the runtime of iceoryx, of which a process has one.
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config) {
+  const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
+  if (!user) return tl::unexpected(user.error());
+  const bool suffices = !user->sets(own_domain_number) && !user->depends_on_domain();
+  const std::string users = suffices ? user_config : user->for_any_domain({own_domain_number});
+  std::string on_wire = user->value(own_domain_number).value_or("default");
+  if (equals(on_wire, "default")) on_wire = std::to_string(domain);
+  constexpr std::string_view ours =
+      "<General><AllowMulticast>spdp</></><Sizing><ReceiveBufferSize>256 KiB</></>"
+      "<Internal><MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>";
+  const std::string insisted = element("SharedMemory", element("Enable", "false")) +
+                               element("Discovery", element("ExternalDomainId", on_wire));
+  return VanillaConfig{.text = document(ours) + "," + (users.empty() ? "" : users + ",") + document(insisted),
+                       .is_secured = user->sets("Security")};
 }
 
 std::string DdsConfig::summary(std::span<const LinkSpec> links) const {

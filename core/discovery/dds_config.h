@@ -50,6 +50,14 @@ struct DdsConfig {
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
 
+/// The configuration of the participant that serves DDS nodes which know nothing of SFT. It is that of a ROS
+/// 2 node in the same environment: interfaces, peers and all other settings are those of the user.
+struct VanillaConfig {
+  std::string text;         ///< the argument of dds_create_domain
+  bool is_secured = false;  ///< the user's configuration has DDS Security
+};
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config);
+
 /// Returns the names and addresses of the interfaces that the user's configuration chooses, or else the
 /// settings.
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,

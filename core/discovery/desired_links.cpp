@@ -100,6 +100,14 @@ DesiredLinks desired_links(std::span<const HostInterface> interfaces, const Link
     }
   }
   desired.waits_for_network = wait_for_network(desired.links, interfaces, rules);
+  for (const HostInterface& i : interfaces) {
+    const bool is_left_out = i.up && !i.loopback && !i.ip.is_any() && !i.multicast && !fits(i, rules) &&
+                             !belongs_to_containers(i.name);
+    if (desired.waits_for_network && is_left_out && rules.listed.empty())
+      desired.remarks.push_back(i.name + " (" + format(i.ip) +
+                                ") is left out, since it has no multicast: ip link set dev " + i.name +
+                                " multicast on, or name the hosts beyond it as peers, on both sides");
+  }
   for (const std::string& listed : rules.listed) {
     if (const std::string why = why_unused(listed, interfaces, desired.links); !why.empty())
       desired.remarks.push_back(listed + why);

@@ -308,9 +308,17 @@ void Directory::notify_of_all(const Node& node, Which which) {
 }
 
 void Directory::refuse(std::string why) {
+  notify(all_nodes(), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
+}
+
+void Directory::vanilla_changed() {
+  notify(all_nodes(), [](DiscoveryListener& to) { to.vanilla_changed(); });
+}
+
+ListeningNodes Directory::all_nodes() const {
   ListeningNodes all;
   for (const Node& node : nodes_) all.push_back(node.listener);
-  notify(std::move(all), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
+  return all;
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {

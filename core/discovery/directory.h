@@ -75,6 +75,8 @@ class Directory {
   void paths_cut(const PathsCut& cut);
   /// Passes on only those parts of the report that concern endpoints which the process has announced.
   void report_came(ProcessId process, NodeReport report);
+  /// Notifies all nodes that participants which are not SFT's have come or gone.
+  void vanilla_changed();
   /// Notifies all nodes that something malformed or forged was refused.
   void refuse(std::string why);
 
@@ -123,6 +125,7 @@ class Directory {
   void show_next(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   void notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
+  ListeningNodes all_nodes() const;
   void notify_seen(ListeningNodes to, const Entry& entry);
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);

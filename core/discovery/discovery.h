@@ -1,5 +1,6 @@
-// Announces the endpoints and requests of a node on all links of this host, and reports those of all other
-// nodes. Uses the control topics of Cyclone DDS, once for each address of the host (discovery.md).
+// Announces the endpoints and requests of a node on all links of this host, and reports the endpoints and
+// requests of all other nodes. It exchanges them on SFT's control topics through Cyclone DDS, with one
+// participant for each address of the host (discovery.md).
 #pragma once
 
 #include <chrono>
@@ -72,6 +73,14 @@ class Discovery {
   /// Returns when a participant of another process was last found; Time{} if none was. Its announcements may
   /// still be on their way. Any thread.
   virtual Time newcomer_at() const = 0;
+  /// The participants that are not SFT's, as the links find them: nodes of DDS and ROS 2.
+  struct Vanilla {
+    bool is_there = false;
+    std::uint64_t came = 0;  ///< the number of participants that have come so far
+    friend bool operator==(const Vanilla&, const Vanilla&) = default;
+  };
+  /// Any thread may call this.
+  virtual Vanilla vanilla() const = 0;
   /// Must be called often. Opens and closes links as interfaces come and go, and lets nodes that have not
   /// found this process, or have lost it, find it. Cyclone itself does that only now and then. Returns the
   /// time by which this node must call it again; Time::max() if there is no need.

@@ -21,6 +21,8 @@ class DiscoveryListener {
   virtual void report_received(NodeReport report) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
+  /// The result of Discovery::vanilla() has changed.
+  virtual void vanilla_changed() {}
   /// The interfaces in use have changed. Called on the thread that calls look_after().
   virtual void links_changed(const std::string& /*summary*/) {}
   /// A record of another process was missing on one link, so that link was made anew. Called on the same

@@ -90,9 +90,12 @@ void HeartbeatSocket::send(const Heartbeat& heartbeat) const noexcept {
 std::size_t HeartbeatSocket::receive() noexcept {
   std::array<iovec, batch> places{};
   std::array<mmsghdr, batch> datagrams{};
+  std::array<sockaddr_in, batch> senders{};
   alignas(cmsghdr) std::array<ControlData, batch> control_data;
   for (std::size_t i = 0; i < batch; ++i) {
     places[i] = {buffers_[i].data(), buffers_[i].size()};
+    datagrams[i].msg_hdr.msg_name = &senders[i];
+    datagrams[i].msg_hdr.msg_namelen = sizeof senders[i];
     datagrams[i].msg_hdr.msg_iov = &places[i];
     datagrams[i].msg_hdr.msg_iovlen = 1;
     datagrams[i].msg_hdr.msg_control = control_data[i].data();
@@ -105,6 +108,7 @@ std::size_t HeartbeatSocket::receive() noexcept {
   for (std::size_t i = 0; i < static_cast<std::size_t>(came); ++i) {
     sizes_[i] = datagrams[i].msg_len;
     ages_[i] = age_of(datagrams[i].msg_hdr, since_epoch(now));
+    senders_[i] = ntohl(senders[i].sin_addr.s_addr);
   }
   return static_cast<std::size_t>(came);
 }

@@ -32,14 +32,14 @@ class HeartbeatSocket {
 
   /// One call reads no more datagrams than these, so that a flood at the port does not hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat, age) for each heartbeat that has come since the last call, with the time for which
-  /// it has waited in the socket. Other datagrams are dropped.
+  /// Calls hear(heartbeat, age, from) for each heartbeat that has come since the last call, with the time for
+  /// which it has waited in the socket, and the address of its sender. Other datagrams are dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {
       const std::size_t came = receive();
       for (std::size_t i = 0; i < came; ++i) {
-        if (const auto heartbeat = decode_heartbeat(received(i))) hear(*heartbeat, ages_[i]);
+        if (const auto heartbeat = decode_heartbeat(received(i))) hear(*heartbeat, ages_[i], senders_[i]);
       }
       if (came < batch) return;
       taken += came;
@@ -60,6 +60,7 @@ class HeartbeatSocket {
   std::array<Buffer, batch> buffers_{};
   std::array<std::size_t, batch> sizes_{};
   std::array<std::chrono::nanoseconds, batch> ages_{};
+  std::array<IpAddress, batch> senders_{};
 };
 
 }  // namespace sft::core

@@ -42,7 +42,8 @@ void KnownPeers::pass_on() {
 
 KnownPeers::Todo KnownPeers::look(const std::vector<HeartbeatTaken>& heartbeats, Time now) {
   const Lock lock(mutex_);
-  for (const auto& [link, heartbeat, age] : heartbeats) peers_.heartbeat_came(link, heartbeat, now, age);
+  for (const auto& [link, heartbeat, age, from] : heartbeats)
+    peers_.heartbeat_came(link, heartbeat, now, age, from);
   peers_.look(now);
   take_actions();
   return {std::exchange(of_links_, {}), peers_.next()};
@@ -69,6 +70,18 @@ void KnownPeers::link_closed(LinkId link) {
   peers_.link_gone(link);
   releases_.link_gone(link);
   specs_.erase(link);
+  if (std::erase_if(vanilla_, [link](const RemoteParticipant& one) { return one.link == link; }) > 0)
+    note_vanilla_gone();
+}
+
+Discovery::Vanilla KnownPeers::vanilla() {
+  const Lock lock(mutex_);
+  return {!vanilla_.empty(), vanilla_came_};
+}
+
+/// Only that the last one has gone changes anything.
+void KnownPeers::note_vanilla_gone() {
+  if (vanilla_.empty()) directory_.vanilla_changed();
 }
 
 std::optional<std::string> KnownPeers::take_other_releases(Time now) {
@@ -97,6 +110,15 @@ void KnownPeers::participant_gone(const RemoteParticipant& id) {
   Lock lock(mutex_);
   peers_.participant_gone(id);
   releases_.gone(id);
+  if (vanilla_.erase(id) > 0) note_vanilla_gone();
+  pass_on_notices(lock);
+}
+
+void KnownPeers::vanilla_came(const RemoteParticipant& id) {
+  Lock lock(mutex_);
+  if (vanilla_.size() >= vanilla_known_max || !vanilla_.insert(id).second) return;
+  ++vanilla_came_;
+  directory_.vanilla_changed();
   pass_on_notices(lock);
 }
 

@@ -3,8 +3,11 @@
 // of Cyclone is called under it.
 #pragma once
 
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <utility>
 #include <vector>
@@ -40,6 +43,7 @@ class KnownPeers final : public ControlLinkListener {
     LinkId link = 0;
     Heartbeat heartbeat{};
     Time::duration age{};  ///< see Peers::heartbeat_came()
+    IpAddress from{};      ///< the address of the sender
   };
   /// Takes the heartbeats that were read, and returns what is due. Needs no lock of the caller.
   Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);
@@ -52,10 +56,14 @@ class KnownPeers final : public ControlLinkListener {
   /// Returns a text for people about participants of other releases, if there are new ones.
   std::optional<std::string> take_other_releases(Time now);
 
+  /// See Discovery::vanilla().
+  Discovery::Vanilla vanilla();
+
   // ControlLinkListener: Cyclone's threads.
   void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) override;
   void participant_gone(const RemoteParticipant& id) override;
   void other_release_seen(const RemoteParticipant& id, std::uint32_t version) override;
+  void vanilla_came(const RemoteParticipant& id) override;
   void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) override;
   void heartbeat_came(LinkId link, const Heartbeat& heartbeat) override;
   void report_came(const RemoteParticipant& by, NodeReport report) override;
@@ -64,11 +72,15 @@ class KnownPeers final : public ControlLinkListener {
  private:
   void take_actions() SFT_REQUIRES(mutex_);
   void pass_on_notices(Lock& lock) SFT_REQUIRES(mutex_);
+  void note_vanilla_gone() SFT_REQUIRES(mutex_);
 
   Mutex mutex_;
   Peers peers_ SFT_GUARDED_BY(mutex_);
   Directory directory_ SFT_GUARDED_BY(mutex_);
   ReleaseMonitor releases_ SFT_GUARDED_BY(mutex_);
+  static constexpr std::size_t vanilla_known_max = 1024;  ///< further ones are not looked at
+  std::set<RemoteParticipant> vanilla_ SFT_GUARDED_BY(mutex_);
+  std::uint64_t vanilla_came_ SFT_GUARDED_BY(mutex_) = 0;
   std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);
   std::vector<PeerAction> of_links_ SFT_GUARDED_BY(mutex_);
   OrderedDelivery<Directory::Notice> delivery_ SFT_GUARDED_BY(mutex_);

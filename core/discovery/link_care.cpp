@@ -84,7 +84,7 @@ LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_co
     if (link.made_for.empty()) link.pause = timing_.lease;
     if (link.misses.empty()) link.retry_pause = {};
     if (!link.misses.empty() && now >= renewal_due(link)) {
-      due.renewals.push_back({id, *link.misses.begin()});
+      due.renewals.push_back({.link = id, .because_of = *link.misses.begin()});
       link.retry_pause = std::clamp(2 * link.retry_pause, timing_.try_again, timing_.renew_pause_max);
       link.renew_at = now + link.retry_pause;
     }

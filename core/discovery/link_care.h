@@ -14,6 +14,7 @@
 #include "core/discovery/records.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
+#include "core/platform/ip_address.h"
 
 namespace sft::core {
 
@@ -57,6 +58,7 @@ class LinkCare {
   struct Renewal {
     LinkId link = 0;
     ProcessId because_of = 0;
+    IpAddress from{};  ///< its address, as Peers knows it; any: it does not
   };
   struct Announcement {
     LinkId link = 0;

@@ -36,6 +36,11 @@ std::string to_text(const ParticipantData& data) {
   return text + "/" + in_hex(data.process);
 }
 
+bool is_of_sft(std::string_view user_data) {
+  return user_data.starts_with(release_prefix) || user_data.starts_with(vanilla_mark) ||
+         user_data.find(";" + std::string(vanilla_mark)) != std::string_view::npos;
+}
+
 std::optional<ParticipantData> parse_participant_data(std::string_view user_data) {
   const std::string prefix = prefix_of_this_release();
   if (!user_data.starts_with(prefix)) return std::nullopt;

@@ -26,9 +26,14 @@ struct ParticipantData {
   friend bool operator==(const ParticipantData&, const ParticipantData&) = default;
 };
 
-/// Returns "sft/15/3sta/0123456789abcdef": the version, the count, a letter for each flag that is true, the
+/// Returns "sft/16/3sta/0123456789abcdef": the version, the count, a letter for each flag that is true, the
 /// process.
 std::string to_text(const ParticipantData& data);
+/// Part of the user data of the participant, and of its endpoints, that SFT makes for DDS nodes which know
+/// nothing of SFT. Such user data are pairs, as in "key=value;".
+inline constexpr std::string_view vanilla_mark = "sft=1;";
+/// Returns true if these user data are those of a participant or an endpoint of SFT, of any release.
+bool is_of_sft(std::string_view user_data);
 /// Returns nothing if the user data are not those of a participant of this version.
 std::optional<ParticipantData> parse_participant_data(std::string_view user_data);
 /// Returns the version of the control protocol if it differs from ours. The user data of all versions begin

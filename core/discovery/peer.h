@@ -31,6 +31,7 @@
 #include "core/discovery/remote_table.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
+#include "core/platform/ip_address.h"
 
 namespace sft::core {
 
@@ -39,6 +40,7 @@ struct Participant {
   std::optional<ProcessId> process{};  ///< nothing while only records have come
   Time found_at{};
   std::optional<Time> heard_at{};  ///< the last heartbeat
+  IpAddress address{};             ///< where that came from; any: by Cyclone
   Time regular_since{};            ///< no two heartbeats in a row were missing since then
   PerRole<RemoteTable> tables{};
   bool has_agreed = false;       ///< its tables have matched the process's digests at least once

@@ -123,7 +123,8 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
 /// A heartbeat that names another process than that of its participant is forged, and ignored. Heartbeats are
 /// read once a second. If one has waited much longer, this process was held up, and newer heartbeats may have
 /// found no room. So that one counts as if it came now.
-void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age) {
+void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age,
+                           const IpAddress& from) {
   if (heartbeat.process == self_ || !care_.has(link)) return;
   const RemoteParticipant id{link, heartbeat.participant};
   const auto found = participants_.find(id);
@@ -134,6 +135,7 @@ void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Ti
   if (participant.is_one_too_many) return;
   if (participant.is_late(timing_, now)) participant.regular_since = now;
   participant.heard_at = age < timing_.late ? now - age : now;
+  if (!from.is_any()) participant.address = from;
   if (std::exchange(participant.is_silent, false)) join(id, participant);
   peers_.at(heartbeat.process).heartbeat_came(id, heartbeat.digests, now);
 }
@@ -244,7 +246,12 @@ void Peers::look_at_links(Time now) {
   };
   const LinkCare::Due due = care_.look(
       is_complete, [this](LinkId link) { return is_covered(link); }, now);
-  for (const RenewLink& renewal : due.renewals) actions_.emplace_back(renewal);
+  for (RenewLink renewal : due.renewals) {
+    for (const auto& [id, participant] : participants_)
+      if (id.link == renewal.link && participant.process == renewal.because_of)
+        renewal.from = participant.address;
+    actions_.emplace_back(renewal);
+  }
   for (const LinkId link : due.ends) actions_.emplace_back(EndLink{link});
   for (const Announce& announcement : due.announcements) actions_.emplace_back(announcement);
 }

@@ -1,6 +1,7 @@
-// The other processes, and the participants by which they are heard: which processes live, when records of
-// them are missing, and what has to be done with our links. Pure: events and times go in, actions come out.
-// One thread at a time.
+// Keeps track of the other processes and of their participants on each link: decides which processes are
+// alive, when records of them are missing, and what has to be done with the links of this process. Uses no
+// clock, thread or I/O: events and times are passed in, actions are returned. One thread at a time may use
+// it.
 #pragma once
 
 #include <cstddef>
@@ -18,6 +19,7 @@
 #include "core/discovery/records.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
+#include "core/platform/ip_address.h"
 
 namespace sft::core {
 
@@ -101,8 +103,10 @@ class Peers {
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if there is no room for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
-  /// `age`: the time for which it has waited to be read.
-  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {});
+  /// `age`: the time for which it has waited to be read. `from`: the address that it came from; any if that
+  /// is not known.
+  void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {},
+                      const IpAddress& from = {});
   /// Must be called after heartbeat_came() for all heartbeats that were read.
   void look(Time now);
 

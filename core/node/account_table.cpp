@@ -60,7 +60,10 @@ void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanosec
                       .dropped = said.dropped,
                       .retained = said.retained,
                       .bytes_sent = said.bytes_sent,
-                      .bytes_saved = said.bytes_saved};
+                      .bytes_saved = said.bytes_saved,
+                      .diverted = said.diverted,
+                      .too_large_bytes = said.too_large_bytes,
+                      .chunk_bytes = said.chunk_bytes};
   } else {
     pair.subscriber = {.age = age, .received = account.by_reader.received, .lost = account.by_reader.lost};
   }

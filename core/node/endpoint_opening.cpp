@@ -30,6 +30,11 @@ void EndpointOpening::tell_of(const TopicName& name) const {
                      "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
 }
 
+void EndpointOpening::warn_of(const std::string& topic, const std::vector<std::string>& sentences) const {
+  for (const std::string& sentence : sentences)
+    notifications_.log(LogLevel::warning, "topic " + in_quotes(topic) + ": " + sentence);
+}
+
 Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& type,
                                     TransportChoice choice) const {
   if (const auto fault = fault_of_name(type.name()); !fault.empty())
@@ -64,7 +69,7 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   endpoint.node_id = node_.id;
   endpoint.node = node_.options.name;
   endpoint.topic = name.topic;
-  if (name.given.size() <= name_bytes_max) endpoint.given_topic = name.given;
+  endpoint.given_topic = name.given;
   endpoint.type_name = type.name();
   endpoint.type_hash = type.hash();
   if (auto description = announced_description(type.type())) {
@@ -146,6 +151,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
           .max_blocking = options.max_blocking,
           .book = book},
       node_.heap, std::move(*network));
+  warn_of(name.topic, options_without_effect(options, endpoint.may_use_network));
   return Writer{std::move(endpoint), std::move(core)};
 }
 
@@ -207,6 +213,9 @@ Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) c
     reader.core->ports(i).set_network(*network);
     reader.endpoints.push_back({std::move(endpoints[i]), {reader.core, *std::move(network), i}});
   }
+  warn_of(order.name.topic,
+          options_without_effect(order.options, may_use(TransportKind::shm, order.options.transport),
+                                 order.requirement.recorded));
   return reader;
 }
 

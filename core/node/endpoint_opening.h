@@ -81,6 +81,7 @@ class EndpointOpening {
  private:
   bool may_use(TransportKind kind, TransportChoice choice) const;
   void tell_of(const TopicName& name) const;
+  void warn_of(const std::string& topic, const std::vector<std::string>& sentences) const;
   Result<void> check(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
   static Result<void> check(const SubscriberOptions& options);
   Result<Writer> open_writer(const TopicName& name, const TypeSupport& type,

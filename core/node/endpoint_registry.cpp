@@ -19,6 +19,7 @@ NodeSnapshot::Publisher snapshot_of(const PublisherCore& publisher) {
                                    .bytes_saved = status.bytes_saved,
                                    .dropped = status.dropped,
                                    .diverted = status.diverted,
+                                   .vanilla_readers = status.vanilla_readers,
                                    .deadlines_missed = status.deadlines_missed,
                                    .alive = status.alive,
                                    .readers = {}};

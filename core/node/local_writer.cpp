@@ -16,17 +16,20 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
     : node_(node),
       id_(endpoint.id),
       core_(std::move(core)),
+      vanilla_(node, *core_),
       monitor_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
   Serving wanted = node_.negotiation.serving(id_);
   if (open_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
   wanted = reachable(std::move(wanted));
-  if (in_force_ == wanted) return;
-  const bool as_before = in_force_ && in_force_->serves_like(wanted);
+  const bool has_other_port = vanilla_.reconcile(std::chrono::steady_clock::now());
+  if (in_force_ == wanted && !has_other_port) return;
+  const bool as_before = in_force_ && in_force_->serves_like(wanted) && !has_other_port;
   in_force_ = wanted;
   has_changes_ = true;
-  as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_);
+  as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_, vanilla_.port());
+  if (has_other_port) vanilla_.in_force();
 }
 
 /// Returns true if the desired state has changed: with the port, further readers may be reached.
@@ -181,12 +184,16 @@ std::vector<EndpointId> LocalWriter::matching_readers() const {
 
 Account::OfWriter LocalWriter::account_of(EndpointId reader) const {
   const Delivered delivered = core_->delivered(reader);
+  const PublisherStatus::Diverted diverted = core_->diverted();
   return {.sent = delivered.sent,
           .withheld = delivered.withheld,
           .dropped = delivered.dropped,
           .retained = delivered.retained,
           .bytes_sent = delivered.bytes,
-          .bytes_saved = delivered.bytes_saved};
+          .bytes_saved = delivered.bytes_saved,
+          .diverted = delivered.diverted,
+          .too_large_bytes = diverted.too_large_bytes,
+          .chunk_bytes = diverted.chunk_bytes};
 }
 
 }  // namespace sft::core

@@ -13,6 +13,7 @@
 
 #include "core/negotiation/qos_monitor.h"
 #include "core/node/node_context.h"
+#include "core/node/vanilla_serving.h"
 #include "core/platform/clock.h"
 #include "core/publish/publisher_core.h"
 
@@ -43,7 +44,9 @@ class LocalWriter {
   /// Returns true if a late reader has not got all retained samples yet.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
   /// Returns true if the port could not be opened and may be tried again.
-  bool may_try_again(Time now) const { return node_.attempts.may_retry_in_memory(opening_memory_, now); }
+  bool may_try_again(Time now) const {
+    return node_.attempts.may_retry_in_memory(opening_memory_, now) || vanilla_.may_try_again(now);
+  }
 
   /// Watches the promises of the publisher. Returns true if its readers must be told now that it is alive.
   bool watch_promises(Time now);
@@ -78,6 +81,7 @@ class LocalWriter {
   std::shared_ptr<PublisherCore> core_;
   std::shared_ptr<LendingWriter> memory_;
   Retry opening_memory_;
+  VanillaServing vanilla_;
   std::optional<Serving> in_force_;
   OfferMonitor monitor_;
   std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick

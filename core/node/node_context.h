@@ -10,13 +10,16 @@
 
 namespace sft::core {
 
+class VanillaAccess;
+
 struct NodeContext {
   Negotiation& negotiation;
   Discovery& discovery;
   PortAttempts& attempts;
   NodeLog& log;
-  SharedMemory* memory = nullptr;  ///< null if the node must not use it
-  Network* network = nullptr;      ///< null if the node must not use the network
+  SharedMemory* memory = nullptr;    ///< null if the node must not use it
+  Network* network = nullptr;        ///< null if the node must not use the network
+  VanillaAccess* vanilla = nullptr;  ///< null if unmodified DDS readers are not served
 };
 
 /// Reports to the user, as events, how the present state differs from the last reported one. `reported`: that

@@ -5,6 +5,7 @@
 #include <utility>
 
 #include "core/control/names.h"
+#include "core/control/qos.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
 #include "core/node/type_search.h"
@@ -47,6 +48,15 @@ void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   }
 }
 
+VanillaAccess::Setup vanilla_setup(const NodeOptions& options, std::function<void()> readers_changed) {
+  return {.choice = options.vanilla_dds.value_or(NodeOptions::VanillaDds::automatic),
+          .plan = {.domain = options.domain.value_or(0),
+                   .user_config = options.cyclonedds_config.value_or(""),
+                   .threads = options.threads.discovery},
+          .sender = options.threads.sender,
+          .readers_changed = std::move(readers_changed)};
+}
+
 /// Logs once that the topic "/clock", which the node follows, has no publisher.
 class MissingClock {
  public:
@@ -71,8 +81,7 @@ class MissingClock {
 }  // namespace
 
 Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Parts parts) {
-  const auto fault = options.name.empty() ? std::string_view() : fault_of_name(options.name);
-  if (!fault.empty())
+  if (const auto fault = fault_of_name(options.name); !fault.empty())
     return fail(Errc::invalid_argument,
                 "the node's name " + in_quotes(options.name) + " " + std::string(fault));
   const std::shared_ptr<BufferPool> heap = parts.heap;
@@ -90,13 +99,14 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
+  for (const std::string& text : options_without_effect(options)) node->log_.write(LogLevel::warning, text);
   const Discovery::Configuration configuration = node->discovery_->configuration();
   for (const auto* texts : {&configuration.warnings, &configuration.remarks}) {
     for (const std::string& text : *texts) node->log_.write(LogLevel::warning, "discovery: " + text);
   }
-  node->reconciler_ =
-      std::make_unique<Reconciler>(node->network_id_, node->memory_.get(), node->network_.get(),
-                                   *node->discovery_, node->dispatcher_, node->log_);
+  node->reconciler_ = std::make_unique<Reconciler>(
+      node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
+      node->log_, vanilla_setup(node->options_, [node = node.get()] { node->vanilla_changed(); }));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,
@@ -150,7 +160,8 @@ NodeCore::~NodeCore() {
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
-    if (callbacks_.start()) callbacks_.post([sink, level, line = std::string(line)] { sink(level, line); });
+    if (callbacks_.start())
+      callbacks_.post(this, [sink, level, line = std::string(line)] { sink(level, line); });
   };
 }
 
@@ -180,6 +191,10 @@ EndpointOpening::Notifications NodeCore::endpoint_notifications() {
           [this](LogLevel level, std::string text) {
             agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
           }};
+}
+
+void NodeCore::vanilla_changed() {
+  agent_.post([this] { reconciler_->look_after_vanilla(); });
 }
 
 Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,

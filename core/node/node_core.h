@@ -78,6 +78,7 @@ class NodeCore final : private DiscoveryListener {
   void endpoint_lost(EndpointId id) override;
   void request_received(Request request) override;
   void report_received(NodeReport report) override;
+  void vanilla_changed() override;
   void control_malformed(std::string why) override;
   void links_changed(const std::string& summary) override;  // called by the agent
   void link_was_renewed(const std::string& what) override;  // called by the agent

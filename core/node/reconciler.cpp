@@ -30,14 +30,15 @@ bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& our
 }  // namespace
 
 Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
-                       Dispatcher& dispatcher, NodeLog& log)
+                       Dispatcher& dispatcher, NodeLog& log, VanillaAccess::Setup vanilla)
     : discovery_(discovery),
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
       control_monitor_(negotiation_, log),
       attempts_(log, memory),
-      context_{negotiation_, discovery, attempts_, log, memory, network},
+      vanilla_(std::move(vanilla), log),
+      context_{negotiation_, discovery, attempts_, log, memory, network, &vanilla_},
       reports_(negotiation_, ours_, discovery) {
   negotiation_.self_changed(transports_.self());
   if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
@@ -46,6 +47,7 @@ Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* 
 void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core) {
   const TypeSupport& type = core->type();
   ours_.writers.try_emplace(endpoint.id, context_, endpoint, std::move(core));
+  look_after_vanilla(std::chrono::steady_clock::now());
   negotiation_.local_added(endpoint, type);
   dirty_ = true;
   announce(endpoint.id);
@@ -118,18 +120,26 @@ void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time no
   for (auto& [id, reader] : ours_.readers) dirty_ |= reader.restart_stalled(reported, held_up, now);
 }
 
+void Reconciler::look_after_vanilla(Time now) {
+  vanilla_.look(discovery_.vanilla(), !ours_.writers.empty(), now);
+  dirty_ = true;
+}
+
 std::chrono::milliseconds Reconciler::tick(Time now) {
   next_piece_of_work();
   look_after_memory(now);
   next_piece_of_work();
   look_after_addresses(now);
   next_piece_of_work();
+  dirty_ |= vanilla_.look(discovery_.vanilla(), !ours_.writers.empty(), now);
+  next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
   control_monitor_.log_refusals(now);
-  control_monitor_.name_misspelt_topics([this](const auto& type) { return discovery_.publishers_of(type); },
-                                        now);
+  const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
+  control_monitor_.name_misspelt_topics(publishers_of, now);
+  control_monitor_.name_second_servers(publishers_of, now);
   next_piece_of_work();
   look_after_endpoints(now);
   next_piece_of_work();
@@ -254,7 +264,7 @@ void Reconciler::report(std::vector<EndpointId> living, Time now) {
 /// Returns the time until the next tick. It is no longer than a deadline, a lease or the network can wait.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   std::chrono::nanoseconds pace = tick_pace_.next(now);
-  for (const Time next : {transports_.next_look(now), discovery_looks_at_}) {
+  for (const Time next : {transports_.next_look(now), discovery_looks_at_, vanilla_.next_look()}) {
     if (next - now < pace) pace = std::chrono::ceil<std::chrono::milliseconds>(next - now);
   }
   for (const auto& [id, writer] : ours_.writers) pace = std::min(pace, writer.pace().value_or(pace));

@@ -20,6 +20,7 @@
 #include "core/node/reports.h"
 #include "core/node/tick_pace.h"
 #include "core/node/transport_monitor.h"
+#include "core/node/vanilla_access.h"
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
 #include "core/seam/transport.h"
@@ -27,11 +28,12 @@
 
 namespace sft::core {
 
+/// Larger than usual: an event of each kind, of discovery and of the program, has a function.
 class Reconciler {
  public:
   /// All arguments outlive this object; a transport is null if the node must not use it.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
-             Dispatcher& dispatcher, NodeLog& log);
+             Dispatcher& dispatcher, NodeLog& log, VanillaAccess::Setup vanilla = {});
 
   void add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
@@ -48,6 +50,8 @@ class Reconciler {
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
   void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
+  /// To be called when nodes of DDS have come or gone, or readers of one of our publishers among them.
+  void look_after_vanilla(Time now = std::chrono::steady_clock::now());
 
   /// Does what is due in transports, discovery and endpoints. Returns the time until the next call.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
@@ -87,6 +91,7 @@ class Reconciler {
   Negotiation negotiation_;
   ControlMonitor control_monitor_;
   PortAttempts attempts_;
+  VanillaAccess vanilla_;
   NodeContext context_;
   LocalEndpoints ours_;
   std::map<EndpointId, LocalReader> departing_;  ///< removed within callbacks that have not returned yet

@@ -24,8 +24,13 @@ std::string text_of(std::chrono::nanoseconds time) {
 
 }  // namespace
 
-std::string call_topic(std::string_view service) { return std::string(service) + "/call"; }
-std::string reply_topic(std::string_view service) { return std::string(service) + "/reply"; }
+// No name is no topic either, and not "/call".
+std::string call_topic(std::string_view service) {
+  return service.empty() ? "" : std::string(service) + "/call";
+}
+std::string reply_topic(std::string_view service) {
+  return service.empty() ? "" : std::string(service) + "/reply";
+}
 
 std::uint64_t new_client_id() {
   for (;;) {

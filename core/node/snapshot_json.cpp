@@ -67,7 +67,10 @@ Json publisher(const NodeSnapshot::Publisher& p) {
           {"diverted",
            {{"exhausted", p.diverted.exhausted},
             {"too_large", p.diverted.too_large},
-            {"unavailable", p.diverted.unavailable}}},
+            {"unavailable", p.diverted.unavailable},
+            {"too_large_bytes", p.diverted.too_large_bytes},
+            {"chunk_bytes", p.diverted.chunk_bytes}}},
+          {"vanilla_readers", p.vanilla_readers},
           {"deadlines_missed", p.deadlines_missed},
           {"alive", p.alive},
           {"readers", list(p.readers, reader)}};

@@ -8,6 +8,7 @@
 
 #include "core/control/described_type.h"
 #include "core/control/names.h"
+#include "core/node/misspelt_topics.h"
 #include "sft/detail/type_shape.h"
 
 namespace sft::core {
@@ -30,6 +31,11 @@ Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& 
     message += (n++ == 0 ? "" : ", ") + std::string(name);
   }
   if (n < names.size()) message += ", and " + std::to_string(names.size() - n) + " more";
+  std::string similar;
+  for (const std::string_view name : names) {
+    if (is_similar_topic(topic, name)) similar += (similar.empty() ? "" : " or ") + in_quotes(name);
+  }
+  if (!similar.empty()) message += "; did you mean " + similar + "?";
   return {Errc::unavailable, message};
 }
 

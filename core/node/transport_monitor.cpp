@@ -58,7 +58,10 @@ void TransportMonitor::log_memory() {
 /// A transport that the system has stopped cannot be repaired from within; status() says so from then on.
 TransportMonitor::NetworkChange TransportMonitor::look_at_network(Time now) {
   if (network_ == nullptr || network_failed_) return NetworkChange::none;
-  if (network_->poll(now) == Availability::ready) return look_at_addresses(now);
+  const bool is_ready = network_->poll(now) == Availability::ready;
+  for (const Network::Remark& remark : network_->take_remarks())
+    log_.write(remark.level, "UDP: " + remark.text, now);
+  if (is_ready) return look_at_addresses(now);
   network_failed_ = true;
   log_.write(LogLevel::error, "UDP: " + network_->description());
   return NetworkChange::none;

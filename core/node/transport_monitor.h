@@ -39,7 +39,7 @@ class TransportMonitor {
     links,      ///< of links()
     addresses,  ///< of addresses(), and maybe of links()
   };
-  /// Logs a failure of the transport.
+  /// Writes the remarks of the transport to the log, and logs its failure.
   NetworkChange look_at_network(Time now);
   /// Returns when a transport must be looked at again. Must be called after both were looked at.
   Time next_look(Time now) const;

@@ -1,6 +1,7 @@
-// The doorbells of a node's subscribers. Each subscriber that waits itself has one of its own. All
-// subscribers with a callback share one, because one thread sleeps for them, and so do all with a file
-// descriptor. Any thread.
+// Assigns doorbells to the subscribers of a node. A subscriber with neither a callback nor a file descriptor
+// has a doorbell of its own. All subscribers with a callback share one doorbell, because one thread of the
+// node waits for all of them. All subscribers with a file descriptor share another one. Any thread may call
+// these functions.
 #pragma once
 
 #include <atomic>

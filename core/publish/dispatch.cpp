@@ -6,6 +6,7 @@
 
 #include "core/publish/lent_copy.h"
 #include "core/seam/gate_table.h"
+#include "sft/detail/misuse.h"
 
 namespace sft::core {
 
@@ -40,8 +41,16 @@ Dispatch::Dispatch(Setup setup)
       history_(setup.history),
       waits_(setup.waits),
       postpones_(network_ != nullptr && history_ == nullptr && network_->takes_postponed()),
+      topic_(std::move(setup.topic)),
       gates_(type_) {
-  outlets_.replace(make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, history_ != nullptr}));
+  outlets_.replace(
+      make_outlets(type_, {}, gates_, {nullptr, network_ != nullptr, nullptr, history_ != nullptr}));
+}
+
+void Dispatch::stop_second_thread() const noexcept {
+  detail::stop_misuse("topic '" + topic_ +
+                      "': two threads publish with one publisher at the same time: give each thread a "
+                      "publisher of its own, or guard this one with a mutex");
 }
 
 /// Makes these outlets the ones by which the publisher's thread sends and counts. If they do not use the
@@ -65,11 +74,13 @@ void Dispatch::send_by_both(const Outlets& before, const Outlets& after) {
   outlets_.wait_for_reader();
 }
 
-FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory) {
+FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memory,
+                          std::shared_ptr<VanillaPort> vanilla) {
   gates_.tidy();
   for (auto* routes : {&serving.memory, &serving.network, &serving.fallback}) gates_.give(*routes);
   const std::shared_ptr<Outlets> after =
-      make_outlets(type_, serving, gates_, {std::move(memory), network_ != nullptr, history_ != nullptr});
+      make_outlets(type_, serving, gates_,
+                   {std::move(memory), network_ != nullptr, std::move(vanilla), history_ != nullptr});
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->provides_for(*after)) {
     // A route must never need a field that is not encoded, or a gate that was not asked. So first put outlets
@@ -124,8 +135,12 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
 /// Counts why shared memory could not lend memory for a body of this size.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
-  (bytes > in_force_->memory->largest_loan_bytes() ? too_large_ : exhausted_)
-      .fetch_add(1, std::memory_order_relaxed);
+  const std::size_t chunk_bytes = in_force_->memory->largest_loan_bytes();
+  const bool is_too_large = bytes > chunk_bytes;
+  (is_too_large ? refusals_.too_large : refusals_.exhausted).fetch_add(1, std::memory_order_relaxed);
+  if (!is_too_large || bytes <= refusals_.too_large_bytes.load(std::memory_order_relaxed)) return;
+  refusals_.too_large_bytes.store(bytes, std::memory_order_relaxed);
+  refusals_.chunk_bytes.store(chunk_bytes, std::memory_order_relaxed);
 }
 
 PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
@@ -161,6 +176,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
     if (send_over_network(sample, reach, admission.transmission) != SendStatus::sent)
       status = PublishStatus::dropped;
   }
+  if (outlets.vanilla != nullptr) outlets.vanilla->send(sample);
   if (status != PublishStatus::ok) dropped_.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
@@ -182,7 +198,7 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
   const SendStatus status = memory.send(lent);
   if (waits_) timeout = memory.time_left();
   if (status != SendStatus::sent && status != SendStatus::displaced)
-    unavailable_.fetch_add(1, std::memory_order_relaxed);
+    refusals_.unavailable.fetch_add(1, std::memory_order_relaxed);
   return status;
 }
 
@@ -206,8 +222,11 @@ std::optional<Batch> Dispatch::batch(BatchTimeout timeout) noexcept {
 }
 
 PublisherStatus::Diverted Dispatch::diverted() const noexcept {
-  return {exhausted_.load(std::memory_order_relaxed), too_large_.load(std::memory_order_relaxed),
-          unavailable_.load(std::memory_order_relaxed)};
+  const auto read = [](const std::atomic<std::uint64_t>& count) {
+    return count.load(std::memory_order_relaxed);
+  };
+  return {read(refusals_.exhausted), read(refusals_.too_large), read(refusals_.unavailable),
+          read(refusals_.too_large_bytes), read(refusals_.chunk_bytes)};
 }
 
 }  // namespace sft::core

@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <memory>
 #include <optional>
+#include <string>
 #include <vector>
 
 #include "core/publish/gates.h"
@@ -34,15 +35,19 @@ class Dispatch {
     std::shared_ptr<DeliveryBook> book;
     History* history = nullptr;  ///< keeps every sample; null if the publisher retains none
     bool waits = false;          ///< the publisher waits for readers
+    std::string topic{};         ///< for people
   };
   explicit Dispatch(Setup setup);
 
   // The publisher's thread.
 
-  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope.
+  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope. A Call
+  /// that begins on a second thread meanwhile ends the program.
   class Call {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
+      if (!reading_.is_only()) [[unlikely]]
+        dispatch.stop_second_thread();
       dispatch.look_at_outlets();
       if (!outlets().to_memory || dispatch.network_ == nullptr) return;
       yielding_ = dispatch.network_.get();
@@ -71,9 +76,9 @@ class Dispatch {
 
   // Within a Call.
 
-  /// Asks each gate once about the sample, before it is encoded. (A durable publisher makes every sample, and
-  /// sends it by the routes that are in force once the sample is in the history, see LateReaders. Its
-  /// transmissions begin only then.)
+  /// Asks each gate once whether the sample passes, before the sample is encoded. If the publisher is
+  /// durable, every sample is encoded and no transmission begins here: the sample is first put into the
+  /// history, and then sent by the routes that are in force at that time (LateReaders).
   Admission admit(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     const Outlets& outlets = *in_force_;
     Admission admission;
@@ -98,7 +103,9 @@ class Dispatch {
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   /// Returns true if copies of parts of the sample may be postponed: only the network gets it, and its port
   /// allows that.
-  bool may_postpone() const noexcept { return postpones_ && in_force_->to_network && !in_force_->to_memory; }
+  bool may_postpone() const noexcept {
+    return postpones_ && in_force_->to_network && !in_force_->to_memory && in_force_->vanilla == nullptr;
+  }
   /// Gives sequences to samples that no reader wants, so that readers see that these were withheld.
   PublishStatus withhold(std::size_t samples = 1) noexcept {
     sequence_.fetch_add(samples, std::memory_order_relaxed);
@@ -119,9 +126,11 @@ class Dispatch {
 
   // The agent's thread.
 
-  /// Gives the routes their gates, and puts the routes of both ports in force. `memory` is null while there
-  /// is no shared memory. Returns the fields that samples have from now on.
-  FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory);
+  /// Gives the routes their gates, and puts the routes of all ports in force. `memory` is null while there
+  /// is no shared memory, and `vanilla` while no unmodified DDS reader is served. Returns the fields that
+  /// samples have from now on.
+  FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory,
+                  std::shared_ptr<VanillaPort> vanilla = nullptr);
 
   // Any thread.
 
@@ -132,6 +141,7 @@ class Dispatch {
   PublisherStatus::Diverted diverted() const noexcept;
 
  private:
+  [[noreturn, gnu::cold]] void stop_second_thread() const noexcept;
   void look_at_outlets() noexcept {
     const Outlets* outlets = outlets_.load();
     if (outlets != in_force_) [[unlikely]]
@@ -161,13 +171,15 @@ class Dispatch {
   History* const history_;
   const bool waits_;
   const bool postpones_;
+  const std::string topic_;
 
   Published<Outlets> outlets_;
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  std::atomic<std::uint64_t> exhausted_{0};
-  std::atomic<std::uint64_t> too_large_{0};
-  std::atomic<std::uint64_t> unavailable_{0};
+  /// See PublisherStatus::Diverted. One thread writes.
+  struct Refusals {
+    std::atomic<std::uint64_t> exhausted{0}, too_large{0}, unavailable{0}, too_large_bytes{0}, chunk_bytes{0};
+  } refusals_;
 
   // The publisher's thread.
   const Outlets* in_force_ = nullptr;    ///< the outlets on whose page deliveries are counted

@@ -73,8 +73,11 @@ std::shared_ptr<Outlets> make_outlets(const TypeSupport& type, const Serving& se
   outlets->to_memory = outlets->memory != nullptr && !serving.memory.empty();
   outlets->to_network = means.network && !serving.network.empty();
   outlets->has_fallback = outlets->to_memory && means.network && !serving.fallback.empty();
-  outlets->is_wanted = outlets->to_memory || outlets->to_network || means.retains;
-  outlets->mask = outlets->to_memory || means.retains ? type.full() : type.closed(type.none());
+  outlets->vanilla = std::move(means.vanilla);
+  const bool to_vanilla = outlets->vanilla != nullptr;
+  outlets->is_wanted = outlets->to_memory || outlets->to_network || to_vanilla || means.retains;
+  outlets->to_all = to_vanilla;
+  outlets->mask = outlets->to_memory || to_vanilla || means.retains ? type.full() : type.closed(type.none());
   for (const Route& route : serving.network) outlets->mask |= route.selection.mask();
   outlets->whole = outlets->mask.is_full();
   gather_gates(serving.memory, gates, *outlets);

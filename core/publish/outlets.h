@@ -9,6 +9,7 @@
 #include "core/publish/gates.h"
 #include "core/seam/delivery.h"
 #include "core/seam/transport.h"
+#include "core/seam/vanilla_port.h"
 #include "sft/type_support.h"
 
 namespace sft::core {
@@ -23,6 +24,7 @@ struct Outlets {
   };
 
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
+  std::shared_ptr<VanillaPort> vanilla;   ///< null while no unmodified DDS reader is served
   bool is_wanted = false;                 ///< true if a sample has a reader or is retained
   bool to_memory = false;
   bool to_network = false;
@@ -48,6 +50,7 @@ struct Outlets {
 struct Means {
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
   bool network = false;                   ///< the publisher may use the network
+  std::shared_ptr<VanillaPort> vanilla;   ///< null while no unmodified DDS reader is served
   bool retains = false;  ///< the publisher retains samples; late readers may ask for any field of them
 };
 

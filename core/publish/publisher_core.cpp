@@ -29,14 +29,16 @@ PublisherCore::PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap,
                    ? nullptr
                    : std::make_unique<History>(spec_.qos.history_depth, spec_.qos.lifespan.count())),
       maker_({spec_.id, spec_.topic, spec_.type, spec_.max_sample_bytes, spec_.refused}, std::move(heap)),
-      dispatch_({spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0}),
+      dispatch_(
+          {spec_.type, network_, spec_.book, history_.get(), spec_.max_blocking.count() > 0, spec_.topic}),
       late_readers_(*spec_.type, network_, spec_.book, history_.get()),
       events_(spec_.on_event, spec_.callbacks),
       readers_changed_(spec_.on_readers_changed, spec_.callbacks),
       encoded_(spec_.type->none()) {}
 
-void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory) {
-  const FieldMask encoded = dispatch_.serve(serving, memory);
+void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory,
+                          std::shared_ptr<VanillaPort> vanilla) {
+  const FieldMask encoded = dispatch_.serve(serving, memory, vanilla);
   late_readers_.serve(serving, std::move(memory));
   std::set<EndpointId> known;
   for (const PublisherStatus::Reader& reader : serving.readers) known.insert(reader.id);
@@ -45,6 +47,12 @@ void PublisherCore::serve(Serving serving, std::shared_ptr<LendingWriter> memory
     const Lock lock(status_mutex_);
     readers_ = std::move(serving.readers);
     encoded_ = encoded;
+    const bool is_new = std::exchange(vanilla_, vanilla) != vanilla;
+    if (!is_new) vanilla = nullptr;
+  }
+  if (vanilla != nullptr) {
+    vanilla->begin_with(history_ == nullptr ? std::vector<SampleHandle>()
+                                            : history_->last(spec_.qos.history_depth, realtime_ns()));
   }
   readers_known_.notify_all();
   if (readers_changed_.is_set()) readers_changed_(status());
@@ -155,11 +163,11 @@ Result<SampleHandle> PublisherCore::loan(const void* prototype,
 }
 
 PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
+  const Dispatch::Call call(dispatch_);
   if (has_gaps) {
     if (const PublishStatus status = maker_.close_gaps(*sample); status != PublishStatus::ok) return status;
   }
   const std::int64_t stamp_ns = realtime_ns();
-  const Dispatch::Call call(dispatch_);
   std::chrono::nanoseconds timeout = spec_.max_blocking;
   Dispatch::Admission admission = dispatch_.admit(sample, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
@@ -227,6 +235,7 @@ PublisherStatus PublisherCore::status() const {
   status.bytes_saved = spec_.book->total().bytes_saved;
   const Lock lock(status_mutex_);
   status.mask = encoded_;
+  status.vanilla_readers = vanilla_ == nullptr ? 0 : vanilla_->readers();
   status.readers = readers_;
   for (PublisherStatus::Reader& reader : status.readers) {
     const Delivered delivered = spec_.book->of(reader.id);

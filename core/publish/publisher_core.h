@@ -88,8 +88,10 @@ class PublisherCore {
 
   // The agent's thread.
 
-  /// Puts the routes of both ports in force. `memory` is null while there is no shared memory.
-  void serve(Serving serving, std::shared_ptr<LendingWriter> memory);
+  /// Puts the routes of all ports in force. `memory` is null while there is no shared memory, and `vanilla`
+  /// while no unmodified DDS reader is served.
+  void serve(Serving serving, std::shared_ptr<LendingWriter> memory,
+             std::shared_ptr<VanillaPort> vanilla = nullptr);
   /// Called when only the status of readers has changed, and no route. Calls on_readers_changed, unless only
   /// the numbers of requests differ.
   void show(std::vector<PublisherStatus::Reader> readers);
@@ -139,6 +141,7 @@ class PublisherCore {
       SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   mutable Condition readers_known_;  ///< notified when the readers may have changed
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
+  std::shared_ptr<const VanillaPort> vanilla_ SFT_GUARDED_BY(status_mutex_);
   FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded at present
 };
 

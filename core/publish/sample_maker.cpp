@@ -188,9 +188,9 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // without a gate table
   if (!sample && outlets.needs_memory && timeout.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, timeout);
-  // The sample can still go over the network if there is no chunk for it.
-  if (!sample && (!outlets.to_memory || outlets.to_network || outlets.has_fallback))
-    sample = take_heap(bytes);
+  // The sample can still go elsewhere if there is no chunk for it.
+  const bool may_go_elsewhere = outlets.to_network || outlets.has_fallback || outlets.vanilla != nullptr;
+  if (!sample && (!outlets.to_memory || may_go_elsewhere)) sample = take_heap(bytes);
   return sample;
 }
 

@@ -1,11 +1,14 @@
 // The thread that runs callbacks of the program for events, for the readers of a publisher and for lines of
-// the log, one after the other, in the order in which they were posted. The agent does not run callbacks
-// itself: it would do nothing else meanwhile, and would deadlock with a callback that waits for the agent.
+// the log, one after the other. The calls of one source, such as the events of one subscriber, keep the order
+// in which they were posted. Sources take turns: a callback that is slower than its events delays another
+// source by no more than one call. The agent does not run callbacks itself: it would do nothing else
+// meanwhile, and would deadlock with a callback that waits for the agent.
 #pragma once
 
-#include <atomic>
 #include <cstddef>
 #include <cstdint>
+#include <deque>
+#include <map>
 
 #include "core/platform/agent.h"
 #include "core/platform/thread.h"
@@ -21,24 +24,29 @@ class CallbackThread {
   /// Starts the thread. To be called before the first post(); does nothing if it was called before. Any
   /// thread.
   Result<void> start();
-  /// Posts a call, and returns at once. If too many calls wait, because a callback does not return, this call
-  /// is dropped. Any thread.
-  void post(Agent::Task call);
+  /// Posts a call, and returns at once. If too many calls of the source wait, because a callback does not
+  /// return, this call is dropped. `source` is an address that nothing else has while calls of the source
+  /// wait. Any thread.
+  void post(const void* source, Agent::Task call);
   /// Calls what was posted before, then ends the thread.
   void stop() { agent_.stop(); }
   bool is_current_thread() const { return agent_.is_current_thread(); }
-  /// Returns how many calls were dropped since the last call of this function. Returns 0 while there is no
-  /// room for calls.
+  /// Returns how many calls were dropped since the last call of this function. Returns 0 until all sources
+  /// have room again.
   std::uint64_t take_left_out();
 
  private:
-  static constexpr std::size_t waiting_max = 10'000;
+  static constexpr std::size_t waiting_max = 10'000;  ///< of each source
+
+  void call_next();
 
   const ThreadSpec spec_;
-  std::atomic<std::size_t> waiting_{0};
-  std::atomic<std::uint64_t> left_out_{0};
+  Mutex start_mutex_;  ///< held while the thread is made
+  bool is_started_ SFT_GUARDED_BY(start_mutex_) = false;
   Mutex mutex_;
-  bool is_started_ SFT_GUARDED_BY(mutex_) = false;
+  std::map<const void*, std::deque<Agent::Task>> waiting_ SFT_GUARDED_BY(mutex_);  ///< by source, none empty
+  std::deque<const void*> turns_ SFT_GUARDED_BY(mutex_);  ///< all sources of which calls wait, the next first
+  std::uint64_t left_out_ SFT_GUARDED_BY(mutex_) = 0;
   Agent agent_;
 };
 

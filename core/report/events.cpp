@@ -151,14 +151,19 @@ void add_promises(const PublisherStatus& before, const PublisherStatus& after, s
 }
 
 void add_diverted(const Diverted& before, const Diverted& after, std::vector<Event>& events) {
-  const auto add = [&](std::uint64_t Diverted::*count, const char* why) {
+  const auto add = [&](std::uint64_t Diverted::*count, const std::string& why) {
     if (after.*count == before.*count) return;
-    events.push_back(
-        {.kind = Event::Kind::samples_diverted, .count = after.*count - before.*count, .text = why});
+    events.push_back({.kind = Event::Kind::samples_diverted,
+                      .count = after.*count - before.*count,
+                      .text = "by UDP within the host: " + why});
   };
-  add(&Diverted::exhausted, "by UDP within the host: no chunk of that size is free in shared memory");
-  add(&Diverted::too_large, "by UDP within the host: larger than the largest chunk of shared memory");
-  add(&Diverted::unavailable, "by UDP within the host: shared memory is unavailable at the moment");
+  const std::string cure = "; enlarge /dev/shm, or set total_mib or [[pool]] in sftd.toml";
+  add(&Diverted::exhausted, "no chunk of that size is free in shared memory" + cure);
+  add(&Diverted::too_large,
+      "a sample of " + std::to_string(after.too_large_bytes) +
+          " bytes is larger than the largest chunk of shared memory, which has room for " +
+          std::to_string(after.chunk_bytes) + cure);
+  add(&Diverted::unavailable, "shared memory is unavailable at the moment");
 }
 
 /// Returns a text about samples that were lost although the subscriber asked for reliability, with a remedy.

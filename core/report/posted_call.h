@@ -26,7 +26,7 @@ class PostedCall {
   void operator()(Argument argument) {
     if (!is_set()) return;
     if (thread_ == nullptr) return (*call_)(argument);
-    thread_->post([call = call_, argument = std::move(argument)] { (*call)(argument); });
+    thread_->post(call_.get(), [call = call_, argument = std::move(argument)] { (*call)(argument); });
   }
   /// When it returns, no call is running any more, except for one that called this itself
   /// (CallGate::close()).

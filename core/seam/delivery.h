@@ -103,8 +103,8 @@ class DeliveryBook {
   /// total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// Says whether the tallies of the previous page may still grow until the next turn (`to_come`). Such
-  /// tallies must not be on the new page, too.
+  /// `to_come` if the tallies of the previous page may still increase until the next call of turn_to(). Then
+  /// the new page must not have any of them.
   enum class LateCounts : std::uint8_t { none, to_come };
 
   /// Makes `page` the open page of `origin`. The publisher's thread. Allocates nothing.

@@ -19,7 +19,7 @@ std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
 class Gate {
  public:
   /// Makes a gate for a maximum rate alone. It begins with a budget for one sample, so that there is no
-  /// burst. (The budget of a reader begins full, because it must never be less than that of the writer.)
+  /// burst, and so do the gates of its readers.
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
   /// Makes a gate with conditions, which Conditions::check() has accepted. Nothing passes before
   /// reader_begins() was called for its first reader. `hash` is that of the selection's gate without a rate.

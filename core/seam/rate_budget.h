@@ -5,9 +5,9 @@
 // one sample to the budget, and one unused sample can be saved. So a source whose rate is about the limit
 // loses nothing to its jitter. In any n periods at most n + 2 samples pass, and in the long run one in each.
 //
-// A reader and its writer keep equal limits without any messages: the side that admits only samples that the
-// other side admits never has less budget than the other side. Thus a reader in shared memory admits whatever
-// its writer admits.
+// A reader and its writer keep equal limits without any messages: the side that begins with an equal budget,
+// and admits only samples that the other side admits, never has less budget than the other side. Thus a
+// reader in shared memory admits whatever its writer admits.
 #pragma once
 
 #include <cstdint>

@@ -28,6 +28,7 @@
 #include "core/seam/address.h"
 #include "core/seam/reader_port.h"
 #include "core/seam/writer_port.h"
+#include "sft/options.h"
 #include "sft/result.h"
 #include "sft/status.h"
 
@@ -115,6 +116,13 @@ class Network : public Transport {
   /// Wakes the thread that is in NetworkReader::receive(). Called when its doorbell was rung by something
   /// other than this network. Any thread, also in a signal handler.
   virtual void wake_receiver() noexcept = 0;
+  /// Something that the user should know of the network.
+  struct Remark {
+    LogLevel level = LogLevel::info;
+    std::string text{};
+  };
+  /// Returns what has become so since the last call, for the log. Asked after poll().
+  virtual std::vector<Remark> take_remarks() { return {}; }
   /// Sets the fields of status() that only this network can know. Any thread.
   virtual void add_to(NodeStatus& status) const = 0;
 };

@@ -24,7 +24,9 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   missing.withheld = gap - missing.lost;
   if (!allows(sample, keeper)) ++missing.withheld;
   const std::uint32_t limit = limit_of(sample, keeper);
-  if (budget_.min_period_us() != limit) budget_ = RateBudget(limit);
+  // As the gate of the writer: with more, the reader would take one in shared memory that the gate withholds,
+  // at first or when the samples of UDP end. With less it only skips one that a gate of others had saved.
+  if (budget_.min_period_us() != limit) budget_ = RateBudget(limit, 1);
   budget_.take(sample.source_stamp_ns);
   ordinal_.reset();
   const bool is_numbered = sample.gate == 0 ? limit != 0 : sample.ordinal != 0;

@@ -102,7 +102,7 @@ class SequenceAccount {
   std::uint64_t gate_ = 0;
   AskedGates::Number request_ = 0;  ///< the earliest request that can have been in force for it
   std::uint32_t numbering_ = 0;
-  std::uint64_t far_behind_ = 0;  ///< the sequence of the last refused sample, if it was far behind; 0: none
+  std::uint64_t far_behind_ = 0;  ///< the sequence of the last refused sample, if far below `last_`; 0: none
 };
 
 }  // namespace sft::core

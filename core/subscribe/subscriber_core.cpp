@@ -74,8 +74,9 @@ detail::untyped::Sample SubscriberCore::take() { return take(&SubscriberPorts::t
 
 detail::untyped::Sample SubscriberCore::take_latest() { return take(&SubscriberPorts::take_latest); }
 
-/// Reduces the sample to what was asked for. Parts of fields stay in the whole sample. Returns false if a
-/// reader on another host would have missed the sample.
+/// Reduces the sample to the fields that the subscriber asked for. If it asked for parts of fields, the
+/// sample stays whole, and the parts are read from it. Returns false if the sample cannot be reduced; a
+/// reader on another host would have missed it, too.
 bool SubscriberCore::reduce(Delivery& delivery) {
   if (delivery.asked->plan != nullptr) {
     RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);

@@ -48,15 +48,21 @@ class Published {
   /// Marks the values that load() returns as in use, from here to the end of the scope.
   class Reading {
    public:
-    explicit Reading(Published& published) : published_(published) {
-      published_.step(std::memory_order_seq_cst);
+    explicit Reading(Published& published)
+        : published_(published),
+          is_only_(published.steps_.fetch_add(1, std::memory_order_seq_cst) % 2 == 0) {}
+    ~Reading() {
+      published_.steps_.store(published_.steps_.load(std::memory_order_relaxed) + 1,
+                              std::memory_order_release);
     }
-    ~Reading() { published_.step(std::memory_order_release); }
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
+    /// False if another Reading lasts: two threads read at once, and nothing may be loaded.
+    bool is_only() const { return is_only_; }
 
    private:
     Published& published_;
+    const bool is_only_;
   };
 
   /// Returns the latest value, which lives until the next load(). A Reading is only needed if a thread calls
@@ -79,8 +85,6 @@ class Published {
     }
     in_use_.swap(fresh);
   }
-
-  void step(std::memory_order order) { steps_.store(steps_.load(std::memory_order_relaxed) + 1, order); }
 
   mutable Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::queues) SFT_ACQUIRED_BEFORE(lock_order::facts);
   std::shared_ptr<const T> latest_ SFT_GUARDED_BY(mutex_);

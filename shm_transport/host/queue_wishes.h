@@ -1,6 +1,6 @@
-// The id of the reader of a queue, and the requests that the reader makes to the writer of the queue. By the
-// id, the writer finds whether it serves the reader, and under which conditions. Both travel in the name of
-// the reader's port: iceoryx passes the name on and does not read it.
+// The id of the reader of a queue, and what the reader requests from the writer of the queue. The writer uses
+// the id to look up whether it serves the reader, and under which conditions. The id and the requests are
+// encoded in the name of the reader's port, because iceoryx passes this name on without interpreting it.
 #pragma once
 
 #include <cstdint>

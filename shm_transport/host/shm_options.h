@@ -30,8 +30,8 @@ struct ShmOptions {
   std::chrono::milliseconds start_deadline{20'000};   ///< until a daemon is ready
   std::chrono::milliseconds connect_deadline{1'000};  ///< until the daemon has registered this process
   std::chrono::milliseconds port_deadline{500};       ///< until the daemon has made a port
-  /// The time for which a call waits for its port. The answer usually comes within 0.2 ms. If it comes after
-  /// that time, a later call gets the port.
+  /// The maximum time for which a call that needs a port waits for the daemon, which usually answers within
+  /// 0.2 ms. If the daemon answers later than `port_wait`, a later call gets the port.
   std::chrono::milliseconds port_wait{20};
 
   core::ThreadSpec wake_thread = "sft-wake";  ///< the thread that wakes readers if several sleep

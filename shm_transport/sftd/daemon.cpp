@@ -19,6 +19,7 @@
 #include "shm_transport/sftd/pool_choice.h"
 #include "shm_transport/sftd/stale_files.h"
 #include "shm_transport/sftd/status_file.h"
+#include "shm_transport/sftd/surroundings.h"
 #include "shm_transport/sftd/wait_until.h"
 
 namespace sft::shm {
@@ -62,6 +63,8 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, G
 /// leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   if (!functions_are_replaced()) return refuse(ExitCode::failed, not_replaced);
+  if (const std::string lacking = Surroundings{}.lacking(); !lacking.empty())
+    return refuse(ExitCode::failed, "sftd cannot start: " + lacking);
   const std::size_t descriptors = own_descriptors + descriptors_per_process * settings.limits.processes;
   if (const auto enough = core::raise_inherited_limits(descriptors); !enough)
     return refuse(ExitCode::failed,

@@ -7,6 +7,7 @@
 #include "core/platform/clock.h"
 #include "shm_transport/host/host_file.h"
 #include "shm_transport/host/socket_address.h"
+#include "shm_transport/sftd/past_services.h"
 #include "shm_transport/sftd/stale_files.h"
 
 namespace sft::shm {
@@ -49,6 +50,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       groups_(groups),
       limits_(limits),
       log_(log),
+      ports_(ports),
       port_pool_(*memory.portPool().value()),
       lock_recovery_(port_pool_, clients_, log),
       auditor_(port_pool_, *memory.samples().pools),
@@ -138,6 +140,7 @@ void RoudiHost::cyclicUpdateHook() noexcept {
   bool removed = false;
   for (const std::string& name : clients_.find_dead(ClientTable::Clock::now())) removed |= remove_dead(name);
   if (removed) note_ports();
+  forget_past_services(ports_);
   audit_chunks();
   note_usage();
 }

@@ -72,6 +72,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   const Groups groups_;
   const Limits limits_;
   const Log& log_;
+  iox::roudi::PortManager& ports_;
   iox::roudi::PortPool& port_pool_;
   ClientTable clients_;
   LockRecovery lock_recovery_;

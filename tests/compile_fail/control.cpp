@@ -29,6 +29,14 @@ std::size_t part_of_the_data(
   return sample->points<float, float>("x", "z").value().size() + sample->data().size() + sample->width();
 }
 
+constexpr sft::Mask<Image> pixels = ~Image::Field::header;
+std::size_t pixels_of(
+    const sft::Sample<Image, pixels>& all, const sft::Sample<Image, Image::Field::data.rows(0, 10)>& part,
+    const sft::Sample<sensor_msgs::msg::LaserScan, sensor_msgs::msg::LaserScan::Field::ranges>& scan) {
+  return all->data<std::uint8_t>().value().size() + part->data<std::uint8_t>().value().size() +
+         scan->ranges<float>().value().size();
+}
+
 PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
 
 auto subscribe(sft::Node& node) {

@@ -105,8 +105,8 @@ bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
       return become(udp::heartbeat_bytes, udp::Heartbeat{writer, 1U + byte(8) % channels, 7, begin,
                                                          std::min(begin + byte(24) % 64U, udp::ordinal_max)});
     case 1:
-      return become(udp::report_bytes,
-                    udp::FlowReport{0, number * 1000U, byte(16) * 1000U, byte(20), byte(24), byte(31)});
+      return become(udp::report_bytes, udp::FlowReport{0, number * 1000U, byte(16) * 1000U, byte(20),
+                                                       byte(24), byte(28) * 16U, byte(31)});
     case 2:
       return become(udp::group_offer_bytes,
                     udp::GroupOffer{writer, group, 1, 7, byte(10) == 0 ? 0 : udp::private_groups + group,

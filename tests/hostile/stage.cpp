@@ -202,7 +202,7 @@ Stage::Stage(std::uint64_t seed, Certificates certificates)
   };
   pair("near", here_, "shm", false);
   pair("far", there_, "udp", false);
-  pair("far and reliable", there_, "udp", true);
+  pair("far_and_reliable", there_, "udp", true);
 }
 
 Stage::~Stage() = default;
@@ -222,7 +222,7 @@ Harm Stage::harm_of(const Entry& entry) const {
 void Stage::launch() {
   if (!publisher_) {
     // Each publisher has a new name, so that it is not mistaken for a killed one.
-    const std::string name = "publisher " + std::to_string(++publishers_);
+    const std::string name = "publisher_" + std::to_string(++publishers_);
     publisher_ = std::make_unique<test::Peer>(here_, name, options(true), honest_);
     publisher_->advertise(honest_policies(true));
     publisher_->start_publishing(publishing_period);

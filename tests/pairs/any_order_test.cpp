@@ -66,7 +66,7 @@ class AnyOrder : public NegotiationTest, public testing::WithParamInterface<int>
     change_mask();
   }
   std::unique_ptr<Peer> start(const Host& host) {
-    return std::make_unique<Peer>(host, "peer " + std::to_string(++started_), with_short_lease());
+    return std::make_unique<Peer>(host, "peer_" + std::to_string(++started_), with_short_lease());
   }
   void change_mask() {
     fields_ = one_of(std::array{"height", "width", "height, width", "header.frame_id, data", "data"});

@@ -159,7 +159,7 @@ void ControlParticipant::send(const core::Heartbeat& heartbeat) {
 
 std::vector<core::Heartbeat> ControlParticipant::overheard() {
   std::vector<core::Heartbeat> heartbeats;
-  socket_->take([&](const core::Heartbeat& heartbeat, auto) {
+  socket_->take([&](const core::Heartbeat& heartbeat, auto, auto) {
     if (!sent_.contains(encode(heartbeat))) heartbeats.push_back(heartbeat);
   });
   return heartbeats;

@@ -46,7 +46,7 @@ class Crowd : public NegotiationTest {
   void start(std::size_t from, std::size_t to) {
     static constexpr std::array masks{"data", "height, width", "*"};
     for (std::size_t i = from; i < to; ++i)
-      readers_[i] = std::make_unique<Peer>(*hosts_[i], "reader " + std::to_string(++started_));
+      readers_[i] = std::make_unique<Peer>(*hosts_[i], "reader_" + std::to_string(++started_));
     for (std::size_t i = from; i < to; ++i) reader(i).subscribe(masks[i % masks.size()]);
   }
   testing::AssertionResult are_served() {

@@ -70,7 +70,7 @@ TEST_F(LateReaders, WithoutUdpMissNothingAndTakeNothingTwiceWherePublishingGoesO
   publisher.start_publishing(2ms);
   ASSERT_TRUE(comes_true([&] { return is_served_by(publisher, early, "shm"); }));
   for (int round = 0; round < 10; ++round) {
-    Peer reader(here(), "reader " + std::to_string(round));
+    Peer reader(here(), "reader_" + std::to_string(round));
     reader.subscribe("data", in_memory(asking));
     ASSERT_TRUE(comes_true([&] {
       const json taken = taken_of(publisher, reader);

@@ -37,7 +37,7 @@ TEST_F(JoinAndLeave, NoDatagramComesToAReaderThatDoesNotListenYet) {
   publisher.advertise();
   publisher.start_publishing(200us);
   for (int i = 0; i < 10; ++i) {
-    Peer reader(there(), "reader " + std::to_string(i));
+    Peer reader(there(), "reader_" + std::to_string(i));
     reader.subscribe("height, width");
     ASSERT_TRUE(comes_true([&] { return !taken_of(publisher, reader).is_null(); }));
     EXPECT_EQ(reader.status()["node"]["datagrams_unknown"], 0);

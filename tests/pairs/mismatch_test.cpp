@@ -60,7 +60,7 @@ INSTANTIATE_TEST_SUITE_P(
                     Misfit{"liveliness",
                            {{"lease_ms", 2000}},
                            {{"lease_ms", 1000}},
-                           "liveliness lease 2000 ms is offered, 1000 ms is requested"}),
+                           "liveliness_lease 2000 ms is offered, 1000 ms is requested"}),
     [](const auto& misfit) { return misfit.param.policy + std::to_string(misfit.index); });
 
 class Types : public NegotiationTest {

@@ -91,7 +91,7 @@ class Neighbour {
   }
 
  private:
-  static std::string topic_of(std::size_t number) { return "neighbours/" + std::to_string(number); }
+  static std::string topic_of(std::size_t number) { return "neighbours/of_" + std::to_string(number); }
   static json named(json options, std::size_t number) {
     options["name"] = options.at("name").get<std::string>() + "_" + std::to_string(number);
     options.erase("port");
@@ -155,7 +155,7 @@ class Peer {
   /// Opens publishers of that number of other topics.
   void crowd(const json& command) {
     for (std::size_t i = crowd_.size(); i < command.at("count"); ++i)
-      crowd_.push_back(node_.publisher<PointCloud2>("other/" + std::to_string(i)).value());
+      crowd_.push_back(node_.publisher<PointCloud2>("other/topic_" + std::to_string(i)).value());
   }
 
   void open_neighbours(const json& command) {

@@ -41,12 +41,12 @@ TEST_F(Restarts, AReaderWithTheMaskOfTheOneBeforeTakesEachSampleOnce) {
   const auto publisher = start(here(), "publisher");
   publisher->advertise();
   publisher->start_publishing();
-  auto reader = start(there(), "reader 0");
+  auto reader = start(there(), "reader_0");
   for (int i = 1; i <= 3; ++i) {
     reader->subscribe("data");
     ASSERT_TRUE(agree(*publisher, *reader));
     reader->kill_now();
-    reader = start(there(), "reader " + std::to_string(i));
+    reader = start(there(), "reader_" + std::to_string(i));
   }
   reader->subscribe("data");
   ASSERT_TRUE(agree(*publisher, *reader));
@@ -76,8 +76,8 @@ TEST_F(Restarts, APublisherThatIsKilledAndStartedAnewIsAnotherOneThatServesAtOnc
 
 TEST_F(Restarts, OfEitherSideInAnyOrderTheNewPairAgreesAndAccountsForAll) {
   constexpr std::array masks{"*", "data", "header", "height, width"};
-  auto publisher = start(here(), "publisher 0");
-  auto reader = start(there(), "reader 0");
+  auto publisher = start(here(), "publisher_0");
+  auto reader = start(there(), "reader_0");
   publisher->advertise();
   reader->subscribe("data");
   for (int i = 1; i <= 8; ++i) {
@@ -87,7 +87,7 @@ TEST_F(Restarts, OfEitherSideInAnyOrderTheNewPairAgreesAndAccountsForAll) {
     const bool of_publisher = random() % 2 == 0;
     auto& restarted = of_publisher ? publisher : reader;
     restarted->kill_now();
-    restarted = start(of_publisher ? here() : there(), (of_publisher ? "publisher " : "reader ") + number);
+    restarted = start(of_publisher ? here() : there(), (of_publisher ? "publisher_" : "reader_") + number);
     of_publisher ? restarted->advertise() : restarted->subscribe(masks[random() % masks.size()]);
   }
   ASSERT_TRUE(agree(*publisher, *reader));

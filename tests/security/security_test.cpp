@@ -41,8 +41,8 @@ TEST_F(Security, APairWithCertificatesMatchesAndAPairWithoutSeesNothingOfItAndIs
   ASSERT_TRUE(agree(publisher, subscriber));
   EXPECT_TRUE(accounts_for_all(publisher, subscriber));
 
-  Peer plain_publisher(there(), "plain publisher");
-  Peer plain_subscriber(here(), "plain subscriber");
+  Peer plain_publisher(there(), "plain_publisher");
+  Peer plain_subscriber(here(), "plain_subscriber");
   plain_publisher.advertise();
   plain_subscriber.subscribe("height, width");
   ASSERT_TRUE(agree(plain_publisher, plain_subscriber))
@@ -58,7 +58,7 @@ TEST_F(Security, APairWithCertificatesMatchesAndAPairWithoutSeesNothingOfItAndIs
 
 TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWithout) {
   Peer publisher(here(), "publisher", certified("publisher"));
-  Peer plain_subscriber(here(), "plain subscriber");
+  Peer plain_subscriber(here(), "plain_subscriber");
   publisher.advertise();
   plain_subscriber.subscribe("height, width");
   Peer subscriber(there(), "subscriber", certified("subscriber"));
@@ -74,7 +74,7 @@ TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCost
   Peer subscriber(there(), "subscriber", certified("subscriber"));
   // From these nodes the forger learns the entity numbers of writers. They also show that it does harm
   // without certificates.
-  Peer plain_publisher(here(), "plain publisher"), plain_subscriber(there(), "plain subscriber");
+  Peer plain_publisher(here(), "plain_publisher"), plain_subscriber(there(), "plain_subscriber");
   Peer forger(there(), "forger");
   publisher.advertise();
   subscriber.subscribe("recorded");

@@ -237,6 +237,24 @@ TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed
   EXPECT_TRUE(farther.takes_samples()) << "it has been heard of all the time";
 }
 
+TEST_F(DiscoveryTest, AFirewallThatDropsUnicastIsNamedInTheLogWithTheHostAndWhatToDo) {
+  for (const std::size_t number : {0U, 1U}) {
+    // ldb [0]; jset 1, pass, drop: the first byte of a hardware address is odd for multicast.
+    if (!filter_what_is_sent(number, "4,48 0 0 0,69 1 0 1,6 0 0 2,6 0 0 0")) return;
+  }
+  const SharedWithChildren<std::atomic<bool>> told;
+  NodeOptions heedful = options();
+  heedful.log = [&](LogLevel level, std::string_view line) {
+    const auto says = [&](const std::string& text) { return line.find(text) != line.npos; };
+    *told = *told || (level == LogLevel::warning && says("a process at " + address(0) + " has ") &&
+                      says("let in all UDP of it, or name both hosts as DiscoverySettings::peers"));
+  };
+  const NodeProcess publisher(host(0), options(), publish);
+  const NodeProcess subscriber(host(1), heedful, subscribe);
+  EXPECT_TRUE(eventually([&] { return told->load(); }));
+  EXPECT_EQ(subscriber.report().matched, 0U);
+}
+
 /// Nodes with peers send signs of life less often than a node without peers expects.
 TEST_F(DiscoveryTest, TheEndOfANodeThatHasPeersIsNoticedByOneThatHasNone) {
   const NodeProcess publisher(host(0), options(), publish);

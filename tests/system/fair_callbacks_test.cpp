@@ -35,15 +35,20 @@ class FairCallbacks : public PubSubTest {
       busy_.push_back(app_.subscriber<PointCloud2>("camera",
                                                    [this, work](const auto&) {
                                                      work_for(work);
-                                                     camera_->publish(cloud(++images_));
+                                                     publish_next();
                                                    })
                           .value());
     }
     expect_served(*camera_, subscribers);
-    for (int i = 0; i < 4; ++i) camera_->publish(cloud(0));
+    for (int i = 0; i < 4; ++i) publish_next();
     ASSERT_TRUE(eventually([&] { return images_ > 10; }));
   }
-  /// Publishes 80 samples of a further topic. Returns how many of them its callback did not get.
+  /// On this thread and on that of the callbacks.
+  void publish_next() {
+    const core::Lock lock(publishing_);
+    camera_->publish(cloud(++images_));
+  }
+  /// Returns how many of 80 samples their callback did not get.
   std::size_t starved(Clock::duration work) {
     auto halt = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
     std::atomic<std::size_t> stops{0};
@@ -64,6 +69,7 @@ class FairCallbacks : public PubSubTest {
 
   Node source_ = open("source");
   Node app_ = open("app");
+  core::Mutex publishing_;
   std::optional<Publisher<PointCloud2>> camera_;
   std::atomic<std::uint32_t> images_{0};
   std::vector<Subscriber<PointCloud2>> busy_;

@@ -139,7 +139,12 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
     }
   }
   EXPECT_EQ(subscriber.status().lost, 0U);
-  EXPECT_EQ(publisher.status().diverted, (PublisherStatus::Diverted{.too_large = rounds}));
+  const PublisherStatus::Diverted diverted = publisher.status().diverted;
+  EXPECT_EQ(diverted.too_large, rounds);
+  EXPECT_EQ(diverted.total(), rounds);
+  EXPECT_GE(diverted.too_large_bytes, large_bytes);
+  EXPECT_LT(diverted.chunk_bytes, large_bytes);
+  EXPECT_GE(diverted.chunk_bytes, small_bytes);
   EXPECT_EQ(publisher.status().dropped, 0U);
   const PublisherStatus::Reader reader = reader_of(publisher);
   EXPECT_EQ(reader.diverted, rounds);
@@ -149,7 +154,10 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
   EXPECT_EQ(json.at("diverted").at("too_large"), rounds);
   EXPECT_EQ(json.at("readers").at(0).at("diverted"), rounds);
   EXPECT_TRUE(eventually([&] { return told == rounds; }));
-  EXPECT_GE(logged("larger than the largest chunk"), 1U);
+  EXPECT_GE(logged("a sample of " + std::to_string(diverted.too_large_bytes) +
+                   " bytes is larger than the largest chunk of shared memory, which has room for " +
+                   std::to_string(diverted.chunk_bytes) + "; enlarge /dev/shm"),
+            1U);
 }
 
 TEST_F(FallbackTest, WhatIsPublishedWhileNoChunkIsFreeComesByUdpInItsPlaceAndThenAgainInSharedMemory) {
@@ -254,7 +262,8 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(subscriber.status().lost, 1U);
   EXPECT_EQ(reader_of(publisher).dropped, 1U);
   EXPECT_EQ(reader_of(publisher).diverted, 0U);
-  EXPECT_EQ(publisher.status().diverted, (PublisherStatus::Diverted{.too_large = 1}));
+  EXPECT_EQ(publisher.status().diverted.too_large, 1U);
+  EXPECT_EQ(publisher.status().diverted.total(), 1U);
 }
 
 // A durable publisher chooses the routes of a sample after it has added the sample to the history. So its
@@ -352,6 +361,7 @@ TEST_F(FallbackTest, ASlowReaderKnowsExactlyHowManySamplesOfEachWriterItMissed) 
     }
   }
   const SubscriberStatus status = subscriber.status();
+  EXPECT_EQ(status.writers.size(), publishers.size());
   for (const SubscriberStatus::Writer& writer : status.writers) {
     EXPECT_EQ(writer.received + writer.lost, published);
     EXPECT_EQ(writer.lost, 1U + 32U + 992U);

@@ -312,7 +312,7 @@ TEST_F(KillTest, AKilledNodeIsNotListedByNodesThatOpenAfterwards) {
   ASSERT_TRUE(eventually(has_given_a_sign_of_life));
   publisher.kill_now();
   EXPECT_TRUE(eventually([&] { return !lists_points(node); }));
-  Node newcomer = Node::open({.name = "looks later"}).value();
+  Node newcomer = Node::open({.name = "looks_later"}).value();
   EXPECT_FALSE(lists_points(newcomer));
 }
 

@@ -81,8 +81,9 @@ TEST_F(NamesTest, EverythingThatTakesATopicFollowsTheRules) {
   auto pub = cam.publisher("gain", *type).value();
   auto sub = cam.subscriber("gain", *type, "*").value();
   EXPECT_TRUE(cam.ask_accounts("gain"));
-  for (const NodeSnapshot::Subscriber& subscriber : cam.snapshot().subscribers)
-    EXPECT_EQ(subscriber.topic, "shared/gain");
+  const std::vector<NodeSnapshot::Subscriber> subscribers = cam.snapshot().subscribers;
+  EXPECT_EQ(subscribers.size(), 2U);
+  for (const NodeSnapshot::Subscriber& subscriber : subscribers) EXPECT_EQ(subscriber.topic, "shared/gain");
   EXPECT_EQ(cam.snapshot().publishers.at(0).topic, "shared/gain");
   ASSERT_TRUE(eventually([&] { return cam.topics().size() == 1; }));
   const TopicInfo topic = cam.topics().at(0);
@@ -118,16 +119,6 @@ TEST_F(NamesTest, ErrorsAboutATopicHaveBothOfItsNames) {
   EXPECT_FALSE(cam.ask_accounts("~x"));
 }
 
-TEST_F(NamesTest, ANameThatIsTooLongToBeAnnouncedIsLeftOut) {
-  const std::string longest = "/" + std::string(255, 'x');
-  Node cam = open("cam", "", {longest + ":=short"});
-  const auto pub = cam.publisher<Float64>(longest).value();
-  const DomainSnapshot domain = cam.domain();
-  ASSERT_EQ(domain.publishers.size(), 1U);
-  EXPECT_EQ(domain.publishers[0].topic, "short");
-  EXPECT_EQ(domain.publishers[0].given_topic, "");
-}
-
 TEST_F(NamesTest, TheEnvironmentGoesBeforeTheProgram) {
   setenv("SFT_REMAP", "gain:=volume __ns:=/right", 1);
   const Node cam = open("cam", "left", {"gain:=loudness"});
@@ -147,6 +138,22 @@ TEST_F(NamesTest, ABadRuleOrNamespaceIsAnErrorOfOpen) {
   EXPECT_THAT(error_of_open(options("cam")),
               HasSubstr("'__foo:=x' in the environment variable SFT_REMAP is no remapping rule"));
   unsetenv("SFT_REMAP");
+}
+
+TEST_F(NamesTest, WhatRos2RefusesIsRefusedWithTheRule) {
+  using std_srvs::srv::SetBool;
+  EXPECT_THAT(error_of_open(options("my cam")), HasSubstr("'my cam' has a character in it"));
+  EXPECT_THAT(error_of_open(options("")), HasSubstr("the node's name '' is empty"));
+  EXPECT_THAT(error_of_open(options("cam", "my left")), HasSubstr("'my left' has a character in it"));
+  Node cam = open("cam");
+  for (const char* const topic : {"my topic", "9lives"}) {
+    EXPECT_THAT(cam.publisher<Float64>(topic).error().message, HasSubstr("ROS 2"));
+    EXPECT_THAT(cam.subscriber<Float64>(topic).error().message, HasSubstr("ROS 2"));
+    EXPECT_THAT(cam.find_type(topic, 0s).error().message, HasSubstr("ROS 2"));
+    EXPECT_THAT(cam.ask_accounts(topic).error().message, HasSubstr("ROS 2"));
+    EXPECT_THAT(Client<SetBool>::open(cam, topic).error().message, HasSubstr("ROS 2"));
+  }
+  EXPECT_THAT(Client<SetBool>::open(cam, "").error().message, HasSubstr("topic '' is empty"));
 }
 
 TEST_F(NamesTest, ARuleThatFitsNothingIsToldWhileTheNodesRun) {

@@ -36,7 +36,7 @@ inline Opened opened_by_child(const std::function<void()>& lack, const std::stri
     alarm(30);  // a child that hangs ends like one that crashes
     lack();
     const auto before = in_use();
-    const auto node = Node::open(node_options(Way::udp, "short of all"));
+    const auto node = Node::open(node_options(Way::udp, "short_of_all"));
     const bool descriptors_are_back = in_use().first == before.first;
     // The kernel still lists a thread for a moment after it was joined.
     const auto all_are_back = [&] { return descriptors_are_back && in_use() == before; };

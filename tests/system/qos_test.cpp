@@ -95,7 +95,10 @@ TEST_P(QosTest, AnIncompatiblePairNeverMatchesAndBothSidesAreToldThePolicy) {
   for (const EventLog* log : {&offered, &requested}) {
     const Event event = log->all(Event::Kind::incompatible_qos).front();
     EXPECT_EQ(event.policy, QosPolicy::reliability);
-    EXPECT_EQ(event.text, "incompatible QoS: reliability best_effort is offered, reliable is requested");
+    EXPECT_EQ(
+        event.text,
+        "incompatible QoS: reliability best_effort is offered, reliable is requested: open the publisher "
+        "with .reliability = reliable, or the subscriber with .reliability = best_effort");
     EXPECT_FALSE(log->has(Event::Kind::matched));
   }
   EXPECT_EQ(offered.all(Event::Kind::incompatible_qos).front().node, "b");

@@ -113,7 +113,7 @@ TEST_P(ServiceTest, ACallWaitsForAServerThatComesLater) {
 TEST_P(ServiceTest, TenClientsThatBeginTogetherWithTheServerGetTheirOwnAnswers) {
   constexpr std::int64_t clients = 10, calls = 5;
   std::vector<Node> nodes;
-  for (const char* name : {"client 1", "client 2", "client 3"}) nodes.push_back(open(name));
+  for (const char* name : {"client_1", "client_2", "client_3"}) nodes.push_back(open(name));
   Node a = open("server");
   std::latch start(clients + 1);
   std::vector<std::thread> threads;
@@ -298,6 +298,25 @@ TEST_P(ServiceTest, ACallInACallbackForSamplesIsRefused) {
   lidar.publish(cloud(1));
   EXPECT_THAT(said.get_future().get(), HasSubstr("a call in a callback for samples would wait for itself"));
   EXPECT_EQ(runs, 0);
+}
+
+TEST_P(ServiceTest, ASecondThreadThatCallsWithAClientMeanwhileIsRefused) {
+  Node a = open("server");
+  Node b = open("client");
+  Gate gate;
+  std::atomic<bool> asked{false};
+  const auto server = serve(a, [&](const Add::Request& request) {
+    asked = true;
+    gate.pass();
+    return sum(request);
+  });
+  auto client = client_of(b);
+  auto first = std::async(std::launch::async, [&] { return answer(client, 1, 2); });
+  EXPECT_TRUE(eventually([&] { return asked.load(); }));
+  EXPECT_THAT(answer(client, 3, 4), HasSubstr("two threads call with one client at the same time"));
+  gate.open();
+  EXPECT_EQ(first.get(), "3");
+  EXPECT_EQ(answer(client, 5, 6), "11");
 }
 
 TEST_P(ServiceTest, AProgramWithoutTheTypeCallsByTopicsAlone) {

@@ -40,6 +40,7 @@ class NodeSnapshotTest : public PubSubTest {
   void expect_sums(std::uint64_t samples) {
     const NodeSnapshot::Publisher p = published();
     EXPECT_EQ(p.published, samples);
+    EXPECT_FALSE(p.readers.empty());
     std::uint64_t saved = 0;
     for (const NodeSnapshot::Publisher::Reader& r : p.readers) {
       EXPECT_EQ(r.published, samples) << r.fields;
@@ -198,6 +199,7 @@ TEST_P(NodeSnapshotTest, CountsAgreeWhateverChangesMeanwhile) {
   EXPECT_TRUE(eventually([&] { return requests() > requests_before; })) << "the test changed nothing";
   const NodeSnapshot::Publisher p = published();
   EXPECT_EQ(p.published, samples);
+  EXPECT_EQ(p.readers.size(), 2U);
   for (const NodeSnapshot::Publisher::Reader& r : p.readers) {
     EXPECT_EQ(r.published, samples) << r.fields;
     EXPECT_EQ(r.sent + r.withheld + r.dropped, samples);

@@ -26,6 +26,24 @@ bool is_told(const DomainSnapshot::Pair& pair) {
   return !pair.matched || (pair.account.publisher && pair.account.subscriber);
 }
 
+/// A subscriber learns of losses by what comes behind them. So where nothing comes, it knows of none.
+bool takes_none(const DomainSnapshot::Pair& pair) {
+  const auto& [publisher, subscriber] = pair.account;
+  return pair.matched && publisher && subscriber && publisher->sent > 0 && subscriber->received == 0;
+}
+
+std::string takes_none_text(const DomainSnapshot::Pair& pair) {
+  if (!takes_none(pair)) return {};
+  const std::uint64_t sent = pair.account.publisher->sent;
+  const bool by_memory = pair.connected && pair.transport == TransportKind::shm;
+  return fmt::format("{} {} sent, and the subscriber has taken none: its program does not take them{}",
+                     count_text(sent, "sample"), sent == 1 ? "was" : "were",
+                     by_memory
+                         ? ""
+                         : ", or they do not arrive (because of a firewall, or because a path drops long "
+                           "datagrams, which the log of the publisher's node names)");
+}
+
 std::string sent_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_reported;
   const DomainSnapshot::Sent& account = *pair.account.publisher;
@@ -50,6 +68,20 @@ std::string withheld_text(const DomainSnapshot::Pair& pair) {
   if (!pair.account.publisher) return not_reported;
   return fmt::format("{}; {} dropped", count_text(pair.account.publisher->withheld, "sample"),
                      pair.account.publisher->dropped);
+}
+
+std::string diverted_text(const DomainSnapshot::Pair& pair) {
+  if (!pair.account.publisher || pair.account.publisher->diverted == 0) return "";
+  const DomainSnapshot::Sent& account = *pair.account.publisher;
+  const std::string why =
+      account.too_large_bytes == 0
+          ? "shared memory had no chunk free"
+          : fmt::format("the largest chunk of shared memory has room for {}, and samples have up to {}",
+                        bytes_text(static_cast<double>(account.chunk_bytes)),
+                        bytes_text(static_cast<double>(account.too_large_bytes)));
+  return fmt::format(
+      "{} of these went by UDP: {}: enlarge /dev/shm, or set total_mib or [[pool]] in sftd.toml",
+      account.diverted, why);
 }
 
 std::string lost_text(const DomainSnapshot::Pair& pair) {

@@ -9,6 +9,13 @@ namespace sft::tool {
 /// Returns true if both sides have reported their counters, or if the pair does not match and has none.
 bool is_told(const DomainSnapshot::Pair& pair);
 
+/// Returns true if both sides have reported their counters, samples were sent, and the subscriber has taken
+/// none.
+bool takes_none(const DomainSnapshot::Pair& pair);
+/// Returns "120 samples were sent, and the subscriber has taken none", and what may be the cause. Returns an
+/// empty text if the subscriber has taken some.
+std::string takes_none_text(const DomainSnapshot::Pair& pair);
+
 // For counters that a side has not reported, these functions return "not told yet".
 
 /// For example "5 samples, 40 B over the network".
@@ -17,6 +24,9 @@ std::string sent_text(const DomainSnapshot::Pair& pair);
 std::string saved_text(const DomainSnapshot::Pair& pair);
 /// For example "5 samples; 0 dropped".
 std::string withheld_text(const DomainSnapshot::Pair& pair);
+/// Returns which samples went by UDP because shared memory could not take them, and what to do; an empty text
+/// if there are none.
+std::string diverted_text(const DomainSnapshot::Pair& pair);
 /// For example "0 samples; 5 received".
 std::string lost_text(const DomainSnapshot::Pair& pair);
 

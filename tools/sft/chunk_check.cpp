@@ -6,12 +6,14 @@
 #include <cstdint>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 #include <string>
 #include <vector>
 
 #include "sft/options.h"
+#include "tools/sft/describe.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -59,6 +61,22 @@ std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std
   return topics;
 }
 
+/// The topics of publishers of this host that have sent larger samples, "images (6.3 MB)", as far as they
+/// have told.
+std::set<std::string> topics_that_were_diverted(const DomainSnapshot& domain) {
+  std::map<std::string, std::uint64_t> largest;
+  for (const DomainSnapshot::Pair& pair : domain.pairs) {
+    const auto* const publisher = endpoint_of(pair.publisher, domain.publishers);
+    if (publisher == nullptr || !publisher->same_machine || !pair.account.publisher) continue;
+    std::uint64_t& bytes = largest[publisher->topic];
+    bytes = std::max(bytes, pair.account.publisher->too_large_bytes);
+  }
+  std::set<std::string> topics;
+  for (const auto& [topic, bytes] : largest)
+    if (bytes > 0) topics.insert(fmt::format("{} ({})", topic, size_text(bytes)));
+  return topics;
+}
+
 std::string list_of(const std::set<std::string>& topics) {
   std::string text;
   std::size_t named = 0;
@@ -79,13 +97,15 @@ Finding check_chunks(const DomainSnapshot& domain) {
   const std::set<std::string> topics = topics_of_larger_samples(domain, largest);
   if (!topics.empty())
     text += fmt::format("; publishers of this host announce larger ones: {}", list_of(topics));
+  const std::set<std::string> diverted = topics_that_were_diverted(domain);
+  if (!diverted.empty()) text += fmt::format("; larger samples went by UDP: {}", list_of(diverted));
   std::string used_up;
   for (const Pool& pool : pools) {
     if (pool.chunks > 0 && pool.peak >= pool.chunks)
       used_up += fmt::format("{}{} x {}", used_up.empty() ? "" : ", ", pool.chunks, size_text(pool.bytes));
   }
   if (!used_up.empty()) text += "; all of a size have been in use at a time: " + used_up;
-  if (topics.empty() && used_up.empty()) return {"chunks", Health::ok, text};
+  if (topics.empty() && diverted.empty() && used_up.empty()) return {"chunks", Health::ok, text};
   return {"chunks", Health::warning, text,
           "Samples without a chunk go by UDP: enlarge /dev/shm, or set total_mib or [[pool]] in sftd.toml "
           "(docs/operations.md has a table)."};

@@ -51,7 +51,9 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
                    "Look for nodes on this interface only: a name, an address or a network")
       ->allow_extra_args(false)
       ->group("Common");
-  command->add_option("--peer", common.peers, "Look for nodes on this host, too")
+  command
+      ->add_option("--peer", common.peers,
+                   "Look for nodes on this host, too; they have to name this host as a peer as well")
       ->allow_extra_args(false)
       ->group("Common");
   command

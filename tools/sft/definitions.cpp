@@ -2,6 +2,9 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <regex>
 #include <system_error>
 #include <vector>
 
@@ -29,6 +32,21 @@ std::vector<fs::path> roots_of(const CommonOptions& common) {
   return roots;
 }
 
+/// The file of a message or service in the first directory that has it; nothing if none has it.
+std::optional<fs::path> find_file(std::string_view name, const std::string& kind,
+                                  const CommonOptions& common) {
+  std::string path(name);
+  for (std::size_t at = path.find("::"); at != path.npos; at = path.find("::")) path.replace(at, 2, "/");
+  const std::size_t first = path.find('/'), last = path.rfind('/');
+  if (first == path.npos || (first != last && path.substr(first, last - first) != "/" + kind)) return {};
+  for (const fs::path& root : roots_of(common)) {
+    fs::path file = root / path.substr(0, first) / kind / (path.substr(last + 1) + "." + kind);
+    std::error_code ignored;
+    if (fs::is_regular_file(file, ignored)) return file;
+  }
+  return {};
+}
+
 }  // namespace
 
 Result<DynamicType> find_definition(const std::string& type, const CommonOptions& common) {
@@ -45,6 +63,26 @@ Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, cons
                                              endpoint.node +
                                              "' has: name the directory of its definition first");
       });
+}
+
+std::string constants_of(const StructType& type, const CommonOptions& common) {
+  const std::optional<fs::path> file = find_file(type.name, "msg", common);
+  const auto defined = file ? find_definition(std::string(type.name), common) : fail(Errc::unavailable, "");
+  if (!defined || defined->hash() != TypeSupport(type).hash()) return "";
+  static const std::regex constant(R"(\s*[A-Za-z][\w/]*(<=\d+)?\s+[A-Za-z]\w*\s*=.*)");
+  std::string text;
+  std::ifstream lines(*file);
+  for (std::string line; std::getline(lines, line);)
+    if (std::regex_match(line, constant)) text += line + "\n";
+  return text;
+}
+
+std::optional<std::string> find_service(std::string_view service, const CommonOptions& common) {
+  const std::optional<fs::path> file =
+      service.ends_with(".srv") ? fs::path(service) : find_file(service, "srv", common);
+  std::ifstream content(file.value_or(fs::path()));
+  if (!file || !content) return {};
+  return std::string(std::istreambuf_iterator(content), {});
 }
 
 }  // namespace sft::tool

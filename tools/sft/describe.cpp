@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <nlohmann/json.hpp>
 
+#include "tools/sft/account_text.h"
 #include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
 
@@ -94,9 +95,13 @@ Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint&
           {"withheld", told(pair.account.publisher, &DomainSnapshot::Sent::withheld)},
           {"dropped", told(pair.account.publisher, &DomainSnapshot::Sent::dropped)},
           {"retained", told(pair.account.publisher, &DomainSnapshot::Sent::retained)},
+          {"diverted", told(pair.account.publisher, &DomainSnapshot::Sent::diverted)},
+          {"too_large_bytes", told(pair.account.publisher, &DomainSnapshot::Sent::too_large_bytes)},
+          {"chunk_bytes", told(pair.account.publisher, &DomainSnapshot::Sent::chunk_bytes)},
           {"publisher_told_ns_ago", age_json(pair.account.publisher)},
           {"received", told(pair.account.subscriber, &DomainSnapshot::Received::received)},
           {"lost", told(pair.account.subscriber, &DomainSnapshot::Received::lost)},
+          {"takes_none", takes_none(pair)},
           {"subscriber_told_ns_ago", age_json(pair.account.subscriber)}};
 }
 

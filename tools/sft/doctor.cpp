@@ -51,8 +51,8 @@ ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& st
   const NodeFindings node = check_node(common, stop, output);
   append(node.findings);
   append(check_multicast(node.interfaces_in_use, stop));
-  append({check_memlock(), check_receive_buffers(), check_open_files(), check_dev_shm(), check_users(),
-          check_clock()});
+  append({check_memlock(), check_receive_buffers(), check_open_files(), check_proc(), check_tmp(),
+          check_dev_shm(), check_users(), check_clock()});
   Health worst = Health::ok;
   Json checks = Json::array();
   for (const Finding& finding : findings) {

@@ -40,8 +40,8 @@ std::string comment_of(const Member& m) {
   return text.empty() ? "" : "  #" + text;
 }
 
-std::string members_text(const StructType& type) {
-  std::string text;
+std::string members_text(const StructType& type, const ConstantsOf& constants_of) {
+  std::string text = constants_of(type);
   for (const Member& m : type.members)
     text += fmt::format("{}{} {}{}\n", element_text(m), shape_text(m), m.name, comment_of(m));
   return text;
@@ -71,13 +71,13 @@ std::string msg_name(std::string_view name) {
 
 std::string ros_name(std::string_view name) { return with_slashes(std::string(name), "::"); }
 
-std::string msg_text(const StructType& type) {
+std::string msg_text(const StructType& type, const ConstantsOf& constants_of) {
   std::vector<const StructType*> types{&type};
   for (std::size_t i = 0; i < types.size(); ++i) add_nested(*types[i], types);
-  std::string text = members_text(type);
+  std::string text = members_text(type, constants_of);
   for (std::size_t i = 1; i < types.size(); ++i) {
-    text +=
-        std::string(80, '=') + fmt::format("\nMSG: {}\n", msg_name(types[i]->name)) + members_text(*types[i]);
+    text += std::string(80, '=') + fmt::format("\nMSG: {}\n", msg_name(types[i]->name)) +
+            members_text(*types[i], constants_of);
   }
   return text;
 }

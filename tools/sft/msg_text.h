@@ -1,6 +1,7 @@
 // A message type as the text of .msg files.
 #pragma once
 
+#include <functional>
 #include <string>
 
 #include "sft/detail/type_table.h"
@@ -15,9 +16,10 @@ namespace sft::tool {
 ///   MSG: std_msgs/Header
 ///   ...
 ///
-/// Units, enumerations and keys are comments. Defaults and constants are missing, since types are announced
-/// without them.
-std::string msg_text(const StructType& type);
+/// Units, enumerations and keys are comments. Defaults are missing, since types are announced without them,
+/// and so are constants, but for the lines that `constants_of` has for a message.
+using ConstantsOf = std::function<std::string(const StructType&)>;
+std::string msg_text(const StructType& type, const ConstantsOf& constants_of);
 
 /// Returns the name in .msg files: "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2".
 std::string msg_name(std::string_view name);

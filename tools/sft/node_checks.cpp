@@ -5,12 +5,14 @@
 #include <algorithm>
 #include <chrono>
 #include <iterator>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
 #include <vector>
 
 #include "tools/sft/chunk_check.h"
+#include "tools/sft/describe.h"
 #include "tools/sft/session.h"
 #include "tools/terminal/units.h"
 
@@ -56,6 +58,28 @@ Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
       "nodes."};
 }
 
+/// What is known after a while, with the counts of publishers of this host whose samples go in shared memory.
+DomainSnapshot look_around(Session& session) {
+  constexpr double longest_s = 3;  // the first answers come after a second or so
+  DomainSnapshot domain = session.look_around();
+  std::map<std::string, Result<AccountInquiry>> inquiries;  // by topic
+  const auto is_told_of = [&](const DomainSnapshot::Pair& pair) {
+    const auto* const publisher = endpoint_of(pair.publisher, domain.publishers);
+    const bool is_asked_about = publisher != nullptr && publisher->same_machine && pair.connected &&
+                                pair.transport == TransportKind::shm;
+    if (is_asked_about && !inquiries.contains(publisher->topic))
+      inquiries.emplace(publisher->topic, session.node().ask_accounts("/" + publisher->topic));
+    return !is_asked_about || pair.account.publisher;
+  };
+  session.wait_until(
+      [&](const DomainSnapshot& now) {
+        domain = now;
+        return std::ranges::count_if(now.pairs, is_told_of) == std::ssize(now.pairs);  // asks about each
+      },
+      longest_s);
+  return domain;
+}
+
 }  // namespace
 
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output) {
@@ -64,7 +88,7 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
     return {{{"node", Health::error, "no node can be opened: " + session.error().message,
               "No program that uses SFT works on this host until this is corrected."}}};
   }
-  const DomainSnapshot domain = session->look_around();
+  const DomainSnapshot domain = look_around(*session);
   const NodeSnapshot self = session->node().snapshot();
   std::vector<Finding> findings{interfaces_of(self.status), {"udp", Health::ok, self.status.udp}};
   std::ranges::transform(self.status.quick_paths, std::back_inserter(findings), quick_path_of);

@@ -23,6 +23,7 @@ OneTopic part_of(const DomainSnapshot& domain, const std::string& topic) {
 }
 
 Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session) {
+  if (const Result<void> sound = session.check_name(topic); !sound) return tl::unexpected(sound.error());
   std::optional<std::string> name;
   const auto is_known = [&](const DomainSnapshot& domain) {
     name = Session::known_name(topic, domain);
@@ -34,7 +35,8 @@ Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Se
   if (name) return part_of(session.domain(), *name);
   // The library's error names the topics that it knows.
   const Result<DynamicType> type = session.node().find_type(topic, 0s);
-  return fail(Errc::unavailable, type ? "the topic was withdrawn meanwhile" : type.error().message);
+  if (type) return fail(Errc::unavailable, "the topic was withdrawn meanwhile");
+  return tl::unexpected(session.explained(type.error(), topic));
 }
 
 }  // namespace sft::tool

@@ -159,6 +159,7 @@ void report(const DynamicPublisher& publisher, const std::string& topic, bool js
 }  // namespace
 
 ExitCode run(const PubOptions& options, const CommonOptions& common, Session& session) {
+  if (const Result<void> sound = session.check_name(options.topic); !sound) return give_up(sound.error());
   const std::string topic = Session::plain_name(options.topic);
   const Result<DynamicType> type = find_message_type(options.type, topic, session);
   if (!type) return give_up(type.error());

@@ -18,7 +18,7 @@ class PublisherCounts {
   PublisherCounts(std::string topic, const Session& session);
 
   struct Report {
-    double rate_hz = 0;         ///< of all publishers
+    double rate_hz = 0;         ///< the sum over all publishers
     double bytes_per_s = 0;     ///< over the network, for each subscriber
     std::uint64_t samples = 0;  ///< since the beginning
     std::uint64_t fresh = 0;    ///< since the last report

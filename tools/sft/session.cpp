@@ -3,8 +3,10 @@
 #include <unistd.h>
 
 #include <algorithm>
+#include <set>
 
 #include "tools/sft/definitions.h"
+#include "tools/terminal/units.h"
 
 namespace sft::tool {
 
@@ -50,7 +52,7 @@ const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const 
 
 Result<Session> Session::open(const CommonOptions& options, std::string_view command, Stop& stop,
                               Output& output) {
-  NodeOptions node{.name = "sft-" + std::string(command) + "-" + std::to_string(getpid())};
+  NodeOptions node{.name = "sft_" + std::string(command) + "_" + std::to_string(getpid())};
   node.domain = options.domain;
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
@@ -102,7 +104,31 @@ std::optional<std::string> Session::known_name(std::string_view topic, const Dom
   return std::nullopt;
 }
 
+Result<void> Session::check_name(std::string_view topic) {
+  if (!topic.starts_with('~')) return {};
+  (void)look_around();
+  const Error error{Errc::invalid_argument, "the topic '" + printable(topic) +
+                                                "' is private to a node: name it in full, as 'sft ls' does"};
+  return tl::unexpected(explained(error, topic));
+}
+
+Error Session::explained(Error error, std::string_view topic) const {
+  const DomainSnapshot domain = this->domain();
+  std::set<std::string> sentences;
+  for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
+    for (const DomainSnapshot::Endpoint& e : *endpoints) {
+      if (e.given_topic == topic)
+        sentences.insert("; node '" + printable(e.node) + "' calls the topic '" + printable(e.topic) +
+                         "' so");
+    }
+  }
+  for (const std::string& sentence : sentences) error.message += sentence;
+  if (!options_.peers.empty()) error.message += std::string("; ") + peers_name_each_other;
+  return error;
+}
+
 Result<FoundTopic> Session::find(std::string_view topic) {
+  if (const Result<void> sound = check_name(topic); !sound) return tl::unexpected(sound.error());
   std::optional<FoundTopic> found;
   Error error{Errc::unavailable, "stopped before the topic was found"};
   const auto look = [&](const DomainSnapshot& domain) {
@@ -121,10 +147,11 @@ Result<FoundTopic> Session::find(std::string_view topic) {
     } else {
       error = type.error();
     }
-    return found.has_value() || undescribed != nullptr || error.code == Errc::type_mismatch;
+    return found.has_value() || undescribed != nullptr || error.code == Errc::type_mismatch ||
+           error.code == Errc::invalid_argument;
   };
   wait_until(look);
-  if (!found) return tl::unexpected(error);
+  if (!found) return tl::unexpected(explained(error, topic));
   stop_->wait_for(settle_time);
   found->requested = common_offer(found->name, domain());
   return *std::move(found);

@@ -50,6 +50,12 @@ class Session {
   /// nothing while no node publishes or subscribes to it.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
+  /// Returns an error if the topic is private to a node, "~/image": a command takes topics by their full
+  /// names.
+  Result<void> check_name(std::string_view topic);
+  /// Adds to an error about an unknown topic which topics programs call by that name.
+  Error explained(Error error, std::string_view topic) const;
+
   /// Finds a topic and its type. Errc::unavailable if no node announces the topic within the timeout. If its
   /// nodes announce a type without its fields, the definition comes from files (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
@@ -66,6 +72,10 @@ class Session {
   Stop* stop_;
   Output* output_;
 };
+
+/// What is said where a host that --peer names is not heard.
+inline constexpr const char* peers_name_each_other =
+    "nodes on the host that --peer names have to name this host as a peer, too (DiscoverySettings::peers)";
 
 /// Prints the error, and returns its exit code.
 ExitCode give_up(const Error& error);

@@ -11,6 +11,7 @@
 #include <sys/statvfs.h>
 #include <sys/timex.h>
 #include <sys/utsname.h>
+#include <sys/vfs.h>
 #include <unistd.h>
 
 #include <cctype>
@@ -92,7 +93,7 @@ Finding check_memlock() {
           "service)."};
 }
 
-/// Tries a socket, since a container hides the setting.
+/// Asks a socket which receive buffer it gets, because a container hides the setting net.core.rmem_max.
 Finding check_receive_buffers() {
   const int wanted = static_cast<int>(UdpSettings{}.receive_buffer_bytes);
   const int asked = wanted / 2;  // the kernel doubles the number
@@ -122,11 +123,46 @@ Finding check_open_files() {
           "Nodes may run out of descriptors: raise the limit (ulimit -n 1024)."};
 }
 
+Finding check_proc() {
+  if (access("/proc/self/stat", R_OK) != 0) {
+    return {"/proc", Health::error, "it is not mounted",
+            "sftd does not start, and samples within this host go by UDP: mount -t proc proc /proc."};
+  }
+  if (access("/proc/1/comm", R_OK) == 0) return {"/proc", Health::ok, "it is mounted"};
+  return {"/proc", Health::ok, "it hides the processes of other accounts; so their sftd does not show here"};
+}
+
+Finding check_tmp() {
+  struct statvfs space {};
+  const bool is_there = statvfs("/tmp", &space) == 0;
+  if (is_there && access("/tmp", W_OK | X_OK) == 0 && (space.f_flag & ST_RDONLY) == 0)
+    return {"/tmp", Health::ok, "programs can write there"};
+  return {"/tmp", Health::error,
+          is_there ? "this account may not write there, or it is read-only" : "it is not there",
+          "sftd does not start, and samples within this host go by UDP: mount a tmpfs there, or chmod 1777 "
+          "/tmp."};
+}
+
+/// Returns whether a mount of another kind than a tmpfs is there.
+bool is_on_a_disk(const char* directory) {
+  struct statfs system {};
+  constexpr long tmpfs = 0x01021994, ramfs = static_cast<long>(0x858458f6);
+  return statfs(directory, &system) == 0 && system.f_type != tmpfs && system.f_type != ramfs;
+}
+
 Finding check_dev_shm() {
   struct statvfs space {};
   if (statvfs("/dev/shm", &space) != 0) {
     return {"/dev/shm", Health::error, "it is not there",
             "Samples within this host go by UDP: mount a tmpfs of 512 MB there."};
+  }
+  if ((space.f_flag & ST_RDONLY) != 0 || access("/dev/shm", W_OK | X_OK) != 0) {
+    return {"/dev/shm", Health::error, "this account may not write there, or it is read-only",
+            "Samples within this host go by UDP: mount a tmpfs of 512 MB there, or chmod 1777 /dev/shm."};
+  }
+  if (is_on_a_disk("/dev/shm")) {
+    return {"/dev/shm", Health::warning, "it is no tmpfs",
+            "Samples go through the cache of a disk: mount a tmpfs of 512 MB there."};
   }
   const std::uint64_t total = std::uint64_t{space.f_blocks} * space.f_frsize;
   const std::uint64_t free = std::uint64_t{space.f_bavail} * space.f_frsize;

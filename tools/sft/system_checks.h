@@ -10,6 +10,8 @@ Finding check_loopback();
 Finding check_memlock();
 Finding check_receive_buffers();
 Finding check_open_files();
+Finding check_proc();
+Finding check_tmp();
 Finding check_dev_shm();
 Finding check_users();
 Finding check_clock();

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 
+#include "tools/sft/definitions.h"
 #include "tools/sft/message_type.h"
 #include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
@@ -19,6 +20,23 @@ struct Subject {
   DynamicType type;
   std::optional<std::string> topic{};  ///< empty: it was found by its own name
 };
+
+/// A service is shown as its file has it.
+ExitCode print_service(const std::string& text, const TypeOptions& options, const CommonOptions& common,
+                       Output& output) {
+  if (options.fields) {
+    complain("'" + printable(options.topic) + "' is a service, and --fields is for messages: leave it out");
+    return ExitCode::failed;
+  }
+  if (common.json) {
+    output.document({{"topic", Json()}, {"type", options.topic}, {"srv", text}});
+  } else if (options.name) {
+    output.line(options.topic);
+  } else {
+    output.write(text);
+  }
+  return ExitCode::done;
+}
 
 /// Returns whether a type may have this name: "sensor_msgs/PointCloud2", with "msg" between both words, or a
 /// file. A topic may have such a name, too.
@@ -35,6 +53,14 @@ Result<Subject> find_topic(const TypeOptions& options, Session& session) {
   });
 }
 
+/// A message of that name goes first.
+std::optional<std::string> service_of(const TypeOptions& options, const CommonOptions& common,
+                                      Session& session) {
+  const std::optional<std::string> text = find_service(options.topic, common);
+  if (!text || Session::known_name(options.topic, session.look_around())) return {};
+  return find_definition(options.topic, common) ? std::nullopt : text;
+}
+
 Result<Subject> find(const TypeOptions& options, Session& session) {
   if (!may_be_type(options.topic) || Session::known_name(options.topic, session.look_around()))
     return find_topic(options, session);
@@ -48,19 +74,22 @@ Result<Subject> find(const TypeOptions& options, Session& session) {
 }  // namespace
 
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session) {
+  if (const auto service = service_of(options, common, session))
+    return print_service(*service, options, common, session.output());
   const Result<Subject> subject = find(options, session);
   if (!subject) return give_up(subject.error());
   const DynamicType& type = subject->type;
   const TypeSupport& support = type.support();
   const std::string name = ros_name(type.name());
   Output& output = session.output();
+  const auto constants = [&](const StructType& one) { return constants_of(one, common); };
   std::vector<std::string> fields;
   for (std::size_t leaf = 0; leaf < support.leaves(); ++leaf) fields.push_back(support.path(leaf));
   if (common.json) {
     output.document({{"topic", subject->topic ? Json(*subject->topic) : Json()},
                      {"type", name},
                      {"hash", hex_text(type.hash())},
-                     {"msg", msg_text(type.type())},
+                     {"msg", msg_text(type.type(), constants)},
                      {"fields", fields}});
   } else if (options.name) {
     output.line(name);
@@ -68,7 +97,7 @@ ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& s
     for (const std::string& field : fields) output.line(field);
   } else {
     output.line(output.colored("# " + name, Color::dim));
-    output.write(msg_text(type.type()));
+    output.write(msg_text(type.type(), constants));
   }
   return ExitCode::done;
 }

@@ -27,8 +27,9 @@ void print_indented(const std::string& text, Color color, Output& output) {
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
-/// Prints the text in the same way, with a name in front of its first line.
+/// Prints the text in the same way, with a name in front of its first line. Nothing if it is empty.
 void print_row(const char* name, const std::string& text, Output& output) {
+  if (text.empty()) return;
   constexpr std::size_t name_width = 11;
   for (const std::string& line : lines_of(printable(text), width - indent - name_width, LongWords::broken)) {
     output.line(fmt::format("{:{}}{:<{}}{}", "", indent, name, name_width, line));
@@ -73,9 +74,11 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   if (pair.matched) {
     print_row("fields", request_text(subscriber), output);
     print_row("sent", sent_text(pair), output);
+    print_row("diverted", diverted_text(pair), output);
     print_row("saved", saved_text(pair), output);
     print_row("withheld", withheld_text(pair), output);
     print_row("lost", lost_text(pair), output);
+    print_indented(takes_none_text(pair), Color::red, output);
     return;
   }
   print_row("offered", qos_text(publisher.qos), output);
@@ -111,8 +114,9 @@ void print_pairs_json(const OneTopic& topic, Output& output) {
 }  // namespace
 
 /// Asks the nodes of all pairs for their counters first. Most answer while the command still looks for other
-/// nodes.
+/// nodes. What is under way has time to come before it counts as missing.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
+  if (const Result<void> sound = session.check_name(options.topic); !sound) return give_up(sound.error());
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);
   if (!inquiry) return give_up(inquiry.error());
   Result<OneTopic> topic = look_at(options.topic, common, session);
@@ -122,9 +126,15 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
     return std::ranges::all_of(topic->pairs, is_told);
   };
   session.wait_until(all_are_reported, common.wait_s);
+  const auto all_have_taken = [&](const DomainSnapshot& domain) {
+    topic = part_of(domain, topic->name);
+    return std::ranges::none_of(topic->pairs, takes_none);
+  };
+  session.wait_until(all_have_taken, 2 * common.wait_s);
   common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
-  const bool all_match = std::ranges::all_of(topic->pairs, &DomainSnapshot::Pair::matched);
-  return all_match && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
+  const auto is_well = [](const DomainSnapshot::Pair& pair) { return pair.matched && !takes_none(pair); };
+  const bool all_is_well = std::ranges::all_of(topic->pairs, is_well);
+  return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }
 
 }  // namespace sft::tool

@@ -681,7 +681,7 @@ heartbeat:register_heuristic("udp", looks_like_heartbeat)
 -- core/control/record_body.h, whose members have no padding between them.
 local control = Proto("sft_control", "SFT control sample")
 
-local control_version = 15
+local control_version = 16
 local struct_depth_max = 64
 local conditions_max, condition_depth_max = 32, 8
 local parts_max = 16

@@ -105,4 +105,10 @@ void Destination::look_after(Time now, bool anew) noexcept {
   path_.look_after(now);
 }
 
+Destination::LimitChange Destination::take_limit_change() noexcept {
+  const bool is_limited = path_.limited_to() != 0;
+  if (std::exchange(was_limited_, is_limited) == is_limited) return LimitChange::none;
+  return is_limited ? LimitChange::found : LimitChange::over;
+}
+
 }  // namespace sft::udp

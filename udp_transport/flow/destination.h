@@ -67,7 +67,7 @@ class Destination {
   /// Notes what was sent through one of the connections; `longest` is the length of the longest datagram.
   /// Sends the receiver a mark if one is due.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest, Time now);
-  /// Asks a receiver that does not report once more, since a sender waits for room.
+  /// Sends another mark, if one is due, to a receiver that has not reported, because a sender waits for room.
   void mark(Time now);
   /// Adapts to a send that was refused, so that the next one has a length that fits, and uses the present
   /// path.
@@ -99,6 +99,9 @@ class Destination {
   /// Tries longer datagrams if it is time, and asks the kernel about the path now and then. `anew`: routes
   /// or our own addresses have changed.
   void look_after(Time now, bool anew) noexcept;
+  enum class LimitChange : std::uint8_t { none, found, over };
+  /// Returns whether a limit of the length of datagrams was found since the last call, or is over.
+  LimitChange take_limit_change() noexcept;
 
  private:
   static constexpr std::chrono::seconds kernel_is_asked_every{5};
@@ -113,7 +116,9 @@ class Destination {
   ConnectionPair connections_;
   SharedFlowWindow window_;
   std::atomic<std::uint32_t> moves_{0};
-  Time kernel_asked_at_{};  ///< used by the thread that maintains the destinations
+  // Used by the thread that maintains the destinations.
+  Time kernel_asked_at_{};
+  bool was_limited_ = false;  ///< at the last call of take_limit_change()
 };
 
 }  // namespace sft::udp

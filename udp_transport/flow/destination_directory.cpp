@@ -82,13 +82,27 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
   return nullptr;
 }
 
-void DestinationDirectory::look_after(PathMtu::Time now, bool anew) {
+/// Processes of one host share the path to it, of which one line is enough.
+void DestinationDirectory::remark_limit(Destination& destination,
+                                        std::vector<core::Network::Remark>& remarks) {
+  const Destination::LimitChange change = destination.take_limit_change();
+  if (change == Destination::LimitChange::none) return;
+  const bool is_over = change == Destination::LimitChange::over;
+  std::string text = is_over ? destination.path().no_limit_in_words() : destination.path().limit_in_words();
+  if (text.empty() || std::ranges::find(remarks, text, &core::Network::Remark::text) != remarks.end()) return;
+  remarks.push_back({is_over ? LogLevel::info : LogLevel::warning, std::move(text)});
+}
+
+void DestinationDirectory::look_after(PathMtu::Time now, bool anew,
+                                      std::vector<core::Network::Remark>& remarks) {
   {
     const core::Lock lock(mutex_);
     for (const auto& [key, entry] : known_) looked_after_.push_back(entry.lock());
   }
   for (const std::shared_ptr<Destination>& destination : looked_after_) {
-    if (destination != nullptr) destination->look_after(now, anew);
+    if (destination == nullptr) continue;
+    destination->look_after(now, anew);
+    remark_limit(*destination, remarks);
   }
   looked_after_.clear();
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "core/seam/address.h"
+#include "core/seam/transport.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/destination.h"
@@ -27,8 +28,9 @@ class DestinationDirectory {
   /// Returns the destination whose reports carry that number; null if there is none any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Maintains all known destinations. `anew`: routes or our own addresses have changed.
-  void look_after(PathMtu::Time now, bool anew);
+  /// Maintains all known destinations. `anew`: routes or our own addresses have changed. Adds to `remarks`
+  /// the limits of the length of datagrams that were found or are over.
+  void look_after(PathMtu::Time now, bool anew, std::vector<core::Network::Remark>& remarks);
 
  private:
   /// Node and port if the address names its node, which may have several addresses; else address and port.
@@ -37,6 +39,7 @@ class DestinationDirectory {
   std::uint32_t first_channel(const Key& key) const;
   std::shared_ptr<Destination> known(const core::UdpAddress& address) SFT_REQUIRES(mutex_);
   std::uint32_t unused_flow() SFT_REQUIRES(mutex_);
+  static void remark_limit(Destination& destination, std::vector<core::Network::Remark>& remarks);
 
   const DestinationLimits limits_;
   const Connect connect_;

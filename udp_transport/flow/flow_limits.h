@@ -7,7 +7,6 @@
 
 namespace sft::udp {
 
-/// Larger than usual: it has all times and sizes of a flow, each with its reason.
 struct FlowLimits {
   /// False: receivers are neither asked to report nor waited for, as for a multicast group.
   bool asks = true;
@@ -31,8 +30,6 @@ struct FlowLimits {
   /// Replaces `mark_anew` where acks come. A slow reliable flow has an ack every 4 s
   /// (ResendLimits::heartbeat_period), which does what a mark would.
   std::chrono::milliseconds mark_anew_behind_acks{4500};
-  /// Replaces `mark_anew` while it is uncertain if long datagrams arrive (LengthMonitor).
-  std::chrono::milliseconds mark_anew_unconfirmed{40};
   std::chrono::milliseconds silence{1000};  ///< time without an answer after which only marks are sent
   // Pauses between two marks to a receiver that is silent, or has never reported. They grow with time, but
   // a receiver that has come back is served again soon.

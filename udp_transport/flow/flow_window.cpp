@@ -98,19 +98,19 @@ std::size_t FlowWindow::mark_spacing() const {
   return std::max(seldom, std::min(part, limits_.mark_spacing_max));
 }
 
-bool FlowWindow::mark_is_due(Time now) const {
+bool FlowWindow::mark_is_due(Time now, bool is_uncertain) const {
   if (!limits_.asks) return false;
   const bool is_news = sent_ > marked_;
   const auto may_retry = [&] { return now >= receiver_.next_retry(round_trips_); };
   if (!receiver_.heard()) return (waiting_ || is_news) && (!receiver_.is_asked() || may_retry());
   if (receiver_.is_silent(now)) return waiting_ && may_retry();
   if (sent_ - std::max(marked_, passed_) > mark_spacing()) return true;
-  if (is_news && receiver_.has_to_ask_anew(now, lengths_.is_uncertain())) return true;
+  if (is_news && receiver_.has_to_ask_anew(now, is_uncertain)) return true;
   return waiting_ && under_way() > 0 && may_retry();
 }
 
-std::optional<FlowMark> FlowWindow::mark(Time now) {
-  if (!mark_is_due(now)) return {};
+std::optional<FlowMark> FlowWindow::mark(Time now, bool is_uncertain) {
+  if (!mark_is_due(now, is_uncertain)) return {};
   if (!receiver_.heard() && !unproven_.takes_mark(now)) {
     receiver_.put_off(now);
     return {};
@@ -118,7 +118,6 @@ std::optional<FlowMark> FlowWindow::mark(Time now) {
   receiver_.ask(marked_ == sent_, now);
   rate_.mark(now);
   marked_ = sent_;
-  lengths_.mark(sent_);
   return FlowMark{
       .flow = flow_, .position = sent_, .datagrams = datagrams_, .sent_at_ns = hidden(ns_of(now))};
 }
@@ -133,7 +132,6 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
   pass_time(now);
   const bool was_awaited = !answers(now);
   learn(report, now);
-  lost_length_ = lengths_.evaluate(report, marked_at(report));
   if (!receiver_.heard()) unproven_.proven();
   unproven_.answered(now);
   receiver_.reported(now);
@@ -167,7 +165,6 @@ void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host
   round_trips_.forget();
   rate_ = {};
   congestion_.begin_anew();
-  lengths_ = {};
   passed_ = marked_ = reported_ = sent_;
 }
 

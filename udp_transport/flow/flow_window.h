@@ -20,7 +20,6 @@
 #include "udp_transport/flow/congestion_window.h"
 #include "udp_transport/flow/delivery_rate.h"
 #include "udp_transport/flow/flow_limits.h"
-#include "udp_transport/flow/length_monitor.h"
 #include "udp_transport/flow/receiver_monitor.h"
 #include "udp_transport/flow/round_trips.h"
 #include "udp_transport/flow/unproven_allowance.h"
@@ -39,7 +38,6 @@ constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
 /// of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
 
-/// Larger than usual: it joins all that is known of one receiver by marks and reports.
 class FlowWindow {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -68,22 +66,16 @@ class FlowWindow {
   /// `aside`: sent through another connection than marks are.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
 
-  /// Notes the length of the longest datagram that was sent. Called after sent().
-  void note_length(std::size_t longest, Time now) {
-    if (limits_.asks) lengths_.sent(longest, now);
-  }
-  /// Notes that the receiver asks for something again. A mark is then due soon, to find out if long
-  /// datagrams arrive.
-  void asked_again() { lengths_.asked_again(); }
-  /// Returns the length of datagrams that have not arrived, by the report that hear() took last; 0 if all
-  /// have.
-  std::size_t lost_length() const { return lost_length_; }
-
   /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the connection
-  /// that was used last.
-  std::optional<FlowMark> mark(Time now);
+  /// that was used last. `is_uncertain`: a part of what was sent may not have arrived, so that marks are due
+  /// soon.
+  std::optional<FlowMark> mark(Time now, bool is_uncertain = false);
   /// Returns true if a report can be the answer to one of our marks.
   bool answers_a_mark(const FlowReport& report) const;
+  /// Returns the time at which the mark of that report was sent.
+  Time marked_at(const FlowReport& report) const {
+    return Time(std::chrono::nanoseconds(hidden(report.sent_at_ns)));
+  }
   /// Takes a report of the receiver and ignores nonsense. Returns true if a sender that waits may go on
   /// now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
@@ -119,13 +111,10 @@ class FlowWindow {
   bool answer_is_due() const { return marked_ > reported_; }
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
   std::size_t mark_spacing() const;
-  bool mark_is_due(Time now) const;
+  bool mark_is_due(Time now, bool is_uncertain) const;
   /// Hides a time in a mark, and recovers it from a report. It is its own inverse.
   std::int64_t hidden(std::int64_t ns) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ns) ^ secret_);
-  }
-  Time marked_at(const FlowReport& report) const {
-    return Time(std::chrono::nanoseconds(hidden(report.sent_at_ns)));
   }
   void learn(const FlowReport& report, Time now);
 
@@ -146,8 +135,6 @@ class FlowWindow {
   RoundTrips round_trips_;
   DeliveryRate rate_;
   CongestionWindow congestion_;
-  LengthMonitor lengths_;
-  std::size_t lost_length_ = 0;  ///< length of datagrams that have not arrived, by the last report
 };
 
 }  // namespace sft::udp

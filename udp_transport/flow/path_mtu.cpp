@@ -23,6 +23,7 @@ void PathMtu::kernel_says(std::size_t bytes) {
   too_long_ = none;
   retry_after_ = retry_pause;
   losses_ = 0;
+  is_limited_ = false;
 }
 
 /// A report about datagrams that were sent before the present length held says nothing about that length.
@@ -42,6 +43,7 @@ void PathMtu::shorten(Time now) {
   losses_ = 0;
   if (bytes_ == shortest_) return;
   too_long_ = bytes_;
+  is_limited_ = true;
   const std::size_t base = std::max(packet(packets.front()), shortest_);
   if (proven_ != 0 && proven_ < bytes_) {
     bytes_ = proven_;
@@ -59,6 +61,7 @@ void PathMtu::arrived(std::size_t length, Time now) {
   if (length >= lost_length_) losses_ = 0;
   if (length < bytes_ || bytes_ <= proven_) return;
   proven_ = bytes_;
+  is_limited_ = is_limited_ && bytes_ < ceiling_;
   if (next_longer() < too_long_) next_try_ = now + search_pause;
 }
 

@@ -29,11 +29,15 @@ class PathMtu {
 
   std::size_t datagram_bytes() const { return bytes_; }
   /// Returns true if arrived() should be called when long datagrams arrive.
-  bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0; }
+  bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0 || is_limited_; }
 
   void kernel_says(std::size_t bytes);
-  /// Returns the limit, if longer datagrams do not arrive; 0 if no such limit was found.
-  std::size_t limited_to() const { return bytes_ < ceiling_ ? bytes_ : 0; }
+  /// Returns the length beyond which datagrams are known not to arrive; 0 if all that the kernel sends
+  /// arrive, as far as is known.
+  std::size_t limited_to() const {
+    if (!is_limited_) return 0;
+    return proven_ != 0 ? proven_ : bytes_;
+  }
   /// Notes that datagrams of that length or longer were sent, and none has arrived.
   void lost(std::size_t length, Time now);
   /// Notes the length of the longest datagram that has arrived recently.
@@ -54,6 +58,7 @@ class PathMtu {
   std::size_t bytes_;            ///< the present length of datagrams
   std::size_t proven_ = 0;       ///< the greatest length that has arrived; 0: none has yet
   std::size_t too_long_ = none;  ///< a length that did not arrive
+  bool is_limited_ = false;      ///< `bytes_` was made smaller, and nothing as long as the ceiling came since
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
   int losses_ = 0;                  ///< number of reports in a row that show losses

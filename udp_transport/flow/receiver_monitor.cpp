@@ -76,7 +76,7 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
   const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
   if (asked_since_) return now - told_at >= limits_.mark_silent;
-  if (is_uncertain) return now - told_at >= limits_.mark_anew_unconfirmed;
+  if (is_uncertain) return now - told_at >= anew_unconfirmed;
   return now - told_at >= (acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew);
 }
 

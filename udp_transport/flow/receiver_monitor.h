@@ -52,6 +52,8 @@ class ReceiverMonitor {
 
   /// Returns the time at which a mark without an answer is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
+  /// A mark follows what was sent after this time if a part of it may not have arrived.
+  static constexpr std::chrono::milliseconds anew_unconfirmed{40};
   /// Returns true if the receiver has to be asked about what was sent, since it has given no answer for too
   /// long. `is_uncertain`: part of what was sent may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;

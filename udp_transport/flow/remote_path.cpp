@@ -31,8 +31,13 @@ SocketAddress RemotePath::address() const {
 std::string RemotePath::limit_in_words() const {
   const std::size_t limit = limited_to();
   if (limit == 0) return {};
-  return "datagrams longer than " + std::to_string(limit) + " bytes do not arrive at " +
-         core::format(address().ip) + ": samples go there in shorter ones";
+  return "datagrams longer than " + std::to_string(limit) + " bytes do not arrive at '" +
+         core::format(address().ip) + "': samples go there in shorter ones";
+}
+
+std::string RemotePath::no_limit_in_words() const {
+  return "long datagrams no longer get lost on the way to '" + core::format(address().ip) +
+         "': samples go there in datagrams of up to " + std::to_string(datagram_bytes()) + " bytes";
 }
 
 bool RemotePath::is_at(const core::IpAddress& ip) const {

@@ -47,6 +47,8 @@ class RemotePath {
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
   /// Says the limit in a sentence; empty if there is none.
   std::string limit_in_words() const;
+  /// Returns the sentence that says that there is no such limit any more.
+  std::string no_limit_in_words() const;
   /// Returns true if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
   /// Takes the kernel's answer about the path to `asked`. Ignored if the socket has moved meanwhile.

@@ -66,14 +66,20 @@ std::optional<FlowMark> SharedFlowWindow::sent(std::size_t bytes, std::size_t da
                                                Time now, bool aside) {
   const core::Lock lock(mutex_);
   window_.sent(bytes, datagrams, now, aside);
-  window_.note_length(longest, now);
-  return window_.mark(now);
+  if (asks_) lengths_.sent(longest, now);
+  return mark(now);
+}
+
+std::optional<FlowMark> SharedFlowWindow::mark(Time now) {
+  const std::optional<FlowMark> mark = window_.mark(now, lengths_.is_uncertain());
+  if (mark) lengths_.mark(mark->position);
+  return mark;
 }
 
 std::optional<FlowMark> SharedFlowWindow::await_room(Time now) {
   const core::Lock lock(mutex_);
   window_.await_room();
-  return window_.mark(now);
+  return mark(now);
 }
 
 SharedFlowWindow::Heard SharedFlowWindow::hear(const FlowReport& report, Time now) {
@@ -84,7 +90,7 @@ SharedFlowWindow::Heard SharedFlowWindow::hear(const FlowReport& report, Time no
   return {.accepted = true,
           .goes_on = goes_on,
           .control_was_withheld = std::exchange(control_withheld_, false),
-          .lost_length = window_.lost_length()};
+          .lost_length = lengths_.evaluate(report, window_.marked_at(report))};
 }
 
 void SharedFlowWindow::lives(Time now) {
@@ -94,7 +100,7 @@ void SharedFlowWindow::lives(Time now) {
 
 void SharedFlowWindow::asked_again() {
   const core::Lock lock(mutex_);
-  window_.asked_again();
+  lengths_.asked_again();
 }
 
 void SharedFlowWindow::refused(Time now) {
@@ -106,6 +112,7 @@ void SharedFlowWindow::refused(Time now) {
 void SharedFlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   const core::Lock lock(mutex_);
   window_.move(secret, std::move(host));
+  lengths_ = {};
   answers_.store(!asks_, std::memory_order_relaxed);
 }
 

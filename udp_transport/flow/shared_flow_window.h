@@ -12,6 +12,7 @@
 #include "core/sync/mutex.h"
 #include "udp_transport/flow/flow_limits.h"
 #include "udp_transport/flow/flow_window.h"
+#include "udp_transport/flow/length_monitor.h"
 #include "udp_transport/flow/unproven_budget.h"
 #include "udp_transport/wire/datagram.h"
 
@@ -62,17 +63,20 @@ class SharedFlowWindow {
   };
   [[nodiscard]] Heard hear(const FlowReport& report, Time now);
   void lives(Time now);
+  /// The receiver asks for something again: it is asked soon whether long datagrams arrive.
   void asked_again();
   void refused(Time now);
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host);
 
  private:
   void note_answers(Time now) SFT_REQUIRES(mutex_);
+  std::optional<FlowMark> mark(Time now) SFT_REQUIRES(mutex_);
 
   const bool asks_;
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::queues)
       SFT_ACQUIRED_BEFORE(core::lock_order::facts);
   FlowWindow window_ SFT_GUARDED_BY(mutex_);
+  LengthMonitor lengths_ SFT_GUARDED_BY(mutex_);
   bool control_withheld_ SFT_GUARDED_BY(mutex_) = false;
   std::atomic<bool> answers_;
   std::atomic<std::uint32_t> receive_buffer_bytes_{0};

@@ -10,8 +10,17 @@ TrainReader::TrainReader(std::shared_ptr<const UdpSocket> socket)
     : socket_(std::move(socket)), train_(train_bytes_max) {}
 
 bool TrainReader::read(DatagramSink& sink) noexcept {
-  if (read_from(socket_->fd.get(), sink)) return true;
-  return socket_->in_groups.load(std::memory_order_relaxed) && read_from_groups(sink);
+  if (!socket_->in_groups.load(std::memory_order_relaxed)) return read_from(socket_->fd.get(), sink);
+  if (trains_in_a_row_ == trains_in_a_row_max) {
+    trains_in_a_row_ = 0;
+    if (read_from_groups(sink)) return true;
+  }
+  if (read_from(socket_->fd.get(), sink)) {
+    ++trains_in_a_row_;
+    return true;
+  }
+  trains_in_a_row_ = 0;
+  return read_from_groups(sink);
 }
 
 bool TrainReader::read_from_groups(DatagramSink& sink) noexcept {

@@ -12,6 +12,7 @@
 #include <fstream>
 #include <string>
 #include <system_error>
+#include <utility>
 
 #include "core/sync/spin.h"
 #include "udp_transport/io/socket_receiver.h"
@@ -296,10 +297,13 @@ class UringReceiver final : public DatagramReceiver {
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
   /// Arms what is not armed. A multishot receive ends if it finds no free buffer, and on errors. Nothing is
-  /// lost meanwhile.
+  /// lost meanwhile. The sockets get the buffers in turns, because the one that is armed first may take all
+  /// of them at once.
   void arm() noexcept {
+    const bool groups_first = std::exchange(groups_first_, !groups_first_);
+    if (groups_first) arm_groups();
     if (!receive_armed_) arm_receive(socket_place, receive_tag, receive_armed_);
-    if (!group_armed_ && socket_->groups.group_fd) arm_receive(group_place, group_tag, group_armed_);
+    arm_groups();
     if (!wake_armed_) {
       io_uring_sqe* s = ring_.next_submission();
       io_uring_prep_poll_add(s, wake_place, POLLIN);
@@ -307,6 +311,10 @@ class UringReceiver final : public DatagramReceiver {
       s->user_data = wake_tag;
       wake_armed_ = true;
     }
+  }
+
+  void arm_groups() noexcept {
+    if (!group_armed_ && socket_->groups.group_fd) arm_receive(group_place, group_tag, group_armed_);
   }
 
   void arm_receive(int place, std::uint64_t tag, bool& is_armed) noexcept {
@@ -357,6 +365,7 @@ class UringReceiver final : public DatagramReceiver {
   bool receive_armed_ = false;
   bool group_armed_ = false;
   bool wake_armed_ = false;
+  bool groups_first_ = false;    ///< the socket for groups is armed first, the next time
   std::atomic<int> refusal_{0};  ///< the errno because of which the ring is not used any more; else 0
 };
 

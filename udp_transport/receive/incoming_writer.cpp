@@ -215,7 +215,8 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   return complete(std::move(buffer), d.first, met.place, now);
 }
 
-/// Begins a sample that has more datagrams than this one, or of which some came before it.
+/// Begins a sample of which `d` is a datagram, and which has further ones. Some of these may have come
+/// before.
 Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place,
                               core::SampleHandle buffer, ArrivalTime now) {
   if (place != 0) window_->samples().begun(place, d.label(), buffer);

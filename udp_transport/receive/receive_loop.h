@@ -101,7 +101,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   std::unique_ptr<DatagramReceiver> io_;
   std::thread thread_;
   ReceivingRole role_;
-  FileDescriptor alarm_;         ///< a timerfd; wakes the transport's own thread at the end of a vacancy
+  FileDescriptor alarm_;         ///< a timerfd; wakes the transport's thread after ReceivingRole::vacancy
   FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
   SpinLimits spins_;
   std::atomic<bool> broken_{false};

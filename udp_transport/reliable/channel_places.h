@@ -22,7 +22,7 @@ class ChannelPlaces {
   /// Returns the place of that ordinal, or of the first followed one if that is later.
   Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
   std::uint64_t ordinal_of(Place place) const { return place - base_; }
-  /// Returns the first followed place of the channel.
+  /// Returns the place of the channel's first ordinal that is followed.
   Place first() const { return place_of(first_ordinal_); }
 
  private:

@@ -20,9 +20,9 @@ namespace sft::udp {
 
 class KeptSamples {
  public:
-  /// One of two queues, so that a large sample does not hold up small ones. A small one fits into one
-  /// system call. (Job::is_small() is narrower: it means that the publisher's thread sends the sample
-  /// itself.)
+  /// The class of a sample. Each class has a queue of its own, so that a large sample does not delay small
+  /// ones. A small sample fits into one system call. (Job::is_small() is narrower: it means that the
+  /// publisher's thread sends the sample itself.)
   enum class Size : std::uint8_t { small, large };
   static Size size_of(std::size_t bytes) { return bytes <= batch_bytes_max ? Size::small : Size::large; }
 

@@ -173,21 +173,38 @@ void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes
   routes.insert(routes.begin(), std::move(together));
 }
 
+namespace {
+
+/// Returns the length of datagrams that arrive at each member, as far as is known.
+std::size_t datagram_bytes_of(const std::vector<MulticastGroup::Member>& members) {
+  std::size_t bytes = datagram_bytes_max;
+  for (const MulticastGroup::Member& member : members)
+    bytes = std::min(bytes, member.lane->destination().path().datagram_bytes());
+  return bytes;
+}
+
+/// The path to a member has turned out to take less since the group was made.
+bool is_too_long(const MulticastGroup& group) {
+  return group.lane()->destination().path().datagram_bytes() > datagram_bytes_of(group.members());
+}
+
+}  // namespace
+
 std::shared_ptr<MulticastGroup> GroupKeeper::find(std::size_t place,
                                                   std::vector<MulticastGroup::Member> members) {
-  const auto same = [&](const auto& group) { return group->members() == members && !group->broken(); };
+  const auto same = [&](const auto& group) {
+    return group->members() == members && !group->broken() && !is_too_long(*group);
+  };
   const auto known = std::ranges::find_if(groups_, same);
   if (known != groups_.end()) return found_.emplace_back(*known);
-  std::size_t datagram_bytes = datagram_bytes_max;
   std::uint32_t receive_buffer_bytes = UINT32_MAX;
   for (const MulticastGroup::Member& member : members) {
     const Destination& to = member.lane->destination();
-    datagram_bytes = std::min(datagram_bytes, to.path().datagram_bytes());
     receive_buffer_bytes = std::min(receive_buffer_bytes, to.window().receive_buffer_bytes());
   }
   const Candidate& candidate = candidates_.at(&members.front().lane->destination());
   const std::shared_ptr<Destination> to =
-      setup_.connect(address(place), links_[*candidate.link].own, datagram_bytes);
+      setup_.connect(address(place), links_[*candidate.link].own, datagram_bytes_of(members));
   to->set_receive_buffer(receive_buffer_bytes);
   const MulticastGroup::Name name{setup_.writer, ++last_number_, address(place)};
   auto group = MulticastGroup::make(name, std::make_shared<Lane>(to, setup_.queue_depth, setup_.tally),
@@ -233,7 +250,8 @@ std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const De
 }
 
 bool GroupKeeper::replan(Time now) {
-  if (std::ranges::any_of(groups_, [](const auto& group) { return group->broken(); })) return true;
+  if (std::ranges::any_of(groups_, [](const auto& group) { return group->broken() || is_too_long(*group); }))
+    return true;
   if (any_given_up(now)) return true;
   if (sizes_ != nullptr && sizes_->take_several()) {
     const bool is_news = now >= packed_until_;

@@ -37,7 +37,8 @@ class GroupReasons {
   std::string of(core::EndpointId reader) const;
 
  private:
-  /// Says how many bytes a copy for all readers at these destinations has that this reader did not ask for.
+  /// Returns a text with the number of bytes that this reader would get without having asked for them, if it
+  /// shared one copy with all readers for whose destination `is_there` returns true.
   template <class IsThere>
   std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
   std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);

@@ -8,7 +8,9 @@ namespace sft::udp {
 class DeferredWork {
  public:
   virtual ~DeferredWork() = default;
-  virtual void carry_out() noexcept = 0;
+  /// Does a part of it that takes no more than some milliseconds. True if something is left, for which it is
+  /// called again once others have had their turn.
+  virtual bool carry_out() noexcept = 0;
 
  private:
   friend class ScheduledWork;

@@ -1,6 +1,7 @@
 #include "udp_transport/send/fan_out.h"
 
 #include <algorithm>
+#include <chrono>
 #include <new>
 #include <utility>
 
@@ -16,6 +17,11 @@ constexpr std::size_t samples_max = 64;
 // cannot be repaired.
 constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
+
+using Clock = std::chrono::steady_clock;
+/// Of one writer, before it is the turn of others.
+constexpr std::size_t samples_per_turn = 16;
+constexpr std::chrono::milliseconds turn{1};
 }  // namespace
 
 FanOut::FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -95,13 +101,19 @@ std::optional<FanOut::DeferredSample> FanOut::take() noexcept {
   return pop_oldest();
 }
 
-void FanOut::carry_out() noexcept {
-  while (const std::optional<DeferredSample> deferred = take()) {
+/// A publisher that leaves samples as fast as they are sent would keep the sending thread here for ever.
+bool FanOut::carry_out() noexcept {
+  const auto until = Clock::now() + turn;
+  for (std::size_t samples = 0; samples < samples_per_turn; ++samples) {
+    if (samples > 0 && Clock::now() >= until) return true;
+    const std::optional<DeferredSample> deferred = take();
+    if (!deferred) return false;
     for (const Audience& audience : audiences_of(*deferred)) {
       if (audience.gate == nullptr)
         tally_->dropped.fetch_add(sender_.send(audience, deferred->sample), std::memory_order_relaxed);
     }
   }
+  return true;
 }
 
 void FanOut::finish() noexcept {

@@ -50,7 +50,7 @@ class FanOut final : public DeferredWork {
   void finish() noexcept;
 
   /// Called by the sending thread.
-  void carry_out() noexcept override;
+  bool carry_out() noexcept override;
 
  private:
   static bool is_large(const DeferredSample& deferred) {

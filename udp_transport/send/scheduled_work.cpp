@@ -70,7 +70,7 @@ void ScheduledWork::carry_out_all_deferred() {
   }
   while (work != nullptr) {
     std::shared_ptr<DeferredWork> next = std::move(work->next_);  // the work may be scheduled again at once
-    work->carry_out();
+    if (work->carry_out()) add(work);
     work = std::move(next);
   }
 }

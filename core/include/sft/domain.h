@@ -49,7 +49,7 @@ struct TopicInfo {
 /// for their counts of each pair; Node::domain() contains the answers. The first answers come after about a
 /// second, and are repeated about once a second. A node reports 32 accounts at a time; if there are more, it
 /// reports them in turn. An inquiry keeps its node alive. Any thread may destroy it.
-class AccountInquiry {
+class [[nodiscard]] AccountInquiry {
  public:
   AccountInquiry() = default;  ///< an inquiry that asks no node
 
@@ -124,6 +124,9 @@ struct DomainSnapshot::Sent {
   std::uint64_t retained = 0;    ///< samples from before the subscriber came; not in the counts above
   std::uint64_t bytes_sent = 0;  ///< bytes of bodies over the network
   std::uint64_t bytes_saved = 0;  ///< bytes of the fields that were left out of these bodies
+  std::uint64_t diverted = 0;     ///< sent samples that went by UDP because shared memory could not take them
+  std::uint64_t too_large_bytes = 0;  ///< as in PublisherStatus::Diverted
+  std::uint64_t chunk_bytes = 0;      ///< as in PublisherStatus::Diverted
 };
 
 /// The counts of the subscriber's node for one publisher, with the meanings of SubscriberStatus::Writer.

@@ -12,7 +12,6 @@
 // masks. Types also come from .msg text: from_msg() (msg_text.h).
 #pragma once
 
-#include <cassert>
 #include <chrono>
 #include <cstddef>
 #include <functional>
@@ -24,6 +23,7 @@
 #include <vector>
 
 #include "sft/detail/bytes_on_demand.h"
+#include "sft/detail/misuse.h"
 #include "sft/detail/untyped.h"
 #include "sft/dynamic_type.h"
 #include "sft/dynamic_view.h"
@@ -50,7 +50,8 @@ class DynamicSample {
   /// Returns a view that reads fields by their names. The view, and everything that is read through it, is
   /// valid as long as the sample, which must not be moved meanwhile.
   DynamicView view() const& {
-    assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
+    if (!sample_) [[unlikely]]
+      detail::stop_at_empty_sample();
     return {sample_.state(), type_.type(), fields()};
   }
   void view() const&& = delete;
@@ -60,7 +61,8 @@ class DynamicSample {
   void info() const&& = delete;
   /// Returns the fields that view() has. Must not be called on an empty sample.
   const FieldMask& mask() const& {
-    assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
+    if (!sample_) [[unlikely]]
+      detail::stop_at_empty_sample();
     return fields();
   }
   void mask() const&& = delete;
@@ -109,7 +111,7 @@ class DynamicSample {
 
 /// A publisher that is moved, not copied. One thread at a time publishes, as with Publisher (publisher.h);
 /// any thread may call the other functions at any time.
-class DynamicPublisher {
+class [[nodiscard]] DynamicPublisher {
  public:
   /// For SFT's own code: Node::publisher() opens one.
   DynamicPublisher(DynamicType type, detail::untyped::Publisher publisher, std::size_t max_sample_bytes)
@@ -117,18 +119,18 @@ class DynamicPublisher {
 
   /// Publishes a message that is already encoded, as Publisher::publish_cdr() does. The error says what is
   /// wrong with it.
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
+  [[nodiscard]] Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
   /// Publishes a message that is given as JSON (cdr_from_json() in json.h); a stamp may be "now", and a
   /// header "auto". Errors name the path of the field and what was expected, even if there are no readers. It
   /// allocates memory, and is meant for tools rather than for large data.
-  Result<PublishStatus> publish_json(std::string_view json) {
+  [[nodiscard]] Result<PublishStatus> publish_json(std::string_view json) {
     return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
         .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
   }
   /// The same for YAML (json_from_yaml() in yaml.h).
-  Result<PublishStatus> publish_yaml(std::string_view yaml) {
+  [[nodiscard]] Result<PublishStatus> publish_yaml(std::string_view yaml) {
     return json_from_yaml(type_.type(), yaml).and_then([this](const std::string& json) {
       return publish_json(json);
     });
@@ -152,7 +154,7 @@ class DynamicPublisher {
 };
 
 /// A subscriber with the rules of Subscriber (subscriber.h) for threads, callbacks and lifetimes.
-class DynamicSubscriber {
+class [[nodiscard]] DynamicSubscriber {
  public:
   /// A callback for samples. The sample is destroyed after the call.
   using Callback = std::function<void(const DynamicSample&)>;
@@ -174,18 +176,18 @@ class DynamicSubscriber {
   /// apply it shortly after, and their next sample then counts as changed (Selection::Gate). A maximum rate
   /// stays if the selection has none. Returns an error, and changes nothing, if the subscriber records, if
   /// the text is wrong, or if there is no such selection.
-  Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
+  [[nodiscard]] Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
   /// The same with a selection that was made for this type.
-  Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
+  [[nodiscard]] Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
     return subscriber_.set_selection(selection, which);
   }
   /// See Subscriber::selections().
   std::size_t selections() const { return subscriber_.selections(); }
   /// See Subscriber::set_max_rate_hz().
-  Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
+  [[nodiscard]] Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
     return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 

@@ -16,7 +16,7 @@ struct Event {
     matched,            ///< `text` says by which path, and why
     unmatched,          ///< `text` says why
     path_changed,       ///< `text` says to which path, and why
-    incompatible_qos,   ///< `policy` does not fit; the two will never match
+    incompatible_qos,   ///< `policy` is incompatible: the two endpoints will never match
     incompatible_type,  ///< the topic has the same name but another type; the two will never match
     no_path,            ///< type and QoS fit, but no path is allowed to both; `text` says why there is none
     deadline_missed,  ///< on a publisher: its own deadline (`peer` is 0); on a subscriber: the requested one

@@ -40,7 +40,7 @@
 namespace sft {
 
 /// A handle to a node; see the top of this header for threads and lifetimes.
-class Node {
+class [[nodiscard]] Node {
  public:
   /// Joins the control topics, opens the transports and starts the threads. Returns an error if a setting is
   /// wrong, if the system refuses it, or if a limit of the process is too low. It is no error if the daemon

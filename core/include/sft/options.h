@@ -124,6 +124,12 @@ struct NodeOptions {
     ThreadSettings discovery{};
   };
 
+  /// Whether publishers also serve unmodified nodes of DDS and ROS 2 that read their topics (docs/ros2.md).
+  /// `automatic`: while a node is found that is not one of SFT, unless the program speaks DDS itself. A node
+  /// on this host that was started before is found within 8 s, and one that uses the loopback only is not
+  /// found. `always`: as long as the node has a publisher.
+  enum class VanillaDds : std::uint8_t { automatic, always, never };
+
   /// A callback for lines of the log. It runs on a thread of the node that only handles log lines and events
   /// (event.h), and may call any function of SFT. If several nodes have the same sink, a thread of each node
   /// calls it. A warning or an error that is repeated is written again after a pause, which grows from 5 s to
@@ -134,7 +140,9 @@ struct NodeOptions {
   /// The largest domain. DDS derives port numbers from the domain, and has none for larger ones.
   static constexpr std::uint32_t domain_max = 232;
 
-  std::string name = "node";  ///< shown to people; several nodes may have the same name
+  /// Shown to people; several nodes may have the same name. As in ROS 2 it consists of letters of ASCII,
+  /// digits and '_', and does not begin with a digit.
+  std::string name = "node";
   /// The namespace, with or without a slash in front: in "left" the topic "points" is "left/points", and the
   /// node "cam" is shown as "left/cam". Empty: none. node.h says to which names it applies.
   std::string namespace_{};
@@ -152,6 +160,8 @@ struct NodeOptions {
   bool use_sim_time = false;
   /// DDS domain of the control topics, 0 to domain_max. Default: $ROS_DOMAIN_ID, otherwise 0.
   std::optional<std::uint32_t> domain{};
+  /// Default: that of $SFT_VANILLA_DDS (auto, always, never), otherwise automatic.
+  std::optional<VanillaDds> vanilla_dds{};
   /// Settings by which nodes find each other.
   DiscoverySettings discovery{};
   TransportChoice transport = TransportChoice::automatic;  ///< a limit for all its publishers and subscribers
@@ -166,8 +176,9 @@ struct NodeOptions {
   /// settings. Default: $CYCLONEDDS_URI.
   std::optional<std::string> cyclonedds_config{};
   /// Receives the lines of the log. Without it they go to the standard error of the process, and the library
-  /// prints nothing else. Cyclone DDS prints nothing in a process with a node. Its messages, which have one
-  /// destination per process, are kept for the errors that they explain.
+  /// prints nothing else, except for the line with which a misuse ends the program. Cyclone DDS prints
+  /// nothing in a process with a node. Its messages, which have one destination per process, are kept for the
+  /// errors that they explain.
   LogSink log{};
   /// The lowest level that is logged. Default: info with `log`, warning without. Without `log` the
   /// environment variable SFT_LOG takes precedence: off, error, warning, info or debug.

@@ -28,7 +28,7 @@ namespace sft {
 /// published or moved away its spans are empty, set() does nothing, and functions with a status return
 /// no_loan.
 template <class T>
-class Loan {
+class [[nodiscard]] Loan {
  public:
   /// The writable members of the loan.
   using View = typename T::template LoanView<detail::LoanedPlace<T>>;
@@ -131,13 +131,14 @@ class Loan {
 };
 
 /// Publishes messages of type T on one topic; Node::publisher() opens it. It is moved, not copied, and keeps
-/// its node alive. One thread at a time publishes and takes loans. A loan may be filled on another thread,
-/// but the thread that uses the publisher at that time publishes it. Any thread may call assert_liveliness(),
-/// wait_for_subscribers(), status() and type() at any time. Loans may outlive the publisher. After the
-/// destructors of the publisher and of its loans none of its callbacks runs any more (unless such a
-/// destructor is called from within the callback).
+/// its node alive. One thread at a time publishes and takes loans: a second one that does so meanwhile ends
+/// the program with a line that says so. A loan may be filled on another thread, but the thread that uses the
+/// publisher at that time publishes it. Any thread may call assert_liveliness(), wait_for_subscribers(),
+/// status() and type() at any time. Loans may outlive the publisher. After the destructors of the publisher
+/// and of its loans none of its callbacks runs any more (unless such a destructor is called from within the
+/// callback).
 template <class T>
-class Publisher {
+class [[nodiscard]] Publisher {
  public:
   /// For SFT's own code: Node::publisher() opens publishers.
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
@@ -163,7 +164,7 @@ class Publisher {
   /// XCDR1 and plain XCDR2 in both byte orders (sft/detail/convert.h has the table). The payload is checked;
   /// an error says what is wrong with it. If there is no reader and nothing is retained, only the
   /// encapsulation is checked, which takes a few nanoseconds.
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
+  [[nodiscard]] Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
 
@@ -172,7 +173,7 @@ class Publisher {
   /// Sequences of numbers or enumerators can be named, also those in nested structs: `{.cloud = {.data =
   /// 1000}}`. Returns an error if `prototype` cannot be encoded, if the message is larger than
   /// PublisherOptions::max_sample_bytes, or if no memory is free.
-  Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
+  [[nodiscard]] Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::zeroed);
   }
 
@@ -180,7 +181,8 @@ class Publisher {
   /// was used before: write every element, or shrink() the sequence to the elements that were written.
   /// Elements that are not written are sent to all readers as they are: they contain pieces of earlier
   /// samples of this publisher or of others on this host.
-  Result<Loan<T>> loan_for_overwrite(const T& prototype, const typename T::LoanSizes& sizes = {}) {
+  [[nodiscard]] Result<Loan<T>> loan_for_overwrite(const T& prototype,
+                                                   const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 

@@ -12,7 +12,6 @@
 // getters note the access, too.
 #pragma once
 
-#include <cassert>
 #include <memory>
 #include <optional>
 #include <span>
@@ -21,6 +20,7 @@
 #include <vector>
 
 #include "sft/detail/decode.h"
+#include "sft/detail/misuse.h"
 #include "sft/detail/untyped.h"
 #include "sft/detail/view.h"
 
@@ -41,9 +41,8 @@ struct Partial {
 /// SubscriberOptions::max_held samples of one publisher in shared memory.
 ///
 /// A sample is empty if take() found none, or after it was moved away. Only `if (sample)`, info() and
-/// to_partial(), which returns an error, may be called on an empty sample. If the program is built with
-/// assertions, an assertion detects reads of an empty sample. Otherwise every field of an empty sample from
-/// take() is zero or empty, and malformed() is true.
+/// to_partial(), which returns an error, may be called on an empty sample. Reading an empty sample ends the
+/// program with a line that names the type.
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
@@ -74,7 +73,8 @@ class Sample {
   /// Returns all getters of the sample. Valid as long as the sample, which must not be moved meanwhile. Must
   /// not be called on an empty sample.
   View view() const& {
-    assert(sample_ && "an empty sample is read: ask `if (sample)` first, take() had nothing to give");
+    if (!sample_) [[unlikely]]
+      stop();
     return detail::view_of<T, R>(sample_.state());
   }
   void view() const&& = delete;
@@ -84,7 +84,8 @@ class Sample {
   void info() const&& = delete;
   /// Returns the fields that the sample has. Must not be called on an empty sample.
   const FieldMask& mask() const& {
-    assert(sample_ && "an empty sample is asked for its mask: ask `if (sample)` first");
+    if (!sample_) [[unlikely]]
+      stop();
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
@@ -146,6 +147,11 @@ class Sample {
   void cdr() const&& = delete;
 
  private:
+  /// Not inline: getters, which are many, stay short.
+  [[noreturn, gnu::cold, gnu::noinline]] static void stop() {
+    detail::stop_at_empty_sample(detail::TypeTable<T>::type.name);
+  }
+
   static constexpr bool fits_the_stack = sizeof(T) <= (1 << 20);
 
   Result<void> decode_to(T& value) const {

@@ -19,6 +19,7 @@
 //   error       not empty: there is no response, and this is why
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <concepts>
 #include <cstdint>
@@ -49,7 +50,7 @@ concept GeneratedService = requires(typename S::Call call, typename S::Reply rep
 /// The server of a service. It is moved, not copied, and keeps its node alive. After the destructor the
 /// handler does not run any more, and waiting clients get the error that the server is gone.
 template <detail::GeneratedService S>
-class Service {
+class [[nodiscard]] Service {
  public:
   /// Called once for each request by a thread of the node, one request at a time. It is a callback for
   /// samples, and their rules apply (subscriber.h). While it runs, other requests wait. It returns a
@@ -132,9 +133,9 @@ class Service {
 };
 
 /// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time may use it:
-/// threads that call at the same time need a client each.
+/// threads that call at the same time need a client each. A call while another one is under way is an error.
 template <detail::GeneratedService S>
-class Client {
+class [[nodiscard]] Client {
  public:
   using Request = typename S::Request;    ///< as in the .srv file
   using Response = typename S::Response;  ///< as in the .srv file
@@ -182,6 +183,12 @@ class Client {
                   "service '" + service_ +
                       "': a call in a callback for samples would wait for itself: call on "
                       "a thread of the program");
+    }
+    const detail::OnlyCall only(*calling_);
+    if (!only) {
+      return fail(Errc::invalid_argument,
+                  "service '" + service_ +
+                      "': two threads call with one client at the same time: give each thread a client");
     }
     detail::ClientCall call(service_, now(), timeout);
     ++message_->number;
@@ -239,6 +246,7 @@ class Client {
 
   std::string service_;
   std::unique_ptr<Call> message_ = std::make_unique<Call>();
+  std::unique_ptr<std::atomic<bool>> calling_ = std::make_unique<std::atomic<bool>>(false);
   Publisher<Call> calls_;
   Subscriber<Reply> replies_;
 };

@@ -17,7 +17,9 @@
 //   udp           state, refused {malformed, unknown, incomplete, over_limit}
 //   control       refused {malformed, ignored}
 //   publishers[]  id, topic, type, qos, fields (encoded at present), published, bytes_sent, bytes_saved,
-//                 dropped, diverted {exhausted, too_large, unavailable}, deadlines_missed, alive, readers[]
+//                 dropped, diverted {exhausted, too_large, unavailable, too_large_bytes, chunk_bytes},
+//                 vanilla_readers,
+//                 deadlines_missed, alive, readers[]
 //     readers[]   id, node, served, transport, reason, multicast, incompatible_type,
 //                 incompatible_policy (null: none), no_path, fields, max_rate_hz, request, published, sent,
 //                 withheld, dropped, retained, diverted, bytes_sent, bytes_saved
@@ -59,6 +61,7 @@ struct NodeSnapshot {
     std::uint64_t bytes_saved = 0;         ///< as in PublisherStatus
     std::uint64_t dropped = 0;             ///< as in PublisherStatus
     PublisherStatus::Diverted diverted{};  ///< as in PublisherStatus
+    std::size_t vanilla_readers = 0;       ///< as in PublisherStatus
     std::uint64_t deadlines_missed = 0;    ///< as in PublisherStatus
     bool alive = true;                     ///< as in PublisherStatus
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not

@@ -114,9 +114,11 @@ struct PublisherStatus {
   /// The numbers of samples that shared memory could not take, by reason. They went by UDP to the readers
   /// that may use UDP; the other readers missed them.
   struct Diverted {
-    std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of that size
-    std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
-    std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
+    std::uint64_t exhausted = 0;        ///< readers, loans and the history held all chunks of that size
+    std::uint64_t too_large = 0;        ///< the sample was larger than the largest chunk
+    std::uint64_t unavailable = 0;      ///< the daemon had just ended, or held a lock
+    std::uint64_t too_large_bytes = 0;  ///< the size of the largest sample that was too large
+    std::uint64_t chunk_bytes = 0;      ///< the largest sample that had room in a chunk then
     /// Returns the number of such samples, for any reason.
     std::uint64_t total() const { return exhausted + too_large + unavailable; }
     friend bool operator==(const Diverted&, const Diverted&) = default;
@@ -134,6 +136,9 @@ struct PublisherStatus {
   /// Samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;  ///< the fields of a sample that are encoded at present
+  /// The number of unmodified readers of DDS and ROS 2 that are served at present. `readers` does not have
+  /// them.
+  std::size_t vanilla_readers = 0;
   /// All subscribers of the topic, served or not. A subscriber with several selections has one entry for
   /// each.
   std::vector<Reader> readers;

@@ -36,7 +36,7 @@ concept SampleCallback = std::invocable<F&, const S&> || std::invocable<F&, S>;
 /// thread of the node's callbacks for shared memory, until 100 in a row were short. So a long callback delays
 /// other callbacks of its node, but delays reception only once.
 template <class T, Req<T> R = Req<T>(all<T>)>
-class Subscriber {
+class [[nodiscard]] Subscriber {
  public:
   /// For SFT's own code: Node::subscriber() opens subscribers.
   explicit Subscriber(detail::untyped::Subscriber subscriber) : subscriber_(std::move(subscriber)) {}
@@ -68,14 +68,14 @@ class Subscriber {
   /// Changes the maximum rate of selection `which`; publishers apply it shortly after. Returns an error if
   /// the rate is neither 0 nor from SubscriberOptions::slowest_rate_hz to fastest_rate_hz, or if there is no
   /// such selection.
-  Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
+  [[nodiscard]] Result<void> set_max_rate_hz(double max_rate_hz, std::size_t which = 0) {
     return subscriber_.set_max_rate_hz(max_rate_hz, which);
   }
 
   /// Changes selection `which`. Publishers apply it shortly after, and their next sample then counts as
   /// changed (Selection::Gate). A maximum rate stays if the text has none. Returns an error, and changes
   /// nothing, if the subscriber records, if the text is wrong, or if there is no such selection.
-  Result<void> set_selection(std::string_view text, std::size_t which = 0) {
+  [[nodiscard]] Result<void> set_selection(std::string_view text, std::size_t which = 0) {
     return detail::declared_selection<R>()
         .and_then([&](const Selection& all) {
           return detail::selection_of_text(type(), all, detail::fields_of_text<R>, text);

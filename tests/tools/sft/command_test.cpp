@@ -222,7 +222,7 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
   EXPECT_EQ(ended.code, worst);
   for (const char* part :
        {"interfaces", "multicast", "udp", "io_uring", "GSO", "GRO", "huge pages", "memlock", "buffers",
-        "/dev/shm", "sftd", "chunks", "users", "clock", "kernel", "loopback", "domain"}) {
+        "/proc", "/tmp", "/dev/shm", "sftd", "chunks", "users", "clock", "kernel", "loopback", "domain"}) {
     EXPECT_TRUE(parts.contains(part)) << part;
   }
   const Ended text = run_tool({"doctor"});
@@ -292,6 +292,36 @@ TEST_F(CommandTest, DoctorComparesWhatPublishersOfTheHostAnnounceWithTheLargestC
   const Json found = doctors_check("chunks");
   EXPECT_THAT(found["text"].get<std::string>(), HasSubstr("announce larger ones: images")) << found;
   EXPECT_THAT(found["to_do"].get<std::string>(), HasSubstr("total_mib")) << found;
+}
+
+TEST_F(CommandTest, WhyAndDoctorNameSamplesThatAreTooLargeForSharedMemoryAndSayWhatToDo) {
+  if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
+  const ShmOfSize shm(400);  // whose largest chunk has 17 MiB
+  Node camera = open("camera", TransportChoice::automatic);
+  Node viewer = open("viewer", TransportChoice::automatic);
+  auto images = camera.publisher<PointCloud2>("images").value();
+  auto all = viewer.subscriber<PointCloud2>("images").value();
+  const auto is_in_memory = [&] {
+    const auto readers = images.status().readers;
+    return readers.size() == 1 && readers[0].served && readers[0].transport == TransportKind::shm;
+  };
+  ASSERT_TRUE(eventually(is_in_memory));
+  PointCloud2 image;
+  image.data.resize(40 << 20);
+  EXPECT_EQ(images.publish(image), PublishStatus::ok);
+  ASSERT_EQ(images.status().diverted.too_large, 1U) << "the largest chunk of " << camera.status().shm;
+  std::string why;
+  EXPECT_TRUE(eventually([&] {
+    why = run_tool({"why", "images"}).out;
+    return why.find("diverted") != why.npos;
+  })) << why;
+  const std::string joined = std::regex_replace(why, std::regex("\\s+"), " ");
+  EXPECT_THAT(joined, HasSubstr("1 of these went by UDP: the largest chunk of shared memory has room for "));
+  EXPECT_THAT(joined,
+              HasSubstr("and samples have up to 41.9 MB: enlarge /dev/shm, or set total_mib or [[pool]]"));
+  EXPECT_TRUE(eventually([] { return doctors_check("chunks")["health"] == "warning"; }));
+  EXPECT_THAT(doctors_check("chunks")["text"].get<std::string>(),
+              HasSubstr("larger samples went by UDP: images (41.9 MB)"));
 }
 
 TEST_F(CommandTest, DoctorNamesTheChunksThatWereAllInUse) {

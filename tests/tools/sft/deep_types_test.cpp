@@ -112,6 +112,7 @@ TEST_F(DeepTypesTest, TheRateOfOneThatIsTooDeepIsThatWhichItsPublisherCounts) {
     const std::size_t last = ended.out.rfind('\n', ended.out.size() - 2);
     const Json json = Json::parse(ended.out.substr(last == std::string::npos ? 0 : last + 1));
     EXPECT_GT(json["samples"], 0);
+    EXPECT_LE(json["samples"], publisher.status().published) << "each is counted once";
   }
 }
 

@@ -1,9 +1,12 @@
 // The verbs ls, info, type and why show the endpoints of a domain.
+#include <fstream>
 #include <iomanip>
+#include <iterator>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sstream>
 
 #include "sft/detail/type_description.h"
+#include "tests/support/isolated_host.h"
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {
@@ -103,6 +106,32 @@ TEST_F(LookTest, TypeOfANameThatNoTopicHasIsTheMessageWithThatName) {
       << "it is a topic";
 }
 
+TEST_F(LookTest, TypePrintsTheConstantsThatTheFilesOfTheTypeHave) {
+  for (const char* const name : {"points", "sensor_msgs/PointCloud2"}) {
+    EXPECT_THAT(run_tool({"type", name}).out,
+                HasSubstr("\nMSG: sensor_msgs/PointField\nuint8 INT8=1\nuint8 UINT8=2\n"))
+        << name;
+  }
+  const std::string status = run_tool({"type", "sensor_msgs/NavSatStatus"}).out;
+  EXPECT_THAT(status, HasSubstr("\nint8 STATUS_NO_FIX="));
+  EXPECT_LT(status.find("STATUS_NO_FIX"), status.find("int8 status\n")) << status;
+}
+
+TEST_F(LookTest, TypeKnowsServices) {
+  std::ifstream file(program_directory() + "/../share/sft/interfaces/std_srvs/srv/SetBool.srv");
+  const std::string text{std::istreambuf_iterator<char>(file), {}};
+  ASSERT_THAT(text, HasSubstr("---\n"));
+  for (const char* const name : {"std_srvs/SetBool", "std_srvs/srv/SetBool", "std_srvs::srv::SetBool"}) {
+    const Ended ended = run_tool({"type", name, "--wait", "0.1"});
+    EXPECT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(ended.out, text) << name;
+  }
+  EXPECT_EQ(Json::parse(run_tool({"type", "std_srvs/SetBool", "--wait", "0.1", "--json"}).out)["srv"], text);
+  const Ended fields = run_tool({"type", "std_srvs/SetBool", "--wait", "0.1", "--fields"});
+  EXPECT_EQ(fields.code, 2);
+  EXPECT_THAT(fields.err, HasSubstr("'std_srvs/SetBool' is a service, and --fields is for messages"));
+}
+
 TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
   const Ended ended = run_tool({"type", "sensor_msgs/PointCloud3", "--wait", "0.1", "--timeout", "0.1"});
   EXPECT_EQ(ended.code, 1);
@@ -114,6 +143,7 @@ TEST_F(LookTest, AnUnknownTypeIsOneSentenceAboutTopicsAndTypes) {
 
 TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   const Publishing publishing(points, cloud());
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(monitor.take()); }));
   const Json json = Json::parse(run_tool({"why", "points", "--json", "--wait", "2"}).out);
   const Json& pair = json["pairs"].at(0);
   EXPECT_EQ(pair["matched"], true);
@@ -176,6 +206,21 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
                                             "    lost       0 samples; 10 received\n"));
 }
 
+/// Nothing is lost as far as the subscriber knows.
+TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
+  const Publishing publishing(points, cloud());
+  Ended why;
+  EXPECT_TRUE(eventually([&] {
+    why = run_tool({"why", "points"});
+    return why.out.find("samples were sent, and the subscriber has taken none") != std::string::npos;
+  })) << why.out;
+  EXPECT_EQ(why.code, 1);
+  EXPECT_THAT(why.out, HasSubstr("firewall"));
+  EXPECT_EQ(Json::parse(run_tool({"why", "points", "--json"}).out)["pairs"].at(0)["takes_none"], true);
+  EXPECT_TRUE(eventually([&] { return static_cast<bool>(monitor.take()); }));
+  EXPECT_TRUE(eventually([&] { return run_tool({"why", "points"}).code == 0; }));
+}
+
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
   std::string text;
   EXPECT_TRUE(eventually([&] {  // the command may end before it knows both
@@ -211,7 +256,7 @@ TEST_F(LookTest, WhyNamesTheReasonForWhichAnotherNodeHasNoSharedMemory) {
 }
 
 TEST_F(LookTest, NoLineOfWhyIsLongerThanEightyColumns) {
-  Node talkative = open("a node of which the name, " + std::string(120, 'n') + ", is long");
+  Node talkative = open("a_node_of_which_the_name_" + std::string(120, 'n') + "_is_long");
   auto strict = talkative.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   auto many = talkative
                   .subscriber<PointCloud2, F::header | F::height | F::width | F::fields | F::is_bigendian |
@@ -281,7 +326,7 @@ TEST_F(LookTest, AnUnknownTopicIsOneSentenceThatNamesTheDomainAndTheTopicsThatAr
     EXPECT_EQ(ended.code, 1) << command;
     EXPECT_EQ(ended.out, "") << command;
     EXPECT_EQ(ended.err, "sft: nobody publishes or subscribes to 'pints' in domain " + domain +
-                             "; topics that were seen: points\n")
+                             "; topics that were seen: points; did you mean 'points'?\n")
         << command;
   }
 }

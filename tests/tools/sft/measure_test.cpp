@@ -1,4 +1,6 @@
 // What the verbs hz, bw and delay measure.
+#include <sstream>
+
 #include "tests/tools/sft/tool_fixture.h"
 
 namespace sft::test {
@@ -27,6 +29,19 @@ TEST_F(MeasureTest, HzCountsSamplesWithoutAskingForAnyField) {
   EXPECT_NEAR(json["period_s"]["mean"].get<double>(), 0.02, 0.002);
   EXPECT_EQ(json["lost"], 0);
   EXPECT_LT(points.status().bytes_sent, 100U * json["samples"].get<std::uint64_t>());
+}
+
+TEST_F(MeasureTest, HzCountsEachSampleAsNewOnce) {
+  const Publishing publishing(points, cloud(), 20ms);
+  std::istringstream lines(run_tool({"hz", "points", "--json", "--for", "3.5"}).out);
+  std::uint64_t new_ones = 0, samples = 0;
+  for (std::string line; std::getline(lines, line);) {
+    const Json json = Json::parse(line);
+    new_ones += json["new"].get<std::uint64_t>();
+    samples = json["samples"];
+  }
+  EXPECT_GT(samples, 0U);
+  EXPECT_EQ(new_ones, samples);
 }
 
 TEST_F(MeasureTest, HzWatchesSeveralTopicsAndTellsOfThoseThatAreQuiet) {

@@ -63,6 +63,48 @@ TEST_F(NamesOfToolTest, ATopicThatWasRenamedIsShownWithBothNames) {
   EXPECT_TRUE(given("clock").is_null());
 }
 
+TEST_F(NamesOfToolTest, ATopicThatIsNamedAsItsProgramDoesIsNotFoundAndItsFullNameIsSaid) {
+  Node left = cam("left");
+  const auto image = left.publisher<PointCloud2>("~/image").value(),
+             points = left.publisher<PointCloud2>("points").value();
+  for (const char* const command : {"why", "info", "echo", "type"}) {
+    const Ended relative = run_tool({command, "points", "--timeout", "1"});
+    EXPECT_EQ(relative.code, 1) << command;
+    EXPECT_THAT(relative.err, HasSubstr("; did you mean 'left/points'?; node 'left/cam' calls the topic "
+                                        "'left/points' so"));
+    const Ended private_one = run_tool({command, "~/image", "--timeout", "1"});
+    EXPECT_EQ(private_one.code, 2) << command;
+    EXPECT_EQ(private_one.err,
+              "sft: the topic '~/image' is private to a node: name it in full, as 'sft ls' does; node "
+              "'left/cam' calls the topic 'left/raw' so\n");
+  }
+  EXPECT_EQ(run_tool({"pub", "~/image", "std_msgs/Empty", "--once"}).code, 2);
+}
+
+TEST_F(NamesOfToolTest, ANameThatRos2RefusesIsRefusedWithTheRule) {
+  for (const char* const command : {"why", "info", "echo", "hz"}) {
+    const Ended ended = run_tool({command, "my topic", "--timeout", "1"});
+    EXPECT_NE(ended.code, 0) << command;
+    EXPECT_THAT(ended.err, HasSubstr("topic 'my topic' has a character in it")) << command;
+  }
+  EXPECT_THAT(run_tool({"pub", "9lives", "std_msgs/Empty", "--once"}).err, HasSubstr("begins with a digit"));
+}
+
+TEST_F(NamesOfToolTest, ATopicThatIsMisspeltIsSuggested) {
+  const auto publisher = robot.publisher<PointCloud2>("points").value();
+  for (const char* const command : {"why", "info"}) {
+    EXPECT_THAT(run_tool({command, "pints", "--timeout", "1"}).err, HasSubstr("did you mean 'points'?"))
+        << command;
+  }
+}
+
+TEST_F(NamesOfToolTest, ACommandWithAPeerSaysThatBothSidesNameEachOther) {
+  const std::string both = "have to name this host as a peer, too";
+  EXPECT_THAT(run_tool({"ls", "--domain", "17", "--peer", "127.0.0.9"}).err, HasSubstr(both));
+  EXPECT_THAT(run_tool({"why", "points", "--timeout", "0.1", "--peer", "127.0.0.9"}).err, HasSubstr(both));
+  EXPECT_THAT(run_tool({"why", "points", "--timeout", "0.1"}).err, ::testing::Not(HasSubstr(both)));
+}
+
 TEST_F(NamesOfToolTest, RulesForProgramsChangeNoNameOfTheTool) {
   const auto publisher = robot.publisher<PointCloud2>("cam").value();
   const Ended ended = run_tool({"type", "cam", "--name"});

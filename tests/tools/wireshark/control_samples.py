@@ -1,7 +1,7 @@
 """Makes control samples by hand, as bytes, and the RTPS datagrams that carry them."""
 import struct
 
-VERSION = 15
+VERSION = 16
 ANNOUNCED = {"sft_writer": "sft_control::Record", "sft_reader": "sft_control::Record",
              "sft_heartbeat": "sft_control::HeartbeatSample"}
 ENTITIES = {"sft_writer": 0x202, "sft_reader": 0x302, "chatter": 0x402, "sft_heartbeat": 0x502}

@@ -110,6 +110,25 @@ TEST_F(Sftd, HasItsOwnLimitsWhateverThoseOfTheProgramThatStartsItAre) {
   }
 }
 
+/// Runs sftd in a mount namespace of its own, after these commands.
+std::string output_after(const std::string& commands) {
+  Process daemon({"/usr/bin/unshare", "--mount", "sh", "-ec", commands + R"(; exec "$@")", "sh", sftd_path(),
+                  "--foreground", "--pool-mib=16"});
+  std::string output = daemon.all_output();
+  EXPECT_NE(daemon.exit_code(), 0);
+  return output;
+}
+
+TEST_F(Sftd, SaysWhichPartOfTheSystemItLacks) {
+  const auto covered = [](const std::string& directory, const std::string& options = "size=1m") {
+    return output_after("mount -t tmpfs -o " + options + " tmpfs " + directory);
+  };
+  EXPECT_TRUE(contains(covered("/proc"), "/proc is not mounted: mount it"));
+  EXPECT_TRUE(contains(covered("/tmp", "ro"), "/tmp is read-only: mount a tmpfs there"));
+  EXPECT_TRUE(contains(covered("/dev/shm", "ro"), "/dev/shm is read-only: mount a tmpfs there"));
+  EXPECT_TRUE(contains(covered("/dev"), "/dev/shm is not there: mount a tmpfs there"));
+}
+
 TEST_F(Sftd, RefusesLimitsWithWhichItCouldNotServeAllProgramsAndNamesThem) {
   Process few = with_limits("ulimit -n 64", {sftd_path(), "--foreground", "--pool-mib=16"});
   EXPECT_TRUE(contains(few.all_output(), "64 file descriptors"));

@@ -84,8 +84,12 @@ class SftdSegments : public ShmTest {};
 TEST_F(SftdSegments, HaveAllTheirMemoryFromTheBeginning) {
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   ASSERT_EQ(daemon.line(), "sftd: ready");
-  for (const auto& file : std::filesystem::directory_iterator("/dev/shm"))
+  std::size_t segments = 0;
+  for (const auto& file : std::filesystem::directory_iterator("/dev/shm")) {
     EXPECT_GE(bytes_in_memory(file.path()), file.file_size()) << file.path();
+    segments += file.file_size() >= mebibyte ? 1 : 0;
+  }
+  EXPECT_EQ(segments, 2U);
   daemon.signal(SIGTERM);
   EXPECT_EQ(daemon.exit_code(), 0);
 }

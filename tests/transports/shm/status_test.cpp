@@ -115,6 +115,31 @@ TEST_F(SftdCommands, ShowTheMostChunksThatAPortHasHeld) {
   EXPECT_EQ(status_now().usage.pools[0].peak, 10U);
 }
 
+/// Returns how much memory of its own the process has: "RssAnon", as proc(5) says of status.
+std::size_t own_kib(pid_t pid) {
+  std::ifstream status("/proc/" + std::to_string(pid) + "/status");
+  for (std::string line; std::getline(status, line);)
+    if (line.starts_with("RssAnon:")) return std::stoul(line.substr(8));
+  return 0;
+}
+
+TEST_F(SftdCommands, KeepNothingOfPublishersThatAreGone) {
+  Process daemon = start_sftd();
+  Node node(no_daemon());
+  ASSERT_TRUE(node.becomes_ready()) << node->description();
+  core::EndpointId id = 0;
+  const auto open_and_close = [&](core::EndpointId publishers) {
+    const auto opens = [&] { return node->open_writer({.id = id, .type = &frame_type()}).has_value(); };
+    // The daemon takes ports back ten times in a second, and has no room for more publishers until then.
+    for (const core::EndpointId end = id + publishers; ++id <= end;) ASSERT_TRUE(eventually(opens));
+  };
+  open_and_close(3000);  // the daemon has the memory for all that may be under way at once
+  const std::size_t before = own_kib(daemon.pid());
+  ASSERT_GT(before, 0U);
+  open_and_close(6000);
+  EXPECT_LT(own_kib(daemon.pid()), before + 1500) << "a quarter of a kilobyte of each is noise";
+}
+
 TEST_F(SftdCommands, CountDeadPrograms) {
   Process daemon = start_sftd();
   Process victim = start_peer({"publish", "1", "100"});

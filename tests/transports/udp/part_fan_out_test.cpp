@@ -51,6 +51,7 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   /// them have a part.
   std::size_t check(std::size_t reader, std::size_t step) {
     const auto samples = hosts_[reader].subscriber->await(published_ - hosts_[reader].since);
+    EXPECT_EQ(samples.size(), published_ - hosts_[reader].since);
     const Selection asked = test::selection_of<test::Image>(hosts_[reader].mask);
     std::size_t parts = 0;
     std::uint32_t number = hosts_[reader].since;

@@ -346,8 +346,8 @@ TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
     for (int i = 0; i < 5; ++i)
       EXPECT_TRUE(test::eventually(another_one_comes, test::hang_timeout, 20ms)) << bytes;
     const std::string limit = "datagrams longer than " + std::to_string(payload(1280)) +
-                              " bytes do not arrive at " + address(2, 2) +
-                              ": samples go there in shorter ones";
+                              " bytes do not arrive at '" + address(2, 2) +
+                              "': samples go there in shorter ones";
     EXPECT_EQ(publisher.port().path_trouble(1), bytes == 100 ? "" : limit) << bytes;
   }
 }

@@ -13,6 +13,7 @@
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/datagrams.h"
 #include "udp_transport/flow/connection_pair.h"
+#include "udp_transport/flow/destination.h"
 
 namespace sft::udp::test {
 
@@ -99,5 +100,31 @@ class NoSender : public DatagramSender {
  private:
   Connections& connections_;
 };
+
+/// Sends a datagram that is as long as the path takes. The receiver reports that the longest that came had
+/// that length.
+inline void report_longest(Destination& to, const Connections& sent, std::size_t longest,
+                           Destination::Time now) {
+  to.asked_again();
+  to.sent(to.connection(), to.path().datagram_bytes(), 1, to.path().datagram_bytes(), now);
+  FlowReport report = sent.answer_to_mark();
+  report.flow = to.flow();
+  report.longest = static_cast<std::uint32_t>(longest);
+  static_cast<void>(to.hear(report, to.path().address().ip, now));
+}
+
+/// The receiver reports that whatever was sent has come.
+inline void report_all(Destination& to, const Connections& sent, Destination::Time now) {
+  report_longest(to, sent, to.path().datagram_bytes(), now);
+}
+
+/// The receiver reports again and again that no datagram comes which is longer than a mark, although longer
+/// ones are sent, until the path is shorter. Returns the time then.
+inline Destination::Time lose_long_ones(Destination& to, const Connections& sent, Destination::Time now) {
+  report_longest(to, sent, 0, now);  // nothing has been reported before
+  for (int i = 0; i <= 2 * PathMtu::losses_max && to.path().limited_to() == 0; ++i)
+    report_longest(to, sent, mark_bytes, now += PathMtu::timeout);
+  return now;
+}
 
 }  // namespace sft::udp::test

@@ -11,8 +11,8 @@ namespace sft::demo {
 /// The lidar publishes the clouds of a source at a rate when the demo orders it.
 void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel);
 
-/// A subscriber reads its fields in the callback, and reports what came. Defined for the five consumers of
-/// consumers.h.
+/// Runs a subscriber whose callback reads the fields that `Consumer` needs, and reports through `channel`
+/// what it received. Defined for the five consumers of consumers.h.
 template <class Consumer>
 void run_subscriber(const NodePlan& plan, bool is_recorded, Channel& channel);
 

@@ -8,8 +8,8 @@
 namespace sft::idl {
 namespace {
 
-/// Writes the getter of a field that was not declared. The compiler refuses a call, and shows its name and
-/// type.
+/// Writes a getter for a field that the subscriber did not declare. A call of it does not compile, and the
+/// compiler's message shows the type that the getter returns, whose name says what to do.
 void emit_absent(Code& code, const Field& field, std::size_t index) {
   code.line("  sft::detail::this_field_is_not_declared::name_it_where_the_subscriber_is_opened {}() const",
             field.name);

@@ -9,27 +9,11 @@
 
 #include "layout/rule.h"
 #include "sft/detail/fnv1a.h"
+#include "sft/detail/layout_text.h"
 
 namespace sft::detail {
 
 namespace {
-
-/// The rule of a type that is not annotated. These are types of ROS 2, whose files we cannot change.
-struct KnownRule {
-  std::string_view type;
-  std::string_view field;
-  std::string_view rule;
-};
-constexpr KnownRule known_rules[] = {
-    {"sensor_msgs::msg::PointCloud2", "data",
-     "rows=height columns=width cell_bytes=point_step row_bytes=row_step channels=fields "
-     "byte_order=is_bigendian"},
-    {"sensor_msgs::msg::Image", "data",
-     "rows=height columns=width row_bytes=step byte_order=is_bigendian encoding=encoding"},
-    {"nav_msgs::msg::OccupancyGrid", "data",
-     "rows=info.height columns=info.width scale=info.resolution origin=info.origin"},
-    {"sensor_msgs::msg::LaserScan", "ranges",
-     "first=angle_min last=angle_max step=angle_increment interval=time_increment also=intensities"}};
 
 /// A struct, with its first leaf and slot.
 struct Place {

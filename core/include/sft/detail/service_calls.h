@@ -4,6 +4,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -28,6 +29,22 @@ std::uint64_t new_client_id();
 
 /// Returns true while a callback for samples runs on this thread, which may be the receiving thread.
 bool in_sample_callback();
+
+/// Lets one thread at a time use an object, until the end of the scope. False if another thread uses it.
+class OnlyCall {
+ public:
+  explicit OnlyCall(std::atomic<bool>& is_used) : is_used_(is_used), is_only_(!is_used.exchange(true)) {}
+  ~OnlyCall() {
+    if (is_only_) is_used_ = false;
+  }
+  OnlyCall(const OnlyCall&) = delete;
+  OnlyCall& operator=(const OnlyCall&) = delete;
+  explicit operator bool() const { return is_only_; }
+
+ private:
+  std::atomic<bool>& is_used_;
+  const bool is_only_;
+};
 
 /// A server, as far as a client knows it.
 struct SeenServer {

@@ -82,11 +82,78 @@ TEST(RulesTest, PoliciesDoNotMix) {
 }
 
 TEST(QosConflictTest, NamesEveryPolicyThatDoesNotFitWithBothValues) {
-  EXPECT_EQ(conflict_between({.deadline = 100ms}, {.reliability = reliable, .deadline = 1500us}).reason,
-            "incompatible QoS: reliability best_effort is offered, reliable is requested; deadline 100 ms is "
-            "offered, 1500 us is requested");
-  EXPECT_EQ(conflict_between({}, {.liveliness_lease = 1s}).reason,
-            "incompatible QoS: liveliness lease none is offered, 1000 ms is requested");
+  EXPECT_EQ(
+      conflict_between({.deadline = 100ms}, {.reliability = reliable, .deadline = 1500us}).reason,
+      "incompatible QoS: reliability best_effort is offered, reliable is requested; deadline 100 ms is "
+      "offered, 1500 us is requested: open the publisher with .reliability = reliable .deadline = 1500 us, "
+      "or the subscriber with .reliability = best_effort .deadline = 100 ms");
+  EXPECT_EQ(
+      conflict_between({}, {.liveliness_lease = 1s}).reason,
+      "incompatible QoS: liveliness_lease none is offered, 1000 ms is requested: open the publisher with "
+      ".liveliness_lease = 1000 ms, or the subscriber with .liveliness_lease = none");
+}
+
+TEST(OptionsWithoutEffectTest, EachIsNamedOfANode) {
+  const auto of = [](const NodeOptions& options) {
+    const std::vector<std::string> sentences = options_without_effect(options);
+    return sentences.empty() ? "" : sentences.front();
+  };
+  EXPECT_EQ(of({}), "");
+  EXPECT_EQ(of({.udp = {.port = 7}, .shm = {.daemon_path = "/sftd", .daemon_users = {"robot"}}}), "");
+  EXPECT_EQ(of({.transport = TransportChoice::shm, .udp = {.port = 7}}),
+            "NodeOptions::udp has no effect: the node does not use UDP");
+  EXPECT_EQ(of({.transport = TransportChoice::udp, .shm = {.daemon_users = {"robot"}}}),
+            "ShmSettings::daemon_users has no effect: the node does not use shared memory");
+  EXPECT_EQ(of({.shm = {.start_daemon = false, .daemon_path = "/sftd"}}),
+            "ShmSettings::daemon_path has no effect: start_daemon is false");
+}
+
+TEST(OptionsWithoutEffectTest, EachIsNamedOfAPublisher) {
+  const auto of = [](const PublisherOptions& options, bool udp = true) {
+    std::string all;
+    for (const std::string& one : options_without_effect(options, udp)) all += one + "\n";
+    return all;
+  };
+  EXPECT_EQ(of({}), "");
+  EXPECT_EQ(of({}, false), "");
+  EXPECT_EQ(
+      of({.reliability = reliable, .durability = transient_local, .history_depth = 9, .max_blocking = 1s}),
+      "");
+  EXPECT_EQ(
+      of({.max_blocking = 1s}),
+      "PublisherOptions::max_blocking has no effect: publish() waits for reliable subscribers only; set "
+      ".reliability = reliable\n");
+  EXPECT_NE(of({.history_depth = 9}).find("history_depth has no effect: only a publisher with .durability"),
+            std::string::npos);
+  EXPECT_EQ(of({.max_bytes_per_s = 1, .asynchronous = true}), "");
+  EXPECT_NE(of({.max_bytes_per_s = 1}, false).find("max_bytes_per_s has no effect: the publisher does not"),
+            std::string::npos);
+  EXPECT_NE(of({.asynchronous = true}, false).find("asynchronous has no effect: the publisher does not use"),
+            std::string::npos);
+  EXPECT_NE(of({.reliability = reliable, .max_blocking = 1s, .asynchronous = true})
+                .find("asynchronous has no effect: max_blocking is not 0"),
+            std::string::npos);
+}
+
+TEST(OptionsWithoutEffectTest, EachIsNamedOfASubscriber) {
+  const auto of = [](const SubscriberOptions& options, bool shm = true, bool recorded = true) {
+    std::string all;
+    for (const std::string& one : options_without_effect(options, shm, recorded)) all += one + "\n";
+    return all;
+  };
+  EXPECT_EQ(of({}), "");
+  EXPECT_EQ(of({}, false, false), "");
+  const SubscriberOptions learns{.recording = {.learn_samples = 9}};
+  EXPECT_EQ(of(learns), "");
+  EXPECT_NE(of(learns, true, false).find("recording has no effect: the fields are declared"),
+            std::string::npos);
+  EXPECT_EQ(of({.recording = {.as_remote = true}}, true, false), "") << "that is for all subscribers";
+  EXPECT_EQ(of({.max_held = 9}), "");
+  EXPECT_NE(of({.max_held = 9}, false).find("max_held has no effect: the subscriber does not use shared"),
+            std::string::npos);
+  EXPECT_EQ(of({.spin = 1s}), "");
+  EXPECT_NE(of({.spin = 1s, .pollable = true}).find("spin has no effect: the subscriber is pollable"),
+            std::string::npos);
 }
 
 TEST(QosOptionsTest, WhatCanNeverWorkIsRefusedByName) {

@@ -84,7 +84,10 @@ NodeReport full_report() {
                                       .dropped = 10,
                                       .retained = 11,
                                       .bytes_sent = 12,
-                                      .bytes_saved = 13}},
+                                      .bytes_saved = 13,
+                                      .diverted = 16,
+                                      .too_large_bytes = 17,
+                                      .chunk_bytes = 18}},
                        {.id = {{6, 7}, Role::reader}, .by_reader = {.received = 14, .lost = 15}}}};
 }
 

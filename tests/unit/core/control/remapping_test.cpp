@@ -109,7 +109,7 @@ TEST(RemappingTest, AllRulesThatFitAreNamedAndTheFirstOneIsApplied) {
 
 TEST(RemappingTest, ARuleForTheNameOfAServiceIsForBothOfItsTopics) {
   const Remapping names =
-      left_cam({"lights:=/house/lights", "lights/reply:=x", "~/on:=" + std::string(250, 'x')});
+      left_cam({"lights:=/house/lights", "lights/reply:=x", "~/on:=" + std::string(240, 'x')});
   const auto in_service = [&](const char* given, const char* type) {
     return names.topic(given, type)->topic;
   };
@@ -121,7 +121,7 @@ TEST(RemappingTest, ARuleForTheNameOfAServiceIsForBothOfItsTopics) {
   EXPECT_EQ(in_service("lights/call", "phone_msgs::msg::Missed_Call"), "left/lights/call");
   EXPECT_EQ(in_service("more/lights/call", "std_srvs::srv::SetBool_Call"), "left/more/lights/call");
   EXPECT_THAT(names.topic("~/on/call", "std_srvs::srv::SetBool_Call").error().message,
-              HasSubstr("renames, has more than 255 bytes"));
+              HasSubstr("renames, has more than 246 characters"));
 }
 
 TEST(RemappingTest, AnErrorAboutARemappedTopicHasBothNames) {
@@ -143,9 +143,14 @@ TEST(RemappingTest, WhatIsNoRuleIsNamedTogetherWithWhatARuleIs) {
       {"~a:=b", "the topic before ':=' has a '~' in it"},
       {"a:=~//b", "what stands behind ':=' has nothing between two slashes"},
       {":a:=b", "the name of the node is empty"},
+      {"a-b:a:=b", "the name of the node has a character in it that is no letter"},
+      {"a:=9lives", "what stands behind ':=' has a part that begins with a digit"},
+      {"my-topic:=a", "the topic before ':=' has a character in it that is no letter"},
+      {"__node:=9lives", "what stands behind ':=' begins with a digit"},
+      {"__ns:=/a-b", "what stands behind ':=' has a character in it that is no letter"},
       {"__nss:=/left", "there is no '__nss'"},
       {"__ns:=/left/", "what stands behind ':=' ends with a slash"},
-      {"__node:=/left/cam", "what stands behind ':=' has a slash in it; __ns sets the namespace"},
+      {"__node:=/left/cam", "what stands behind ':=' has a slash in it, which only the namespace"},
       {"__ns:=", "what stands behind ':=' is empty"},
       {"__node:=", "what stands behind ':=' is empty"}};
   for (const auto& [rule, why] : wrong) {
@@ -165,7 +170,7 @@ TEST(RemappingTest, WhatIsNoRuleIsNamedTogetherWithWhatARuleIs) {
 }
 
 TEST(RemappingTest, ANamespaceIsATopicWithoutAName) {
-  for (const char* name : {"left/", "a//b", "~", " left"}) {
+  for (const char* name : {"left/", "a//b", "~", " left", "my left", "9lives"}) {
     const auto refused = Remapping::of({.name = "cam", .namespace_ = name}, nullptr);
     ASSERT_FALSE(refused) << name;
     EXPECT_THAT(refused.error().message, HasSubstr("NodeOptions::namespace_ '" + std::string(name) + "' "));
@@ -175,19 +180,23 @@ TEST(RemappingTest, ANamespaceIsATopicWithoutAName) {
 
 TEST(RemappingTest, WhatIsTooLongInFullIsRefusedWithBothNames) {
   const Remapping names = left_cam();
-  const std::string name(251, 'x');
-  EXPECT_THAT(names.topic(name).error().message, HasSubstr("here, has more than 255 bytes"));
+  const std::string name(242, 'x');
+  EXPECT_THAT(names.topic(name).error().message, HasSubstr("here, has more than 246 characters"));
   EXPECT_TRUE(names.topic("/" + name));
   EXPECT_THAT(
       Remapping::of({.name = "cam", .namespace_ = "left", .remap = {name + ":=a"}}, nullptr).error().message,
-      HasSubstr("has more than 255 bytes"));
+      HasSubstr("has more than 246 characters"));
 }
 
-TEST(RemappingTest, ANodeWithoutANameHasNoPrivateTopics) {
-  const Remapping names = Remapping::of({.name = "", .namespace_ = "left"}, nullptr).value();
-  EXPECT_EQ(names.node(), "");
-  EXPECT_THAT(names.topic("~/x").error().message, HasSubstr("a node that has no name"));
-  EXPECT_EQ(resolved(names, "x"), "left/x");
+TEST(RemappingTest, ANodeHasANameAsRos2AllowsIt) {
+  for (const auto& [name, why] : {std::pair("", "the node's name '' is empty"),
+                                  std::pair("left/cam", "the node's name 'left/cam' has a slash in it"),
+                                  std::pair("my cam", "the node's name 'my cam' has a character in it"),
+                                  std::pair("9lives", "the node's name '9lives' begins with a digit")}) {
+    const auto refused = Remapping::of({.name = name}, nullptr);
+    ASSERT_FALSE(refused) << name;
+    EXPECT_THAT(refused.error().message, HasSubstr(why));
+  }
 }
 
 }  // namespace

@@ -58,6 +58,31 @@ TEST(DdsConfig, ReceiveBuffersAreSmallUnlessTheUserWantsOthers) {
               is("2 MiB"));
 }
 
+CycloneSettings of_vanilla(const std::string& user, std::uint32_t domain = 0) {
+  return CycloneSettings::read(vanilla_config(domain, user).value().text, domain).value();
+}
+
+TEST(VanillaConfig, IsThatOfTheUserWithTheInterfacesAndTheDomainOfTheUser) {
+  const auto theirs = of_vanilla(
+      "<General><Interfaces><NetworkInterface name=\"eth7\"/></><AllowMulticast>true</></>,"
+      "<Discovery><ExternalDomainId>9</></>",
+      3);
+  EXPECT_THAT(theirs.values("General/Interfaces/NetworkInterface/@name"), ElementsAre("eth7"));
+  EXPECT_THAT(theirs.value("General/AllowMulticast"), is("true"));
+  EXPECT_THAT(theirs.value("Discovery/ExternalDomainId"), is("9"));
+  EXPECT_THAT(of_vanilla("", 3).value("Discovery/ExternalDomainId"), is("3"));
+}
+
+TEST(VanillaConfig, MulticastsNoSamplesAndUsesNoRuntimeOfIceoryx) {
+  EXPECT_THAT(of_vanilla("").value("General/AllowMulticast"), is("spdp"));
+  EXPECT_THAT(of_vanilla("<SharedMemory><Enable>true</></>").value("SharedMemory/Enable"), is("false"));
+}
+
+TEST(VanillaConfig, SaysThatTheUserWantsSecurity) {
+  EXPECT_FALSE(vanilla_config(0, "").value().is_secured);
+  EXPECT_TRUE(vanilla_config(0, "<Security><Authentication><Library path=\"a\"/></></>").value().is_secured);
+}
+
 struct Breakage {
   const char* user;
   const char* path;
@@ -79,8 +104,8 @@ INSTANTIATE_TEST_SUITE_P(
         Breakage{"<SharedMemory><Enable>true</></>", "SharedMemory/Enable", "false"},
         Breakage{"<Shared><En>TRUE", "SharedMemory/Enable", "false"},
         Breakage{"<General><EnableMulticastLoopback>false</></>", "General/EnableMulticastLoopback", "true"},
-        Breakage{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1344 B"},
-        Breakage{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1344 B"},
+        Breakage{"<General><FragmentSize>0 B</></>", "General/FragmentSize", "1100 B"},
+        Breakage{"<Internal><FragmentSize>100</></>", "General/FragmentSize", "1100 B"},
         Breakage{"<Internal><MaxSampleSize>1 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
         Breakage{"<Internal><MaxSampleSize>100 kB</></>", "Internal/MaxSampleSize", "2147483647 B"},
         Breakage{"<Compatibility><ManySocketsMode>none</></>", "Compatibility/ManySocketsMode", "single"},

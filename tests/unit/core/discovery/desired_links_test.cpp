@@ -60,6 +60,14 @@ INSTANTIATE_TEST_SUITE_P(
         Case{"TwoCards", {lo, eth0, wlan0}, {}, "lo, eth0 (10.0.0.5), wlan0 (192.168.1.5)", ""},
         Case{"NoCardYet", {lo}, {}, "lo", "", true},
         Case{"CardWithoutAddress", {lo, at("eth0", "")}, {}, "lo", "", true},
+        Case{"CardWithoutMulticast",
+             {lo, at("wg0", "10.0.0.5"), at("docker0", "172.17.0.1")},
+             {},
+             "lo",
+             "wg0 (10.0.0.5) is left out, since it has no multicast: ip link set dev wg0 multicast on, or "
+             "name "
+             "the hosts beyond it as peers, on both sides",
+             true},
         Case{"CardThatIsDown", {lo, down(eth0)}, {}, "lo", "", true},
         Case{"CardWithoutCarrier", {lo, unplugged(eth0)}, {}, "lo, eth0 (10.0.0.5)", ""},
         Case{"NothingUp", {down(lo), down(eth0)}, {}, "", "", true},

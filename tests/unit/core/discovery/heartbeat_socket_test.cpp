@@ -27,7 +27,7 @@ const HeartbeatSocket::Place heartbeats_on_loopback{
 
 std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
   std::vector<Heartbeat> heartbeats;
-  socket.take([&](const Heartbeat& heartbeat, auto) { heartbeats.push_back(heartbeat); });
+  socket.take([&](const Heartbeat& heartbeat, auto, auto) { heartbeats.push_back(heartbeat); });
   return heartbeats;
 }
 
@@ -75,7 +75,7 @@ TEST_F(HeartbeatSocketTest, SaysHowLongAHeartbeatHasWaited) {
     const auto sent = std::chrono::steady_clock::now();
     one->send(heartbeat);
     while (std::chrono::steady_clock::now() < sent + 20ms) heartbeats_taken(*one);
-    other->take([&](const Heartbeat&, std::chrono::nanoseconds age) { waited = age; });
+    other->take([&](const Heartbeat&, std::chrono::nanoseconds age, auto) { waited = age; });
     since_sent = std::chrono::steady_clock::now() - sent;
     return waited >= 10ms;
   }));
@@ -102,7 +102,7 @@ TEST_F(HeartbeatSocketTest, WhatIsSentToTheHostItselfIsNotHeard) {
 TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   for (int i = 0; i < 64; ++i) one->send(heartbeat);
   std::size_t heard = 0;
-  other->take([&](const Heartbeat&, auto) {
+  other->take([&](const Heartbeat&, auto, auto) {
     ++heard;
     one->send(heartbeat);  // so that another heartbeat always waits
   });

@@ -130,6 +130,13 @@ TEST_F(LinkCareTest, KeepsAReplacedLinkNoLongerThanALease) {
   EXPECT_EQ(care.next(), Time::max());
 }
 
+TEST_F(LinkCareTest, LooksNowAndThenWhetherAReplacedLinkMayEnd) {
+  care.retire(1, now);
+  EXPECT_EQ(care.next(), now + timing.retire_after);
+  after(timing.retire_after);
+  EXPECT_EQ(care.next(), now + timing.retire_after / 4);
+}
+
 TEST_F(LinkCareTest, DoesNotMakeAReplacedLinkAnew) {
   care.retire(1, now);
   misses({7});
@@ -198,14 +205,21 @@ TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
   EXPECT_LE(asked, 20s / timing.lease);
 }
 
-TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOne) {
-  int asked = 0;
-  for (int second = 0; second < 120; ++second) {
-    care.unknown_came(link, now);
-    asked += announces(1s) ? 1 : 0;
-  }
+TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceSomebodyJoins) {
+  const auto asks_within = [&](int seconds) {
+    int asked = 0;
+    for (int second = 0; second < seconds; ++second) {
+      care.unknown_came(link, now);
+      asked += announces(1s) ? 1 : 0;
+    }
+    return asked;
+  };
+  const int asked = asks_within(120);
   EXPECT_LE(asked, 25);
   EXPECT_GE(asked, 60s / timing.lease);
+  EXPECT_EQ(asks_within(14), 2);
+  care.joined(link, now);
+  EXPECT_GT(asks_within(14), 2);
 }
 
 TEST_F(LinkCareTest, AnswersWhoAsksNoMoreOftenThanHeartbeatsGo) {

@@ -103,6 +103,23 @@ TEST_F(PeersTest, MakesALinkAnewThatDoesNotBringWhatHeartbeatsCount) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
+  const IpAddress elsewhere(0x0a000007);
+  found(cable);
+  std::vector<RenewLink> renewals;
+  for (int i = 0; i < 60; ++i) {
+    now += 1s;
+    peers.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now, {}, elsewhere);
+    peers.look(now);
+    for (const PeerAction& action : peers.take_actions()) {
+      if (const auto* const renewal = std::get_if<RenewLink>(&action)) renewals.push_back(*renewal);
+    }
+  }
+  ASSERT_FALSE(renewals.empty());
+  EXPECT_EQ(renewals[0].because_of, neighbour);
+  EXPECT_EQ(renewals[0].from, elsewhere);
+}
+
 /// The second heartbeat may have arrived in a moment in which a link that is cut worked.
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
@@ -341,6 +358,9 @@ TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
   EXPECT_TRUE(takes(11, 0, 100));
   EXPECT_FALSE(takes(11, 1, 1));
   EXPECT_TRUE(takes(11, 0, 99)) << "in the place of the one before";
+  EXPECT_FALSE(takes(12, 0, 500));
+  small.participant_gone(on(cable, 10));
+  EXPECT_TRUE(takes(12, 0, 500)) << "what a participant had is room for others once it is gone";
 }
 
 TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {

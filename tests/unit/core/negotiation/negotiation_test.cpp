@@ -63,7 +63,9 @@ TEST_F(NegotiationTest, AReaderThatChangesItsPartsIsServedWithTheNewOnesAndOther
   }
   for (int begin = 2; begin < 50; ++begin) {
     ASSERT_TRUE(negotiation.request_received(window_of(7, begin)));
-    for (const Route& route : negotiation.serving(100).network) {
+    const std::vector<Route> routes = negotiation.serving(100).network;
+    ASSERT_EQ(routes.size(), 2U);
+    for (const Route& route : routes) {
       const auto place = route.selection.parts()[0].columns.begin;
       ASSERT_EQ(place, route.reader == 7 ? static_cast<std::uint32_t>(begin) : 1U) << route.reader;
     }

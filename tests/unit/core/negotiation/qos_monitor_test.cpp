@@ -86,6 +86,8 @@ TEST(OfferMonitorTest, ADeadlineIsMissedByNotPublishing) {
 TEST(OfferMonitorTest, AManualWriterLivesByPublishingAndByAsserting) {
   OfferMonitor monitor({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, test_start);
   monitor.look({.published = 1}, test_start + 80ms);
+  monitor.look({.published = 1}, test_start + 150ms);
+  EXPECT_TRUE(monitor.alive());
   monitor.look({.published = 1, .asserted = 1}, test_start + 160ms);
   monitor.look({.published = 1, .asserted = 1}, test_start + 240ms);
   EXPECT_TRUE(monitor.alive());

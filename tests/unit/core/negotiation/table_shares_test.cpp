@@ -54,6 +54,11 @@ TEST_F(TableSharesTest, WhoHasAsManyAsAnybodyTakesNothingFromOthers) {
   EXPECT_EQ(announce(5, 1), 1);
 }
 
+TEST_F(TableSharesTest, EquallyLargeAnnouncersBelowTheirShareDoNotPushEachOtherOut) {
+  for (AnnouncerId announcer = 1; announcer <= 5; ++announcer) announce(announcer, 80);
+  for (AnnouncerId announcer = 1; announcer <= 5; ++announcer) EXPECT_EQ(announce(announcer, 1), 0);
+}
+
 TEST_F(TableSharesTest, ACrowdedTopicHasAShareForEachAnnouncer) {
   EXPECT_EQ(announce(1, 60, "points"), 40);
   EXPECT_EQ(announce(2, 60, "points"), 10);

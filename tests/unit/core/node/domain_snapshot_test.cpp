@@ -87,7 +87,10 @@ TEST_F(DomainSnapshotTest, PoliciesAndTypesThatDoNotFitAreNamed) {
   reader.qos.reliability = Reliability::reliable;
   EXPECT_FALSE(pair().matched);
   EXPECT_EQ(pair().incompatible_policy, QosPolicy::reliability);
-  EXPECT_EQ(pair().reason, "incompatible QoS: reliability best_effort is offered, reliable is requested");
+  EXPECT_EQ(
+      pair().reason,
+      "incompatible QoS: reliability best_effort is offered, reliable is requested: open the publisher with "
+      ".reliability = reliable, or the subscriber with .reliability = best_effort");
   reader = endpoint(Role::reader, 2, TypeTable<Odometry>::type);
   EXPECT_TRUE(pair().incompatible_type);
   EXPECT_THAT(pair().reason, HasSubstr("nav_msgs::msg::Odometry is subscribed to"));

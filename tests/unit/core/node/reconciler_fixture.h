@@ -74,6 +74,7 @@ class TestDiscovery final : public Discovery {
   Inquiries inquiries() const override { return asked; }
   void report(const NodeReport& report) override { reports.push_back(report); }
   Time newcomer_at() const override { return {}; }
+  Vanilla vanilla() const override { return {}; }
   Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;

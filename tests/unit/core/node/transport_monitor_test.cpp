@@ -11,6 +11,7 @@ namespace {
 
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
+using ::testing::SizeIs;
 
 class FakeMemory final : public IdleSharedMemory {
  public:
@@ -37,11 +38,13 @@ class FakeNetwork final : public IdleNetwork {
   std::vector<UdpAddress> addresses() const override { return addresses_now; }
   std::vector<Link> links() const override { return links_now; }
   bool network_changed() noexcept override { return ++looks, changed; }
+  std::vector<Remark> take_remarks() override { return std::exchange(remarks, {}); }
 
   Availability availability = Availability::ready;
   std::string state = "works";
   std::vector<UdpAddress> addresses_now{{0x0a000001, 7000, 1 << 20}};
   std::vector<Link> links_now;
+  std::vector<Remark> remarks;
   bool changed = true;
   int looks = 0;
 };
@@ -182,6 +185,25 @@ TEST_F(TransportMonitorTest, UdpThatFailsIsAnErrorThatIsLoggedOnce) {
   look_at_network();
   look_at_network();
   EXPECT_THAT(lines, ElementsAre("louder node: UDP: the system has stopped io_uring"));
+}
+
+TEST_F(TransportMonitorTest, RemarksOfTheNetworkAreLoggedAndWarningsThatComeAgainWaitForAPauseOfEachHost) {
+  const auto limit = [](const std::string& host) {
+    return Network::Remark{LogLevel::warning,
+                           "datagrams longer than 1252 bytes do not arrive at '" + host + "'"};
+  };
+  const auto lines_of = [this](std::vector<Network::Remark> remarks) {
+    network.remarks = std::move(remarks);
+    lines.clear();
+    look_at_network();
+    return lines;
+  };
+  EXPECT_THAT(lines_of({limit("10.0.0.1")}),
+              ElementsAre("louder node: UDP: datagrams longer than 1252 bytes do not arrive at '10.0.0.1'"));
+  EXPECT_THAT(lines_of({limit("10.0.0.1")}), IsEmpty());
+  EXPECT_THAT(lines_of({limit("10.0.0.2")}), SizeIs(1));
+  EXPECT_THAT(lines_of({{LogLevel::info, "long datagrams arrive"}}),
+              ElementsAre("info node: UDP: long datagrams arrive"));
 }
 
 TEST_F(TransportMonitorTest, LooksForSharedMemoryOftenAsLongAsItMayCome) {

@@ -85,6 +85,15 @@ TEST_F(DispatchTest, EndsWhatTheNetworkCountsOnceNobodyReadsThere) {
   EXPECT_EQ(network->take(), (Calls{"begin"})) << "so that the counts of the last reader end";
 }
 
+TEST_F(DispatchTest, ASampleThatPushesAnotherOneOutOfAQueueIsSentAndCountsAsDropped) {
+  serve_two_in_memory();
+  memory->answer = SendStatus::displaced;
+  EXPECT_EQ(send(), PublishStatus::dropped);
+  EXPECT_EQ(dispatch.dropped(), 1U);
+  EXPECT_EQ(book->of(1), (Delivered{.sent = 1}));
+  EXPECT_EQ(dispatch.diverted(), PublisherStatus::Diverted{});
+}
+
 TEST_F(DispatchTest, TellsWhoPublishesThatARouteDidNotGetTheSample) {
   serve_one_by_network();
   network->answer = SendStatus::dropped;
@@ -111,6 +120,36 @@ TEST_F(DispatchTest, SendsByFallbackRoutesWhatSharedMemoryDoesNotTakeAndOthersMi
             (Calls{"local turn", "begin", "send begun, by fallbacks too", "local turn over"}));
   EXPECT_EQ(book->of(1), Delivered{}) << "the port to the network counts that";
   EXPECT_EQ(book->of(2), (Delivered{.dropped = 1}));
+}
+
+TEST_F(DispatchTest, HandsEachWholeSampleToReadersOfDdsBesideWhateverElseItIsFor) {
+  const auto vanilla = std::make_shared<VanillaLog>();
+  Serving serving;
+  serving.network = {network_route(1, type)};
+  serving.network[0].min_period_us = 1'000'000;
+  dispatch.serve(serving, nullptr, vanilla);
+  constexpr std::int64_t now_ns = 5'000'000'000;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(send(now_ns), PublishStatus::ok);
+  EXPECT_EQ(vanilla->sent.size(), 3U) << "no gate is theirs";
+  dispatch.serve(serving, nullptr);
+  send(now_ns);
+  EXPECT_EQ(vanilla->sent.size(), 3U);
+}
+
+TEST_F(DispatchTest, EncodesAllFieldsForReadersOfDdsAndPostponesNoCopies) {
+  Serving serving;
+  serving.network = {network_route(1, type)};
+  serving.network[0].selection = FieldMask(type.closed(type.none()));
+  serve(serving);
+  {
+    const Dispatch::Call call(dispatch);
+    EXPECT_FALSE(call.outlets().whole);
+    EXPECT_TRUE(dispatch.may_postpone());
+  }
+  dispatch.serve(serving, nullptr, std::make_shared<VanillaLog>());
+  const Dispatch::Call call(dispatch);
+  EXPECT_TRUE(call.outlets().whole);
+  EXPECT_FALSE(dispatch.may_postpone());
 }
 
 TEST_F(DispatchTest, TellsTheNetworkWhenReadersInSharedMemoryHaveTheirTurn) {
@@ -140,8 +179,28 @@ TEST_F(DispatchTest, CountsWhySharedMemoryDidNotTakeASample) {
   memory->is_full = false;
   memory->answer = SendStatus::lost_port;
   send();
+  const PublisherStatus::Diverted diverted = dispatch.diverted();
+  EXPECT_EQ(diverted.exhausted, 1U);
+  EXPECT_EQ(diverted.too_large, 2U);
+  EXPECT_EQ(diverted.unavailable, 1U);
+  EXPECT_GT(diverted.too_large_bytes, 0U) << "the largest one";
+  EXPECT_EQ(diverted.chunk_bytes, 0U) << "as the port says then";
+}
+
+TEST_F(DispatchTest, ASampleIsTooLargeOnlyIfItIsLargerThanTheLargestChunk) {
+  serve_two_in_memory();
+  memory->is_full = true;
+  constexpr std::uint32_t body_bytes = 1000;
+  const std::size_t bytes = SampleLayout(type.index_slots()).bytes(body_bytes);
+  for (const std::size_t largest : {bytes, bytes - 1}) {
+    memory->largest_bytes = largest;
+    const Dispatch::Call call(dispatch);
+    EXPECT_EQ(dispatch.miss(dispatch.admit(FieldSource::of_nothing(), 1), body_bytes),
+              PublishStatus::no_memory);
+  }
   EXPECT_EQ(dispatch.diverted(),
-            (PublisherStatus::Diverted{.exhausted = 1, .too_large = 2, .unavailable = 1}));
+            (PublisherStatus::Diverted{
+                .exhausted = 1, .too_large = 1, .too_large_bytes = bytes, .chunk_bytes = bytes - 1}));
 }
 
 TEST_F(DispatchTest, TellsReadersInSharedMemoryWhichSampleWentOverTheNetworkAlone) {

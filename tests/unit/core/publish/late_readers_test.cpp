@@ -65,6 +65,13 @@ TEST_F(LateReadersTest, AreSentItAgainWhereTheyHaveMoved) {
   EXPECT_EQ(network->take(), (Calls{"history of 2 to 1", "history of 2 to 1"}));
 }
 
+TEST_F(LateReadersTest, AreSentItAgainWhenTheyReturn) {
+  late.serve(late_by_network(2), nullptr);
+  late.serve({}, nullptr);
+  late.serve(late_by_network(2), nullptr);
+  EXPECT_EQ(network->take(), (Calls{"history of 2 to 1", "history of 2 to 1"}));
+}
+
 TEST_F(LateReadersTest, AreSentNoMoreThanIsRetained) {
   late.serve(late_by_network(100), nullptr);
   EXPECT_EQ(network->take(), (Calls{"history of 3 to 1"}));

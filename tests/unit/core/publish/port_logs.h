@@ -9,6 +9,7 @@
 
 #include "core/negotiation/negotiation.h"
 #include "core/seam/buffer_pool.h"
+#include "core/seam/vanilla_port.h"
 #include "sft/detail/sample_format.h"
 #include "tests/unit/core/seam/idle_ports.h"
 
@@ -86,6 +87,17 @@ class MemoryLog final : public IdleLendingWriter {
 
  private:
   const std::shared_ptr<BufferPool> memory_ = BufferPool::make(std::size_t{1} << 20);
+};
+
+/// Keeps the samples that it is given.
+class VanillaLog final : public VanillaPort {
+ public:
+  void send(const SampleHandle& sample) noexcept override { sent.push_back(sample); }
+  void begin_with(std::vector<SampleHandle> samples) override { retained = std::move(samples); }
+  std::size_t readers() const noexcept override { return 1; }
+
+  std::vector<SampleHandle> sent;
+  std::optional<std::vector<SampleHandle>> retained;
 };
 
 /// Returns a whole sample of that type, with a small body.

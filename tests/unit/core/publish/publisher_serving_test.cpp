@@ -163,6 +163,22 @@ TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
   EXPECT_EQ(told, 1);
 }
 
+using PublisherServingDeathTest = PublisherServingTest;
+
+TEST_F(PublisherServingDeathTest, ASecondThreadThatPublishesMeanwhileIsStoppedWithASentence) {
+  publisher.serve(to_one(type.full()), nullptr);
+  Result<SampleHandle> loan = publisher.loan(&cloud, {}, ReservedMemory::zeroed);
+  auto publishing = std::async(std::launch::async, [&] { publisher.publish(&cloud); });
+  port->sending.get_future().wait();
+  const char* const why = "sft: topic 'points': two threads publish with one publisher at the same time: ";
+  EXPECT_DEATH(publisher.publish(&cloud), why);
+  EXPECT_DEATH(publisher.publish(&cloud, 1, sizeof cloud), why);
+  EXPECT_DEATH((void)publisher.publish_cdr(payload()), why);
+  EXPECT_DEATH((void)publisher.loan(&cloud, {}, ReservedMemory::zeroed), why);
+  EXPECT_DEATH(publisher.commit(*loan, true), why);
+  port->go_on.set_value();
+}
+
 /// A publisher that publishes a sample before and after each change of the routes of one of its ports.
 /// Notes which samples came to one of its readers, by either port.
 class ChangeOverTest : public ::testing::Test {
@@ -437,6 +453,18 @@ TEST_F(WaitingPublisherTest, WaitsTheShorterForReadersTheLongerItHasWaitedForACh
   core.publish(&cloud);
   EXPECT_EQ(memory->refusals, 0);
   EXPECT_LE(network->timeout, std::chrono::milliseconds(97)) << "it looks once in a millisecond";
+}
+
+TEST_F(WaitingPublisherTest, WaitsForNoChunkWhereAReliableReaderHasAFallbackRoute) {
+  PublisherCore core(waiting(), BufferPool::make(1 << 20), std::make_shared<WaitingPort>());
+  Serving serving;
+  serving.memory = {local(true)};
+  serving.fallback = {Route{2, UdpAddress{}, type.full()}};
+  serving.fallback[0].fallback = true;
+  core.serve(serving, memory);
+  memory->refusals = 3;
+  EXPECT_EQ(core.publish(&cloud), PublishStatus::ok);
+  EXPECT_EQ(memory->refusals, 2);
 }
 
 TEST_F(WaitingPublisherTest, WaitsForNoChunkOfBestEffortReaders) {

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "core/publish/publisher_core.h"
+#include "tests/unit/core/publish/port_logs.h"
 #include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
@@ -43,17 +44,16 @@ class PublisherStatusTest : public testing::Test {
     publisher.serve(serving, nullptr);
   }
 
-  const TypeSupport type{TypeTable<PointCloud2>::type};
-  const std::shared_ptr<CountingPort> network = std::make_shared<CountingPort>();
-  PublisherCore publisher{spec_of(type), BufferPool::make(1 << 20), network};
-
- private:
   static PublisherCore::Spec spec_of(const TypeSupport& published) {
     PublisherCore::Spec spec;
     spec.type = &published;
     spec.max_sample_bytes = 1000;
     return spec;
   }
+
+  const TypeSupport type{TypeTable<PointCloud2>::type};
+  const std::shared_ptr<CountingPort> network = std::make_shared<CountingPort>();
+  PublisherCore publisher{spec_of(type), BufferPool::make(1 << 20), network};
 };
 
 TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken) {
@@ -100,6 +100,42 @@ TEST_F(PublisherStatusTest, SamplesPublishedTogetherThatDoNotLeaveAreDroppedAndT
     EXPECT_EQ(publisher.status().published, published += clouds.size());
     EXPECT_EQ(publisher.status().dropped, dropped += lost);
   }
+}
+
+/// More than 1,024 are sent in several calls.
+TEST_F(PublisherStatusTest, TheStatusOfALongSpanIsThatOfTheFirstMessageThatIsNotPublished) {
+  serve();
+  std::vector<PointCloud2> clouds(2000);
+  clouds[3].header.frame_id = std::string("a\0b", 3);
+  const auto publish = [&] { return publisher.publish(clouds.data(), clouds.size(), sizeof(PointCloud2)); };
+  PublishedSpan done = publish();
+  EXPECT_EQ(done.status, PublishStatus::invalid);
+  EXPECT_EQ(done.published, 1999U);
+  network->answer = SendStatus::dropped;
+  done = publish();
+  EXPECT_EQ(done.status, PublishStatus::dropped);
+  EXPECT_EQ(done.published, 0U);
+}
+
+/// Others compare the progress with what arrives: samples that could not arrive do not belong to it.
+TEST_F(PublisherStatusTest, TheProgressCountsNeitherWhatWasDroppedNorWhatLateReadersMissed) {
+  const auto memory = std::make_shared<test::MemoryLog>();
+  PublisherCore::Spec spec = spec_of(type);
+  spec.qos.durability = Durability::transient_local;
+  spec.qos.history_depth = 5;
+  PublisherCore durable(std::move(spec), BufferPool::make(1 << 20), network);
+  const PointCloud2 cloud;
+  for (int i = 0; i < 5; ++i) EXPECT_EQ(durable.publish(&cloud), PublishStatus::ok);
+  EXPECT_EQ(durable.progress().samples, 5U);
+  Serving serving;
+  serving.memory = {test::memory_route(1, type)};
+  serving.memory[0].history = 2;
+  memory->is_full = true;
+  durable.serve(serving, memory);
+  EXPECT_EQ(durable.progress().samples, 3U);
+  EXPECT_EQ(durable.status().dropped, 2U);
+  EXPECT_EQ(durable.publish(&cloud), PublishStatus::no_memory);
+  EXPECT_EQ(durable.progress().samples, 3U);
 }
 
 }  // namespace

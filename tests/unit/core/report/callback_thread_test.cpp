@@ -1,36 +1,81 @@
-// The number of calls that wait for the thread for callbacks of events is limited.
+// A limited number of calls may wait for the thread for callbacks of events, and their sources take turns.
 #include "core/report/callback_thread.h"
 
 #include <gtest/gtest.h>
 
 #include <atomic>
 #include <future>
+#include <string>
 
 #include "tests/support/eventually.h"
 
 namespace sft::core {
 namespace {
 
-TEST(CallbackThreadTest, LeavesOutTheCallsBeyondTenThousandEachTimeThatACallbackDoesNotReturn) {
-  constexpr std::uint64_t waiting_max = 10'000, too_many = 7;
-  CallbackThread thread({"test", {}});
-  ASSERT_TRUE(thread.start());
-  std::atomic<std::uint64_t> called{0};
-  for (std::uint64_t round = 1; round <= 3; ++round) {
-    std::promise<void> begun, may_return;
-    thread.post([&begun, returns = may_return.get_future().share()] {
+class CallbackThreadTest : public testing::Test {
+ protected:
+  void SetUp() override { ASSERT_TRUE(thread_.start()); }
+  /// Calls a callback of the source, which does not return until release().
+  void hold(const char& source) {
+    std::promise<void> begun;
+    may_return_ = {};
+    thread_.post(&source, [&begun, returns = may_return_.get_future().share()] {
       begun.set_value();
       returns.wait();
     });
     begun.get_future().wait();
-    for (std::uint64_t i = 0; i < waiting_max + too_many; ++i) thread.post([&] { ++called; });
-    EXPECT_EQ(thread.take_left_out(), 0U) << "no callback can report it now";
-    may_return.set_value();
-    ASSERT_TRUE(test::eventually([&] { return called == round * waiting_max; })) << called;
-    EXPECT_EQ(thread.take_left_out(), too_many);
-    EXPECT_EQ(thread.take_left_out(), 0U) << "the number is reported once";
   }
-  thread.stop();
+  void release() { may_return_.set_value(); }
+  void post(const char& source) {
+    thread_.post(&source, [&] {
+      calls_ += source;
+      ++called_;
+    });
+  }
+  /// Returns the names of the sources that were called, in that order.
+  std::string all_calls() {
+    thread_.stop();
+    return calls_;
+  }
+
+  static constexpr std::uint64_t waiting_max = 10'000;
+  const char a_ = 'a', b_ = 'b', c_ = 'c';
+  std::atomic<std::uint64_t> called_{0};
+  CallbackThread thread_{{"test", {}}};
+
+ private:
+  std::promise<void> may_return_;
+  std::string calls_;
+};
+
+TEST_F(CallbackThreadTest, LeavesOutTheCallsBeyondTenThousandEachTimeThatACallbackDoesNotReturn) {
+  constexpr std::uint64_t too_many = 7;
+  for (std::uint64_t round = 1; round <= 3; ++round) {
+    hold(a_);
+    for (std::uint64_t i = 0; i < waiting_max + too_many; ++i) post(a_);
+    EXPECT_EQ(thread_.take_left_out(), 0U) << "no callback can report it now";
+    release();
+    ASSERT_TRUE(test::eventually([&] { return called_ == round * waiting_max; })) << called_;
+    EXPECT_EQ(thread_.take_left_out(), too_many);
+    EXPECT_EQ(thread_.take_left_out(), 0U) << "the number is reported once";
+  }
+}
+
+TEST_F(CallbackThreadTest, LeavesOutNoCallOfASourceBecauseAnotherOneHasTooMany) {
+  hold(a_);
+  for (std::uint64_t i = 0; i < waiting_max + 1; ++i) post(a_);
+  post(b_);
+  release();
+  EXPECT_EQ(all_calls().substr(0, 3), "aba");
+}
+
+TEST_F(CallbackThreadTest, CallsSourcesInTurnsAndTheCallsOfEachInTheirOrder) {
+  hold(a_);
+  for (int i = 0; i < 5; ++i) post(a_);
+  for (int i = 0; i < 2; ++i) post(b_);
+  post(c_);
+  release();
+  EXPECT_EQ(all_calls(), "abcabaaa");
 }
 
 }  // namespace

@@ -64,6 +64,17 @@ TEST(EventsTest, SamplesThatSharedMemoryDoesNotTakeAreToldOfByReason) {
   EXPECT_NE(events[0].text, events[1].text);
 }
 
+TEST(EventsTest, SamplesThatAreTooLargeForSharedMemoryAreToldOfWithBothSizesAndACure) {
+  PublisherStatus before, after;
+  after.diverted = {.too_large = 1, .too_large_bytes = 6'000'000, .chunk_bytes = 1'000'000};
+  const std::vector<Event> events = between(before, after);
+  ASSERT_EQ(events.size(), 1U);
+  EXPECT_EQ(
+      events[0].text,
+      "by UDP within the host: a sample of 6000000 bytes is larger than the largest chunk of shared "
+      "memory, which has room for 1000000; enlarge /dev/shm, or set total_mib or [[pool]] in sftd.toml");
+}
+
 TEST(EventsTest, ASubscriberIsToldThatItHoldsTooMany) {
   SubscriberStatus after;
   after.held_too_many = 1;
@@ -104,6 +115,20 @@ TEST(EventsTest, IncompatiblePeersAreToldOnceOnBothSides) {
   SubscriberStatus::Writer w = writer(false);
   w.incompatible_type = true;
   EXPECT_THAT(kinds(between(SubscriberStatus{}, hearing(w))), ElementsAre(Event::Kind::incompatible_type));
+}
+
+TEST(EventsTest, PeersThatStayIncompatibleForAnotherReasonAreToldOnceMore) {
+  PublisherStatus::Reader before = reader(false, {}, "words");
+  before.incompatible_policy = QosPolicy::deadline;
+  PublisherStatus::Reader other_words = before, other_policy = before;
+  other_words.reason = "other words";
+  other_policy.incompatible_policy = QosPolicy::liveliness;
+  for (const auto& after : {other_words, other_policy}) {
+    const auto events = between(serving(before), serving(after));
+    ASSERT_THAT(kinds(events), ElementsAre(Event::Kind::incompatible_qos));
+    EXPECT_EQ(events[0].text, after.reason);
+    EXPECT_EQ(events[0].policy, after.incompatible_policy);
+  }
 }
 
 TEST(EventsTest, APairWithoutAWayForSamplesIsToldOnceOnBothSides) {

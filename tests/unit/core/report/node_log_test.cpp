@@ -138,18 +138,32 @@ TEST_F(NodeLogTest, AWarningIsWrittenOnceAndAgainAfterAPauseThatGrows) {
 }
 
 TEST_F(NodeLogTest, AWarningThatDidNotComeForALongTimeIsWrittenAtOnce) {
+  for (const bool ticks : {true, false}) {
+    NodeLog log = log_from(LogLevel::info);
+    const auto is_written = [&](Time at) {
+      lines.clear();
+      if (ticks) log.tick(at);
+      log.write(LogLevel::warning, "failed", at);
+      return !lines.empty();
+    };
+    EXPECT_TRUE(is_written(now));
+    EXPECT_TRUE(is_written(now + 5s));
+    EXPECT_FALSE(is_written(now + 14s)) << "the second pause is 10 s long";
+    EXPECT_TRUE(is_written(now + 1h));
+    EXPECT_TRUE(is_written(now + 1h + 5s)) << "the pauses begin anew";
+  }
+}
+
+TEST_F(NodeLogTest, ALineCountsThoseThatWereOmittedForThePauseAndThoseThatWereForTheBudget) {
   NodeLog log = log_from(LogLevel::info);
-  const auto is_written = [&](Time at) {
-    lines.clear();
-    log.tick(at);
-    log.write(LogLevel::warning, "failed", at);
-    return !lines.empty();
-  };
-  EXPECT_TRUE(is_written(now));
-  EXPECT_TRUE(is_written(now + 5s));
-  EXPECT_FALSE(is_written(now + 14s)) << "the second pause is 10 s long";
-  EXPECT_TRUE(is_written(now + 1h));
-  EXPECT_TRUE(is_written(now + 1h + 5s)) << "the pauses begin anew";
+  for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "again", now);  // two wait for the pause
+  const std::string others = "abcdefghijkl";  // the budget has room for nine of these twelve
+  for (const char other : others) log.write(LogLevel::warning, std::string(1, other), now);
+  ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
+  log.write(LogLevel::warning, "again", now + LineBudget::period);
+  EXPECT_EQ(lines.back().second, "node: again (5 similar lines were left out)");
+  log.write(LogLevel::warning, "again", now + 1h);
+  EXPECT_EQ(lines.back().second, "node: again") << "they are named once";
 }
 
 TEST_F(NodeLogTest, WarningsAboutOtherNamesDoNotWaitForEachOther) {

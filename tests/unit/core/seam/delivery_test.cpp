@@ -57,16 +57,21 @@ TEST_F(DeliveryTest, CountsGoOnFromPageToPageAndAddUpOverTellers) {
 
 TEST_F(DeliveryTest, WhatIsLeftOfThePageBeforeStillCountsIfItIsExpected) {
   const Tally before = tally(), now = tally();
+  const auto count = [](DeliveryTally& tally) {
+    tally.sent(1, 5);
+    tally.dropped();
+  };
   turn_to({{first_reader, {.tally = before}}});
-  before->sent(1, 5);
+  count(*before);
   book.turn_to(Origin::network, {{first_reader, {.tally = now}}}, DeliveryBook::LateCounts::to_come);
-  before->sent(1, 5);
-  now->sent(1, 5);
-  EXPECT_EQ(book.of(first_reader).sent, 3U);
+  count(*before);
+  count(*now);
+  const Delivered all{.sent = 3, .dropped = 3, .bytes = 3, .bytes_saved = 12};
+  EXPECT_EQ(book.of(first_reader), all);
   book.turn_to(Origin::network, {});
-  EXPECT_EQ(book.of(first_reader), (Delivered{.sent = 3, .bytes = 3, .bytes_saved = 12}));
-  before->sent(1, 5);
-  EXPECT_EQ(book.of(first_reader).sent, 3U);
+  EXPECT_EQ(book.of(first_reader), all);
+  count(*before);
+  EXPECT_EQ(book.of(first_reader), all);
 }
 
 TEST_F(DeliveryTest, WhatAGateWithholdsIsItsReadersFromWhenTheyCameToIt) {

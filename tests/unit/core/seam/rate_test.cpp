@@ -67,6 +67,15 @@ TEST_F(RateBudgetTest, InAnyNPeriodsAtMostNAndTwoSamplesPass) {
   }
 }
 
+TEST_F(RateBudgetTest, ASampleThatPassesBehindALongPauseUsesOneOfTheTwoThatWereSaved) {
+  RateBudget budget(100'000);
+  budget.take(now_ns);
+  const std::int64_t later_ns = now_ns + 3'600'000 * ms;
+  budget.spend(later_ns);
+  EXPECT_TRUE(budget.take(later_ns));
+  EXPECT_FALSE(budget.take(later_ns));
+}
+
 TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   RateBudget budget(100'000);
   while (budget.take(now_ns)) {
@@ -220,6 +229,23 @@ TEST_F(SequenceAccountTest, InSharedMemoryTheReaderSkipsAndCountsThatAsWithheld)
   EXPECT_EQ(withheld, 1000U - delivered);
 }
 
+TEST_F(SequenceAccountTest, BeginsWithOneSampleAndNotWithABurst) {
+  account.ask(100'000);
+  for (std::uint64_t sequence = 1; sequence <= 9; ++sequence) enter(by_memory(sequence));  // within a period
+  EXPECT_EQ(delivered, 1U);
+}
+
+// The gate of the writer has spent what it began with, and so has the reader, by whichever path it came.
+TEST_F(SequenceAccountTest, APathThatChangesToSharedMemoryBringsNoMoreThanTheLimit) {
+  account.ask(100'000);
+  enter(over_network(1, 100'000, 1));
+  for (std::uint64_t sequence = 2; sequence <= 9; ++sequence) enter(by_memory(sequence));
+  EXPECT_EQ(delivered, 1U);
+  enter(over_network(11, 100'000, 2));
+  for (std::uint64_t sequence = 12; sequence <= 49; ++sequence) enter(by_memory(sequence));
+  EXPECT_EQ(delivered, 5U) << "one in each of the periods";
+}
+
 TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEntitledToIt) {
   account.ask(100'000);
   for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) enter(by_memory(sequence));
@@ -246,7 +272,7 @@ TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());
   account.ask(100'000);
-  RateBudget budget(100'000);
+  RateBudget budget(100'000, 1);
   std::uint64_t sequence = 1;
   enter(by_memory(sequence));
   budget.take(stamp(sequence));

@@ -174,7 +174,6 @@ void PartReaderTest::expect_same_getters<PointCloud2>(const detail::SampleState&
   EXPECT_EQ(seen.width(), right.width());
   EXPECT_EQ(seen.point_step(), right.point_step());
   EXPECT_EQ(seen.row_step(), right.row_step());
-  expect_same_data<std::array<std::uint8_t, 12>, PointCloud2>(state, expected);
   ASSERT_EQ(seen.fields().size(), right.fields().size());
   for (std::size_t i = 0; i < right.fields().size(); ++i) {
     const std::string name(right.fields()[i].name());
@@ -442,13 +441,11 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
     for (std::byte* at = whole->data + layout.body_offset; at < whole->data + layout.body_offset + 64; ++at)
       *at = static_cast<std::byte>(random());
     if (some.around.parts == nullptr) continue;
-    std::size_t sum = 0;  // so that a sanitizer notices reads beyond the sample
     const auto seen = view<PointCloud2>(some.state);
-    for (const auto byte : seen.data()) sum += byte;
+    for (const auto byte : seen.data()) asm volatile("" : : "r"(byte));  // a sanitizer sees what is read
     if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
-      for (const auto& [x] : *points) sum += x != 0 ? 1 : 0;
+      for (const auto& [x] : *points) asm volatile("" : : "m"(x));
     }
-    EXPECT_GE(sum, 0U);
   }
 }
 

@@ -12,6 +12,9 @@ namespace {
 
 class DestinationDirectoryTest : public testing::Test {
  protected:
+  static constexpr std::uint32_t host_ = 0x7F000001;
+  const PathMtu::Time now_ = PathMtu::Time{} + std::chrono::hours(1);
+  std::vector<core::Network::Remark> remarks_;
   test::Connections connections_;
   DestinationDirectory directory_{{.report_port = 7}, connections_.connect()};
 };
@@ -50,6 +53,31 @@ TEST_F(DestinationDirectoryTest, MovesADestinationToAnotherAddressOfTheSameSocke
   EXPECT_NE(at(2, 7, 5001), there) << "it is another socket of that node";
   EXPECT_NE(at(2, 8), there) << "it is another node, by an address that changed hands";
   EXPECT_EQ(connections_.open(), 1U) << "those two are gone";
+}
+
+TEST_F(DestinationDirectoryTest, RemarksOnceForAllProcessesOfAHostThatLongDatagramsDoNotArriveThere) {
+  const auto one = directory_.find({.ip = host_, .port = 5000});
+  const auto other = directory_.find({.ip = host_, .port = 5001});
+  const auto elsewhere = directory_.find({.ip = host_ + 1, .port = 5000});
+  for (const auto& to : {one, other}) test::lose_long_ones(*to, connections_, now_);
+  directory_.look_after(now_, false, remarks_);
+  ASSERT_EQ(remarks_.size(), 1U);
+  EXPECT_EQ(remarks_.front().level, LogLevel::warning);
+  EXPECT_EQ(remarks_.front().text, one->path().limit_in_words());
+  directory_.look_after(now_, false, remarks_);
+  EXPECT_EQ(remarks_.size(), 1U) << "it was remarked before";
+}
+
+TEST_F(DestinationDirectoryTest, RemarksThatALimitIsOver) {
+  const auto there = directory_.find({.ip = host_, .port = 5000, .node = 7});
+  test::lose_long_ones(*there, connections_, now_);
+  directory_.look_after(now_, false, remarks_);
+  remarks_.clear();
+  directory_.find({.ip = host_ + 1, .port = 5000, .node = 7});  // another path
+  directory_.look_after(now_, false, remarks_);
+  ASSERT_EQ(remarks_.size(), 1U);
+  EXPECT_EQ(remarks_.front().level, LogLevel::info);
+  EXPECT_EQ(remarks_.front().text, there->path().no_limit_in_words());
 }
 
 TEST_F(DestinationDirectoryTest, FindsADestinationByWhereItIsWhenNobodySaysWhoseItIs) {

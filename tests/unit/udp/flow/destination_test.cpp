@@ -127,5 +127,44 @@ TEST_F(DestinationTest, LooksForTheWayAnewAfterARefusal) {
   EXPECT_EQ(connections_.reconnected(), 2U);
 }
 
+TEST_F(DestinationTest, SendsShorterDatagramsWhereReportsShowThatLongOnesDoNotArriveAndSaysSoOnce) {
+  const std::size_t before = to_.path().datagram_bytes();
+  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::none);
+  test::lose_long_ones(to_, connections_, now_);
+  EXPECT_LT(to_.path().datagram_bytes(), before);
+  EXPECT_EQ(to_.path().limit_in_words(),
+            "datagrams longer than 1252 bytes do not arrive at '127.0.0.1': "
+            "samples go there in shorter ones");
+  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::found);
+  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::none);
+}
+
+TEST_F(DestinationTest, SaysThatALimitIsOverOnceLongDatagramsArriveAgain) {
+  auto now = test::lose_long_ones(to_, connections_, now_);
+  to_.take_limit_change();
+  for (int tries = 0; tries < 20 && to_.path().limited_to() != 0; ++tries) {
+    now += PathMtu::retry_pause;
+    to_.look_after(now, false);
+    test::report_all(to_, connections_, now);
+  }
+  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::over);
+  EXPECT_EQ(
+      to_.path().no_limit_in_words(),
+      "long datagrams no longer get lost on the way to '127.0.0.1': samples go there in datagrams of up "
+      "to 65507 bytes");
+}
+
+TEST_F(DestinationTest, AsksSoonOnceSomethingIsAskedForAgainAndNotBefore) {
+  to_.sent(to_.connection(), 1000, 1, 1000, now_);
+  ASSERT_TRUE(to_.hear(answer_to_mark(), there_, now_).accepted);
+  const std::size_t marks = connections_.sent().size();
+  to_.sent(to_.connection(), 1000, 1, 1000, now_ + 100ms);
+  EXPECT_EQ(connections_.sent().size(), marks) << "a path without loss takes no further datagram";
+  to_.asked_again();
+  to_.lives(now_ + 199ms);
+  to_.sent(to_.connection(), 1000, 1, 1000, now_ + 200ms);
+  EXPECT_EQ(connections_.sent().size(), marks + 1);
+}
+
 }  // namespace
 }  // namespace sft::udp

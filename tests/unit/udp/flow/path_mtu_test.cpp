@@ -22,7 +22,8 @@ class Path {
   void use_for(PathMtu::Time::duration time) {
     for (const auto end = now_ + time; now_ < end; now_ += 50ms) {
       const std::size_t before = mtu_.datagram_bytes();
-      before <= takes_ ? mtu_.arrived(mtu_.datagram_bytes(), now_) : mtu_.lost(mtu_.datagram_bytes(), now_);
+      if (before > takes_ || mtu_.is_uncertain())
+        before <= takes_ ? mtu_.arrived(mtu_.datagram_bytes(), now_) : mtu_.lost(mtu_.datagram_bytes(), now_);
       mtu_.look_after(now_);
       if (mtu_.datagram_bytes() != before) lengths_.push_back(mtu_.datagram_bytes() + headers);
     }
@@ -251,6 +252,16 @@ TEST(PathMtuTest, CountsNoLossesOfDatagramsThatWereSentBeforeItShrank) {
   PathMtu::Time now{1h};
   for (int i = 0; i < 10 * PathMtu::losses_max; ++i, now += 50ms) mtu.lost(payload(1500), now);
   EXPECT_EQ(mtu.datagram_bytes(), payload(1280));
+}
+
+TEST(PathMtuTest, HasItsLimitUntilAllThatTheKernelSaysArrives) {
+  Path path(1500, 1400);
+  path.use_for(1min);
+  EXPECT_EQ(path.mtu().limited_to(), payload(1400)) << "also while longer ones are tried";
+  path.takes(1500);
+  path.use_for(15min);
+  EXPECT_EQ(path.mtu().datagram_bytes(), payload(1500));
+  EXPECT_EQ(path.mtu().limited_to(), 0U);
 }
 
 TEST(PathMtuTest, HasNoLimitWhereAllThatTheKernelSaysArrives) {

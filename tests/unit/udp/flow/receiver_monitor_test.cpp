@@ -44,6 +44,21 @@ TEST_F(ReceiverMonitorTest, AcceptsAReceiverThatHasJustReportedMoreThanItsHost) 
   EXPECT_TRUE(monitor.is_silent(now + 1s));
 }
 
+TEST_F(ReceiverMonitorTest, ForgetsARefusalOnceTheReceiverReportsOrHasAnotherAddress) {
+  const auto is_refusing = [&] {
+    monitor.ask(false, now);
+    return monitor.is_mute(now);
+  };
+  monitor.refused(now);
+  EXPECT_TRUE(is_refusing());
+  monitor.reported(now);
+  EXPECT_FALSE(is_refusing());
+  monitor.refused(now + limits.mark_silent);
+  EXPECT_TRUE(is_refusing());
+  monitor.begin_anew();
+  EXPECT_FALSE(is_refusing());
+}
+
 TEST_F(ReceiverMonitorTest, AsksAtOnceAndThenEverMoreSeldom) {
   EXPECT_LE(monitor.next_retry(round_trips), now);
   for (const auto pause_then : {10ms, 20ms, 40ms, 80ms, 160ms, 250ms}) {

@@ -43,6 +43,11 @@ TEST(UnprovenAllowanceTest, HasSomeMarksOfItsOwnAndThenThoseOfItsHost) {
   EXPECT_TRUE(allowance.takes_mark(test_start)) << "somebody on that host answers";
   allowance.begin_anew(nullptr);
   EXPECT_EQ(allowance.datagrams_left(test_start), 4U);
+  const auto silent = std::make_shared<UnprovenBudget>();
+  silent->spend(UnprovenBudget::datagrams_max, test_start);
+  allowance.begin_anew(silent);
+  EXPECT_TRUE(allowance.takes_mark(test_start) && allowance.takes_mark(test_start)) << "its own once more";
+  EXPECT_FALSE(allowance.takes_mark(test_start));
 }
 
 }  // namespace

@@ -89,7 +89,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
       case DatagramKind::mark:
         return encoded(FlowMark{77, 4000, 1000, 0, 55}, mark_bytes);
       case DatagramKind::report:
-        return encoded(FlowReport{77, 1000, 5000, 3, 2, 55}, report_bytes);
+        return encoded(FlowReport{77, 1000, 5000, 3, 2, 100, 55}, report_bytes);
     }
     return {};
   }
@@ -210,7 +210,7 @@ TEST_F(DemultiplexerTest, HandsAnswersOverAsTheyWereSentWhoeverSendsThem) {
   EXPECT_EQ(ack.next, 3U);
   ASSERT_EQ(ack.missing_count, 1U);
   EXPECT_EQ(ack.missing[0], (Missing{3, 10, 20}));
-  EXPECT_EQ(std::get<FlowReport>(handed_.answers[1]), (FlowReport{77, 1000, 5000, 3, 2, 55}));
+  EXPECT_EQ(std::get<FlowReport>(handed_.answers[1]), (FlowReport{77, 1000, 5000, 3, 2, 100, 55}));
   EXPECT_EQ(std::get<GroupReport>(handed_.answers[2]), (GroupReport{short_id, 1, 9, 12}));
   EXPECT_EQ(malformed() + unknown(), 0U);
 }
@@ -256,6 +256,19 @@ TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
   ASSERT_EQ(handed_.reports.size(), 2U);
   const std::uint32_t sound = 7, unreadable = 1, malformed_samples_and_heartbeat = 7;
   EXPECT_EQ(handed_.reports[1].second.came, sound + unreadable + malformed_samples_and_heartbeat);
+}
+
+TEST_F(DemultiplexerTest, ReportsTheLongestDatagramThatCameFromTheAddressFromAnyOfItsPorts) {
+  const Bytes mark = datagram_of(DatagramKind::mark);
+  receive(mark);
+  const Bytes sample = datagram_of(DatagramKind::first);
+  SocketAddress other_port = writers_node;
+  other_port.port = 4321;
+  receive(sample, other_port);
+  receive(mark);
+  ASSERT_EQ(handed_.reports.size(), 2U);
+  EXPECT_EQ(handed_.reports[0].second.longest, 0U) << "nothing was known of the address";
+  EXPECT_EQ(handed_.reports[1].second.longest, sample.size());
 }
 
 TEST_F(DemultiplexerTest, JoinsAGroupThatIsOfferedAndLeavesItWhenTheOfferIsTakenBack) {

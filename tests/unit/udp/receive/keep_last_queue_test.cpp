@@ -59,6 +59,30 @@ TEST_F(KeepLastQueueTest, PushesTheOldestOutThatHaveTooManyBytes) {
   EXPECT_EQ(put(5, 90), Put::kept) << "what was taken has no bytes any more";
 }
 
+TEST_F(KeepLastQueueTest, CountsEachOfSeveralThatHaveToGoForOne) {
+  queue_ = KeepLastQueue(3, 100);
+  put(1, 40);
+  put(2, 40);
+  EXPECT_EQ(put(3, 90), Put::pushed_out);
+  EXPECT_EQ(pushed_out_, (Sequences{2}));
+  EXPECT_EQ(queue_.take_dropped(), 1U) << "the first one";
+  EXPECT_EQ(pop_all(), (Sequences{3}));
+}
+
+TEST_F(KeepLastQueueTest, CountsWhatGoesWhereSequencesBeginAnewAndHasItsRoomBack) {
+  queue_ = KeepLastQueue(3, 100);
+  put(10, 60);
+  put(11, 30);
+  core::SampleHandle first = pool_->take(100);
+  first->header().sequence = 5;
+  first->header().body_bytes = 80;
+  first->numbering = 1;
+  EXPECT_EQ(queue_.put(first, ++arrivals_), Put::kept);
+  EXPECT_EQ(queue_.take_dropped(), 2U);
+  EXPECT_EQ(put(6, 20), Put::kept);
+  EXPECT_EQ(pop_all(), (Sequences{5, 6}));
+}
+
 TEST_F(KeepLastQueueTest, KeepsASampleAloneThatHasMoreBytesThanMayWait) {
   queue_ = KeepLastQueue(3, 100);
   put(1, 60);

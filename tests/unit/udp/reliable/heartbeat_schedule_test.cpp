@@ -65,6 +65,17 @@ TEST_F(HeartbeatScheduleTest, WaitsForTwiceTheUsualPauseBetweenSamples) {
   EXPECT_EQ(schedule.next(), now + 350ms) << "a repair tells nothing of the usual pause";
 }
 
+TEST_F(HeartbeatScheduleTest, AMuchLongerPauseBetweenTwoSamplesHardlyCountsAsUsual) {
+  begin();
+  schedule.sent(true, Kept::at_most_half, now + 40ms);  // the usual pause
+  const Time after_pause = now + 40ms + 10s;
+  schedule.sent(true, Kept::at_most_half, after_pause);
+  ASSERT_TRUE(schedule.take(Kept::at_most_half, schedule.next()));
+  schedule.answered(Kept::at_most_half, after_pause);
+  schedule.sent(true, Kept::at_most_half, after_pause + 45ms);
+  EXPECT_EQ(schedule.next(), after_pause + 3 * 45ms);
+}
+
 TEST_F(HeartbeatScheduleTest, DoesNotWaitForTheLastSampleWhileMuchIsKept) {
   begin();
   schedule.sent(true, Kept::more_than_half, now + 100ms);

@@ -26,7 +26,10 @@ class KeptSamplesTest : public testing::Test {
 };
 
 TEST_F(KeptSamplesTest, LetsTheOldestGoWhereThereAreTooMany) {
-  for (std::uint64_t ordinal = 1; ordinal <= 4; ++ordinal) EXPECT_EQ(keep(), ordinal);
+  for (std::uint64_t ordinal = 1; ordinal <= 4; ++ordinal) {
+    EXPECT_TRUE(kept.can_keep(1, 0));
+    EXPECT_EQ(keep(), ordinal);
+  }
   EXPECT_FALSE(kept.can_keep(1, 0));
   kept.begin_sending(1);
   keep();

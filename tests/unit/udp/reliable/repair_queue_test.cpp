@@ -75,5 +75,18 @@ TEST(RepairQueueTest, TellsWhenItsRateAllowsTheNextPart) {
   EXPECT_TRUE(queue.next(KeptSize::large, ready));
 }
 
+/// The first datagram of a sample is asked for as a part without bytes.
+TEST(RepairQueueTest, APartCostsItsRateADatagramHoweverFewBytesAreAskedFor) {
+  constexpr std::size_t burst_bytes = std::size_t{1} << 20, enough = 10'000;
+  RepairQueue queue(1);
+  std::size_t sent = 0;
+  for (std::uint64_t ordinal = 0; ordinal < enough; ++ordinal) {
+    queue.ask_for({ordinal, {0, 0}});
+    sent += queue.next(KeptSize::small, test_start) ? 1 : 0;
+  }
+  EXPECT_GT(sent, 0U);
+  EXPECT_LE(sent, burst_bytes / datagram_bytes_min + 1);
+}
+
 }  // namespace
 }  // namespace sft::udp

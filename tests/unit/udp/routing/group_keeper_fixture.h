@@ -194,7 +194,7 @@ class GroupKeeperTest : public testing::Test {
   std::uint32_t next_host_ = 0;
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{1} << 20);
   std::shared_ptr<WriterTally> tally_ = std::make_shared<WriterTally>();
-  DestinationDirectory destinations_{DestinationLimits{}, connections_.connect()};
+  DestinationDirectory destinations_{DestinationLimits{.report_port = 9}, connections_.connect()};
   GroupRegistry registry_;
   std::map<const Destination*, std::shared_ptr<Lane>> lanes_;
   std::map<const Destination*, std::shared_ptr<Channel>> channels_;

@@ -143,6 +143,16 @@ TEST_F(LostSamplesTest, ThoseThatTheSendingThreadLoses) {
   EXPECT_EQ(tally_->dropped, 1U);
 }
 
+TEST_F(LostSamplesTest, AllOfAPackThatTheSendingThreadLoses) {
+  serve(Delivery::best_effort, "height");
+  publish_together(5);
+  ASSERT_NE(lane_->next(), nullptr);
+  ASSERT_EQ(lane_->current()->samples(), 5U);
+  lane_->lose_current();
+  EXPECT_EQ(counted(), counts(0, 5, height_bytes));
+  EXPECT_EQ(tally_->dropped, 5U);
+}
+
 TEST_F(LostSamplesTest, ThoseThatAFullChannelDrops) {
   serve(Delivery::reliable, "height");
   constexpr std::size_t dropped = 20;

@@ -77,6 +77,14 @@ TEST_F(RejectedAnswersTest, AcksSweptOverChannelsAndOrdinalsLoseNothing) {
   EXPECT_EQ(rejected(), swept);
 }
 
+TEST_F(RejectedAnswersTest, TheAckThatEndsAChannelSinceItIsOfWhatWasNeverSentIsCounted) {
+  send(1);
+  for (const std::uint64_t counted : {0, 1}) {
+    hear(Ack{.writer = writer, .channel = channel_->number(), .next = 100}, reader_);
+    EXPECT_EQ(rejected(), counted);
+  }
+}
+
 TEST_F(RejectedAnswersTest, AnAckOfAWrongChannelMakesSamplesNameTheTrueOneInFull) {
   const auto next_is_in_short = [&] {
     const JobHandle job = test::make_job(*jobs_, 2);

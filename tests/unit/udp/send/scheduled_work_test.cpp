@@ -11,11 +11,12 @@ namespace sft::udp {
 namespace {
 
 struct Work final : DeferredWork {
-  void carry_out() noexcept override {
+  bool carry_out() noexcept override {
     ++times;
     if (meanwhile) meanwhile();
+    return times < parts;
   }
-  int times = 0;
+  int times = 0, parts = 1;
   std::function<void()> meanwhile;
 };
 
@@ -76,6 +77,19 @@ TEST_F(ScheduledWorkTest, CarriesOutDeferredWorkOnce) {
   scheduled.carry_out_deferred();
   EXPECT_EQ(one->times, 1);
   EXPECT_EQ(other->times, 1);
+}
+
+TEST_F(ScheduledWorkTest, GivesOtherWorkItsTurnBetweenTwoPartsOfOne) {
+  const auto endless = std::make_shared<Work>();
+  const auto rare = std::make_shared<Work>();
+  endless->parts = 1000;
+  scheduled.add(endless);
+  scheduled.carry_out_deferred();
+  EXPECT_EQ(endless->times, 1);
+  scheduled.add(rare);
+  scheduled.carry_out_deferred();
+  EXPECT_EQ(rare->times, 1);
+  EXPECT_EQ(endless->times, 2) << "nobody adds it again";
 }
 
 TEST_F(ScheduledWorkTest, TakesWorkAgainWhileItIsCarriedOut) {

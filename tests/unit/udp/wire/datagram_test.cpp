@@ -219,6 +219,7 @@ TEST(FlowReport, ComesBackAsItWasAndIsNoLongerThanTheMark) {
                         .window_bytes = 4,
                         .datagrams = 5,
                         .came = 6,
+                        .longest = 8,
                         .sent_at_ns = 0x7'0000'0007};
   std::vector<std::byte> bytes(report_bytes);
   encode(sent, bytes.data());

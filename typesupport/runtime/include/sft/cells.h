@@ -22,8 +22,9 @@
 // of one. In a field of numbers of several bytes it is the type of the number. The result is an error if
 //   - a cell has another size, or the encoding has no such cells: type_mismatch
 //   - the sample was sent without a field that gives the number of rows or columns or the size of a cell:
-//     unavailable. If fields are recorded, the subscriber asks for that field from then on. A program that
-//     declares a mask has to declare these fields, too. A program that declares a part need not.
+//     unavailable. If fields are recorded, the subscriber asks for that field from then on. A mask that is
+//     declared without one of these fields does not compile. A program that declares a part need not declare
+//     them.
 //   - the bytes of the sample are inconsistent or end early: malformed
 // Values in big-endian fields of bytes are swapped. A field that claims more cells than it holds is empty.
 //
@@ -49,6 +50,7 @@
 
 #include "sft/detail/cell_grid.h"
 #include "sft/detail/element_type.h"
+#include "sft/detail/layout_text.h"
 #include "sft/result.h"
 #include "sft/type_support.h"
 
@@ -277,6 +279,17 @@ Result<Cells<Cell>> cells_at(const Place& place) {
   static_assert(fits_elements<Cell>(m.kind),
                 "the field has cells of another type, which is that of its elements");
   constexpr std::size_t leaf = Place::template leaf_of<M>;
+  if constexpr (Place::is_indexed) {
+    constexpr const StructType& type = TypeTable<typename Place::Struct>::type;
+    constexpr std::string_view rule = rule_of(type, m);
+    static_assert(path_of_role(rule, "channels").empty(),
+                  "the cells of this field have channels: read the points, sample->points<float>(\"x\")");
+    static_assert(!Place::declares_mask || !path_of_role(rule, "channels").empty() ||
+                      has_fields_of_cells(Place::declared, type, Place::first_leaf, rule),
+                  "the declared mask lacks a field that the cells need: add the numbers of rows and columns, "
+                  "the bytes of a row or cell, the byte order and the encoding (of an Image: height, width, "
+                  "step, is_bigendian, encoding), or declare a part, F::data.rows(0, 10)");
+  }
   CellsPlace cells{.sample = &place.state(),
                    .member = &m,
                    .leaf = leaf,

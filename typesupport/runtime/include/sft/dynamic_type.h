@@ -1,5 +1,5 @@
-// A message type that is not compiled into the program but read from the description that travels with its
-// topic. Node::find_type() and from_msg() (msg_text.h) return one, too.
+// A message type that is not compiled into the program. Node::find_type() makes it from the description that
+// is announced with a topic, and from_msg() (msg_text.h) from the text of a .msg file.
 #pragma once
 
 #include <cstddef>

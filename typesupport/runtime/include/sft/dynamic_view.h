@@ -7,12 +7,14 @@
 //   for (const DynamicView& field : cloud["fields"].elements()) ...
 //
 // Navigation always returns a view, which is in one of three states:
-//   - it can be read: the view is true
+//   - readable: the view converts to true
 //   - absent: the sample was sent without the field; reading its value is an error, never zero
-//   - error(): there is no such field or element, or the bytes are malformed (and the sample is flagged)
+//   - erroneous: error() is not null, because there is no such field or element, or because the bytes are
+//     malformed (then the sample is flagged, too)
 //
-// If the subscriber records, testing whether a view is true counts as an access, and so does reading its
-// value. For a struct that is an access to its first leaf. is_absent() is no access.
+// If the subscriber records which fields the program reads, a test whether a view is true counts as an access
+// to the field, and so does reading its value. For a struct, this is an access to its first leaf. A call of
+// is_absent() is no access.
 //
 // A view owns nothing. It must not outlive the sample and the type to which it refers. Several threads may
 // read one sample. Errors of a read are values (result.h); no function throws.

@@ -3,19 +3,27 @@
 
 #include <optional>
 
+#include "sft/detail/misuse.h"
+
 namespace sft {
 
 /// A field of such a sample: empty if the sample was sent without the field. It is a std::optional, and
 /// converts to one. But its `*` returns the value itself and not a reference into the optional, so that `for
 /// (auto f : *sample->fields())` does not iterate over a destroyed range. V is a small type, a number or a
-/// view. A view is valid as long as the sample. On an empty Optional `*` is undefined and value() throws, as
-/// on std::optional.
+/// view. A view is valid as long as the sample. On an empty Optional `*` and `->` end the program with a line
+/// that says so; value() throws an exception, as on std::optional.
 template <class V>
 class Optional : public std::optional<V> {
  public:
   using std::optional<V>::optional;
   /// The value itself. REQUIRES: there is one.
-  V operator*() const { return std::optional<V>::operator*(); }
+  V operator*() const { return *operator->(); }
+  /// The members of the value. REQUIRES: there is one.
+  const V* operator->() const {
+    if (!this->has_value()) [[unlikely]]
+      detail::stop_at_absent_field();
+    return std::optional<V>::operator->();
+  }
   /// The value itself. Throws std::bad_optional_access if there is none.
   V value() const { return std::optional<V>::value(); }
 };

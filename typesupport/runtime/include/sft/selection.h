@@ -135,7 +135,7 @@ class Selection {
   std::span<const Part> parts() const;
   /// The part of the leaf; null: the whole leaf is selected, or nothing of it.
   const Part* part(std::size_t leaf) const;
-  /// When samples are sent.
+  /// The gate, which decides when samples are sent.
   const Gate& gate() const;
   /// Returns true if there are neither parts nor a gate.
   bool is_mask() const { return extra_ == nullptr; }

@@ -104,8 +104,8 @@ using CloudLeaves = std::array<LeafRange, cloud_fields.size()>;
 /// itself.
 Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> wanted);
 
-/// Notes that these channels are read if reads are recorded. Notes all members of the cloud if its channels
-/// are not noted one by one. Returns an error if the sample was sent without a member or a channel.
+/// If reads are recorded, notes a read of the wanted channels, or of all members of the cloud if its channels
+/// are not noted one by one. Returns an error if the sample was sent without one of the members or channels.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted);
 

@@ -1,0 +1,60 @@
+#include "core/node/vanilla_access.h"
+
+#include <string>
+#include <utility>
+
+namespace sft::core {
+
+bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_publishers, Time now) {
+  next_look_ = Time::max();
+  const bool wanted = is_wanted(heard, now) && has_publishers;
+  if (!wanted) {
+    opening_ = {};
+    return std::exchange(domain_, nullptr) != nullptr;
+  }
+  if (domain_ != nullptr) {
+    const std::uint64_t changes = domain_->readers().changes();
+    return std::exchange(changes_, changes) != changes;
+  }
+  if (opening_.due(now) && open(now)) return true;
+  next_look_ = std::min(next_look_, opening_.next());
+  return false;
+}
+
+bool VanillaAccess::is_wanted(const Discovery::Vanilla& heard, Time now) {
+  using enum NodeOptions::VanillaDds;
+  if (setup_.choice != automatic) return setup_.choice == always;
+  if (heard.is_there) heard_at_ = now;
+  if (heard_at_ == Time{} || now - heard_at_ >= kept) return false;
+  if (!heard.is_there) next_look_ = heard_at_ + kept;
+  return may_serve(heard);
+}
+
+/// A program may begin to speak DDS at any time. Then its own participant is one more that comes.
+bool VanillaAccess::may_serve(const Discovery::Vanilla& heard) {
+  if (std::exchange(came_, heard.came) == heard.came) return !program_speaks_dds_;
+  const bool speaks = setup_.program_speaks(setup_.plan.domain);
+  if (speaks && !program_speaks_dds_) {
+    log_.write(LogLevel::info,
+               "DDS nodes are not served, because this program speaks DDS itself, and might get back what it "
+               "publishes: choose NodeOptions::VanillaDds::always if it does not pass on messages");
+  }
+  program_speaks_dds_ = speaks;
+  return !speaks;
+}
+
+bool VanillaAccess::open(Time now) {
+  Result<std::shared_ptr<VanillaDomain>> opened = setup_.open(setup_.plan);
+  if (!opened) {
+    if (opening_.failed(opened.error().message, now))
+      log_.write(LogLevel::warning, "DDS nodes are not served: " + opened.error().message);
+    return false;
+  }
+  opening_.succeeded();
+  domain_ = std::move(*opened);
+  log_.write(LogLevel::info, "publishers serve nodes of DDS and ROS 2, too, in DDS domain " +
+                                 std::to_string(setup_.plan.domain));
+  return true;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,79 @@
+#include "core/node/vanilla_serving.h"
+
+#include <utility>
+
+#include "core/node/vanilla_access.h"
+
+namespace sft::core {
+
+VanillaServing::~VanillaServing() {
+  if (outlet_ != nullptr) outlet_->close();
+}
+
+/// What a publisher retains has to be at its DDS writer before a reader comes.
+bool VanillaServing::reconcile(Time now) {
+  if (node_.vanilla == nullptr) return false;
+  const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();
+  if (writer_ != nullptr && writer_->domain() != domain) {
+    retired_ = std::exchange(outlet_, nullptr);
+    writer_.reset();
+  }
+  if (writer_ == nullptr && domain != nullptr) open_writer(now);
+  if (domain == nullptr) opening_ = {};
+  name_unserved();
+  const std::size_t readers = writer_ == nullptr ? 0 : writer_->readers();
+  const bool wanted = writer_ != nullptr && (readers > 0 || core_.retains());
+  if (wanted && outlet_ == nullptr) {
+    const auto write = [writer = writer_](const SampleHandle& sample) { return writer->write(sample); };
+    outlet_ = std::make_shared<VanillaOutlet>(write, core_.retains() ? core_.spec().qos.history_depth : 0);
+    outlet_->show_readers(readers);
+    return true;
+  }
+  if (!wanted && outlet_ != nullptr) retired_ = std::exchange(outlet_, nullptr);
+  if (outlet_ != nullptr) outlet_->show_readers(readers);
+  if (retired_ == nullptr) start_outlet(now);  // it may have failed before
+  return retired_ != nullptr;
+}
+
+void VanillaServing::in_force() {
+  if (const auto retired = std::exchange(retired_, nullptr)) retired->close();
+  start_outlet(std::chrono::steady_clock::now());
+}
+
+void VanillaServing::start_outlet(Time now) {
+  if (outlet_ == nullptr || outlet_->is_started() || !opening_.due(now)) return;
+  const ThreadSpec thread("dds-send", node_.vanilla->setup().sender);
+  const Result<void> started = outlet_->start(thread);
+  started ? opening_.succeeded() : failed(started.error(), now);
+}
+
+void VanillaServing::open_writer(Time now) {
+  if (!opening_.due(now)) return;
+  Result<std::shared_ptr<VanillaWriter>> writer = VanillaWriter::open(
+      node_.vanilla->domain(), {.topic = core_.spec().topic,
+                                .type = &core_.type(),
+                                .qos = core_.spec().qos,
+                                .max_sample_bytes = core_.spec().max_sample_bytes,
+                                .readers_changed = node_.vanilla->setup().readers_changed});
+  if (!writer) return failed(writer.error(), now);
+  opening_.succeeded();
+  writer_ = std::move(*writer);
+}
+
+void VanillaServing::name_unserved() {
+  const std::uint64_t changes = writer_ == nullptr ? 0 : writer_->domain()->readers().changes();
+  if (std::exchange(readers_changes_, changes) == changes) return;
+  std::set<std::string> reasons = writer_ == nullptr ? std::set<std::string>() : writer_->why_not_served();
+  for (const std::string& reason : reasons) {
+    if (unserved_.contains(reason)) continue;
+    node_.log.write(LogLevel::warning, core_.spec().topic + ": a reader of DDS is not served: " + reason);
+  }
+  unserved_ = std::move(reasons);
+}
+
+void VanillaServing::failed(const Error& error, Time now) {
+  if (!opening_.failed(error.message, now)) return;
+  node_.log.write(LogLevel::warning, core_.spec().topic + ": DDS readers are not served: " + error.message);
+}
+
+}  // namespace sft::core

@@ -1,0 +1,52 @@
+// Serves the unmodified DDS readers of one publisher: has a DDS writer while the node has a participant for
+// it, and a port for the publisher while it has such readers. The agent's.
+#pragma once
+
+#include <cstdint>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "core/node/node_context.h"
+#include "core/platform/clock.h"
+#include "core/platform/retry.h"
+#include "core/publish/publisher_core.h"
+#include "core/vanilla/vanilla_outlet.h"
+#include "core/vanilla/vanilla_writer.h"
+
+namespace sft::core {
+
+class VanillaServing {
+ public:
+  /// Both outlive this object.
+  VanillaServing(NodeContext& node, PublisherCore& core) : node_(node), core_(core) {}
+  ~VanillaServing();
+  VanillaServing(const VanillaServing&) = delete;
+  VanillaServing& operator=(const VanillaServing&) = delete;
+
+  /// Opens and closes what is needed and not needed any more. Returns true if the port is another one than
+  /// before, so that the publisher has to be told of it; in_force() is then to be called.
+  bool reconcile(Time now);
+  std::shared_ptr<VanillaPort> port() const { return outlet_; }
+  /// The publisher sends by the port now, and no more by the one before.
+  void in_force();
+  /// True if something could not be opened and may be tried again.
+  bool may_try_again(Time now) const { return opening_.due_again(now); }
+
+ private:
+  void open_writer(Time now);
+  void start_outlet(Time now);
+  void name_unserved();
+  void failed(const Error& error, Time now);
+
+  NodeContext& node_;
+  PublisherCore& core_;
+  std::shared_ptr<VanillaWriter> writer_;
+  std::shared_ptr<VanillaOutlet> outlet_;
+  std::shared_ptr<VanillaOutlet> retired_;  ///< until in_force()
+  std::set<std::string> unserved_;          ///< the reasons that the log has named
+  std::uint64_t readers_changes_ = 0;       ///< as of then
+  Retry opening_;
+};
+
+}  // namespace sft::core

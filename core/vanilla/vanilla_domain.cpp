@@ -1,0 +1,88 @@
+#include "core/vanilla/vanilla_domain.h"
+
+#include <link.h>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <string_view>
+#include <tuple>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/dds_config.h"
+#include "core/discovery/dds_domain.h"
+#include "core/discovery/participant_data.h"
+#include "core/sync/mutex.h"
+
+namespace sft::core {
+
+namespace {
+
+/// The domains of this process, as long as any node uses them. Cyclone shares what it has among equal ones.
+struct OpenVanillaDomains {
+  Mutex mutex;
+  std::map<const CycloneDomain*, std::weak_ptr<VanillaDomain>> by_domain SFT_GUARDED_BY(mutex);
+};
+OpenVanillaDomains open_vanilla_domains;
+
+/// rmw_cyclonedds takes a participant for one of ROS 2 by the key "enclave".
+dds_entity_t create_participant(std::uint32_t domain) {
+  const std::string user_data = "enclave=/;" + std::string(vanilla_mark);
+  dds_qos_t* const qos = dds_create_qos();
+  dds_qset_userdata(qos, user_data.data(), user_data.size());
+  const dds_entity_t participant = dds_create_participant(domain, qos, nullptr);
+  dds_delete_qos(qos);
+  return participant;
+}
+
+/// ROS 2's client library, with whatever middleware, and Fast DDS of both names that it has had.
+constexpr std::array<std::string_view, 3> dds_libraries{"/librcl.so", "/libfastrtps.so", "/libfastdds.so"};
+
+int note_dds_library(dl_phdr_info* library, std::size_t, void* found) {
+  const std::string_view name = library->dlpi_name == nullptr ? "" : library->dlpi_name;
+  const auto is_it = [&](std::string_view one) { return name.find(one) != std::string_view::npos; };
+  *static_cast<bool*>(found) |= std::ranges::any_of(dds_libraries, is_it);
+  return 0;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan) {
+  const Result<VanillaConfig> config = vanilla_config(plan.domain, plan.user_config);
+  if (!config) return tl::unexpected(config.error());
+  if (config->is_secured) {
+    return fail(Errc::unavailable,
+                "CYCLONEDDS_URI asks for DDS Security, which is not supported for samples to DDS nodes");
+  }
+  std::vector<std::string> complaints;
+  Result<std::shared_ptr<const CycloneDomain>> domain =
+      cyclone_domain({.config = config->text, .threads = plan.threads}, nullptr, complaints);
+  if (!domain) return tl::unexpected(domain.error());
+  const Lock lock(open_vanilla_domains.mutex);
+  std::erase_if(open_vanilla_domains.by_domain, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<VanillaDomain>& known = open_vanilla_domains.by_domain[domain->get()];
+  if (auto open = known.lock()) return open;
+  const CycloneMessages messages;
+  const dds_entity_t participant = create_participant((*domain)->id());
+  if (participant < 0) {
+    return fail(Errc::unavailable, "the DDS domain cannot be joined: " + messages.text() +
+                                       "; check the network interfaces and CYCLONEDDS_URI");
+  }
+  auto made = std::make_shared<VanillaDomain>(std::move(*domain), participant);
+  known = made;
+  return made;
+}
+
+VanillaDomain::VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant)
+    : domain_(std::move(domain)), participant_(participant), readers_(participant) {}
+
+VanillaDomain::~VanillaDomain() { dds_delete(participant_); }
+
+bool program_speaks_dds(std::uint32_t domain) {
+  bool found = program_has_opened(domain);
+  dl_iterate_phdr(&note_dds_library, &found);
+  return found;
+}
+
+}  // namespace sft::core

@@ -1,0 +1,127 @@
+#include "core/vanilla/vanilla_writer.h"
+
+#include <algorithm>
+#include <new>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/discovery/dds_domain.h"
+#include "core/discovery/participant_data.h"
+#include "core/platform/quotes.h"
+#include "core/vanilla/dds_names.h"
+#include "core/vanilla/type_hash.h"
+#include "core/vanilla/vanilla_matching.h"
+
+namespace sft::core {
+
+namespace {
+
+/// A reader that was stopped pins the depth of the writer and two samples more. Of large ones they are few.
+constexpr std::size_t kept_bytes = 16 << 20;
+constexpr std::size_t kept_samples = 10;
+constexpr std::size_t readers_counted = 64;
+constexpr std::size_t reasons_max = 16;  // of one topic; whoever makes readers up can make up no more
+
+struct WriterQosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+using WriterQos = std::unique_ptr<dds_qos_t, WriterQosDeleter>;
+
+/// A writer that keeps the last samples never waits for its readers.
+WriterQos qos_of(const VanillaWriter::Spec& spec) {
+  const Qos offered = offered_to_vanilla(spec.qos);
+  const bool retains = offered.durability == Durability::transient_local;
+  const std::size_t resent =
+      std::clamp<std::size_t>(kept_bytes / std::max<std::size_t>(spec.max_sample_bytes, 1), 1, kept_samples);
+  const auto depth = static_cast<std::int32_t>(retains ? offered.history_depth : resent);
+  WriterQos qos(dds_create_qos());
+  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
+  if (retains) {
+    dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
+    dds_qset_durability_service(qos.get(), 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
+                                DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  }
+  if (offered.deadline.count() > 0) dds_qset_deadline(qos.get(), offered.deadline.count());
+  if (offered.lifespan.count() > 0) dds_qset_lifespan(qos.get(), offered.lifespan.count());
+  const std::string user_data = endpoint_user_data(ros_type_hash(spec.type->type()).value_or(""));
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  dds_qset_writer_data_lifecycle(qos.get(), false);
+  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
+  return qos;
+}
+
+bool is_reader_of_sft(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (qos == nullptr || !dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return false;
+  const bool is_ours = is_of_sft({static_cast<const char*>(data), bytes});
+  dds_free(data);
+  return is_ours;
+}
+
+}  // namespace
+
+Result<std::shared_ptr<VanillaWriter>> VanillaWriter::open(std::shared_ptr<VanillaDomain> domain, Spec spec) {
+  std::shared_ptr<VanillaWriter> writer(new VanillaWriter(std::move(domain), std::move(spec)));
+  if (Result<void> opened = writer->open(); !opened) return tl::unexpected(opened.error());
+  return writer;
+}
+
+Result<void> VanillaWriter::open() {
+  const CycloneMessages messages;
+  const std::string name = dds_topic(spec_.topic), type_name = dds_type(spec_.type->name());
+  const auto refused = [&](dds_return_t status) {
+    return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name) + ": " +
+                                  dds_strretcode(status) + " (" + messages.text() + ")");
+  };
+  topic_ = raw_topic(domain_->participant(), name, type_name);
+  if (topic_.entity < 0) return refused(topic_.entity);
+  dds_listener_t* const listener = dds_create_listener(this);
+  dds_lset_publication_matched(listener, [](dds_entity_t, dds_publication_matched_status_t, void* self) {
+    static_cast<VanillaWriter*>(self)->spec_.readers_changed();
+  });
+  writer_ = dds_create_writer(domain_->participant(), topic_.entity, qos_of(spec_).get(), listener);
+  dds_delete_listener(listener);
+  return writer_ < 0 ? refused(writer_) : Result<void>();
+}
+
+VanillaWriter::~VanillaWriter() {
+  if (writer_ > 0) dds_delete(writer_);  // Cyclone waits for listeners that run
+  if (topic_.entity > 0) dds_delete(topic_.entity);
+}
+
+std::size_t VanillaWriter::readers() const {
+  std::vector<dds_instance_handle_t> handles(readers_counted);
+  const dds_return_t matched = dds_get_matched_subscriptions(writer_, handles.data(), handles.size());
+  handles.resize(std::clamp<std::size_t>(static_cast<std::size_t>(std::max(matched, 0)), 0, handles.size()));
+  const auto is_vanilla = [this](dds_instance_handle_t handle) {
+    dds_builtintopic_endpoint_t* const reader = dds_get_matched_subscription_data(writer_, handle);
+    if (reader == nullptr) return false;
+    const bool is_ours = is_reader_of_sft(reader->qos);
+    dds_builtintopic_free_endpoint(reader);
+    return !is_ours;
+  };
+  return static_cast<std::size_t>(std::ranges::count_if(handles, is_vanilla));
+}
+
+std::set<std::string> VanillaWriter::why_not_served() const {
+  std::set<std::string> reasons;
+  for (const VanillaReader& reader : domain_->readers().of(dds_topic(spec_.topic))) {
+    if (reasons.size() < reasons_max)
+      reasons.insert(
+          core::why_not_served(dds_type(spec_.type->name()), offered_to_vanilla(spec_.qos), reader));
+  }
+  reasons.erase("");
+  return reasons;
+}
+
+bool VanillaWriter::write(const SampleHandle& sample) noexcept try {
+  ddsi_serdata* const data = raw_sample(topic_.type, sample, spec_.type->index_slots());
+  return dds_forwardcdr(writer_, data) == DDS_RETCODE_OK;
+} catch (const std::bad_alloc&) {
+  return false;
+}
+
+}  // namespace sft::core

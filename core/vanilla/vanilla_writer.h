@@ -1,0 +1,57 @@
+// The DDS writer by which one publisher serves unmodified readers of its topic.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <set>
+#include <string>
+
+#include "core/seam/sample_buffer.h"
+#include "core/vanilla/raw_sample.h"
+#include "core/vanilla/vanilla_domain.h"
+#include "sft/qos.h"
+#include "sft/result.h"
+#include "sft/type_support.h"
+
+namespace sft::core {
+
+class VanillaWriter {
+ public:
+  struct Spec {
+    std::string topic;                  ///< as SFT names it
+    const TypeSupport* type = nullptr;  ///< outlives the writer
+    Qos qos{};                          ///< of the publisher
+    std::size_t max_sample_bytes = 0;
+    /// Called when readers have come or gone: a thread of Cyclone, posts and returns.
+    std::function<void()> readers_changed{};
+  };
+  static Result<std::shared_ptr<VanillaWriter>> open(std::shared_ptr<VanillaDomain> domain, Spec spec);
+  /// Waits until `readers_changed` does not run any more. Cyclone drops the handles of samples soon after.
+  ~VanillaWriter();
+  VanillaWriter(const VanillaWriter&) = delete;
+  VanillaWriter& operator=(const VanillaWriter&) = delete;
+
+  const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
+  /// The readers that match and are not SFT's. One thread at a time.
+  std::size_t readers() const;
+  /// Why readers of the topic do not match, each reason once. One thread at a time.
+  std::set<std::string> why_not_served() const;
+  /// Takes as long as sending takes, and does not wait for readers. One thread at a time. False if Cyclone
+  /// refuses the sample.
+  bool write(const SampleHandle& sample) noexcept;
+
+ private:
+  VanillaWriter(std::shared_ptr<VanillaDomain> domain, Spec spec)
+      : domain_(std::move(domain)), spec_(std::move(spec)) {}
+  Result<void> open();
+
+  const std::shared_ptr<VanillaDomain> domain_;
+  const Spec spec_;
+  RawTopic topic_;
+  dds_entity_t writer_ = 0;
+};
+
+}  // namespace sft::core

@@ -1,0 +1,89 @@
+/* A node of plain Cyclone DDS, which knows nothing of SFT: it takes messages as C structs and writes what
+   happens to its standard output, as records: { int64 stamp; uint32 kind, bytes; } and so many bytes.
+
+   vanilla_reader DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH */
+#include <dds/dds.h>
+#include <dds/ddsi/ddsi_serdata.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include "vanilla_messages.h"
+
+enum { matched = 1, sample = 2 }; /* kinds of records */
+
+static void write_all(const void* bytes, size_t size) {
+  for (size_t done = 0; done < size;) {
+    const ssize_t n = write(STDOUT_FILENO, (const char*)bytes + done, size - done);
+    if (n <= 0) exit(0); /* the test has ended */
+    done += (size_t)n;
+  }
+}
+
+static void tell(uint32_t kind, int64_t stamp, const void* bytes, uint32_t size) {
+  struct {
+    int64_t stamp;
+    uint32_t kind, size;
+  } head = {stamp, kind, size};
+  write_all(&head, sizeof head);
+  write_all(bytes, size);
+}
+
+static dds_qos_t* qos_of(char** words) {
+  dds_qos_t* qos = dds_create_qos();
+  const int reliable = strcmp(words[0], "reliable") == 0, latched = strcmp(words[1], "latched") == 0;
+  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       DDS_MSECS(100));
+  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, atoi(words[2]));
+  return qos;
+}
+
+/* The struct once more as bytes, by Cyclone's own serializer. */
+static void tell_sample(const struct ddsi_serdata* as_received, const void* message, int64_t stamp) {
+  struct ddsi_serdata* again = ddsi_serdata_from_sample(as_received->type, SDK_DATA, message);
+  const uint32_t size = ddsi_serdata_size(again);
+  char* bytes = malloc(size);
+  ddsi_serdata_to_ser(again, 0, size, bytes);
+  tell(sample, stamp, bytes, size);
+  free(bytes);
+  ddsi_serdata_unref(again);
+}
+
+static void take_all(dds_entity_t reader) {
+  static sensor_msgs_msg_dds__PointCloud2_ message;
+  for (;;) {
+    struct ddsi_serdata* as_received = NULL;
+    dds_sample_info_t info;
+    void* to = &message;
+    if (dds_readcdr(reader, &as_received, 1, &info, DDS_ANY_STATE) <= 0) return;
+    if (dds_take(reader, &to, &info, 1, 1) > 0 && info.valid_data)
+      tell_sample(as_received, &message, info.source_timestamp);
+    ddsi_serdata_unref(as_received);
+  }
+}
+
+int main(int argc, char** argv) {
+  if (argc != 6) return 2;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
+  const dds_entity_t topic =
+      dds_create_topic(participant, &sensor_msgs_msg_dds__PointCloud2__desc, argv[2], NULL, NULL);
+  const dds_entity_t reader = dds_create_reader(participant, topic, qos_of(argv + 3), NULL);
+  if (reader < 0) return 3;
+  const dds_entity_t waitset = dds_create_waitset(participant);
+  dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);
+  dds_waitset_attach(waitset, reader, 0);
+  for (;;) {
+    dds_attach_t triggered;
+    dds_waitset_wait(waitset, &triggered, 1, DDS_INFINITY);
+    dds_subscription_matched_status_t status;
+    dds_get_subscription_matched_status(reader, &status);
+    if (status.current_count_change != 0)
+      tell(matched, 0, &status.current_count, sizeof status.current_count);
+    take_all(reader);
+  }
+}

@@ -1,0 +1,25 @@
+// Topics and types have the names in DDS that nodes of ROS 2 give them.
+#include "core/vanilla/dds_names.h"
+
+#include <gtest/gtest.h>
+
+namespace sft::core {
+namespace {
+
+TEST(DdsNames, OfTopicsBeginWithRtAsInRos) {
+  EXPECT_EQ(dds_topic("points"), "rt/points");
+  EXPECT_EQ(dds_topic("/left/points"), "rt/left/points");
+}
+
+TEST(DdsNames, OfTypesHaveTheNamespaceOfRosBeforeTheLastPart) {
+  EXPECT_EQ(dds_type("sensor_msgs::msg::Imu"), "sensor_msgs::msg::dds_::Imu_");
+  EXPECT_EQ(dds_type("Imu"), "dds_::Imu_");
+}
+
+TEST(DdsNames, OfTypesInRosHaveSlashes) {
+  EXPECT_EQ(ros_type_name("sensor_msgs::msg::Imu"), "sensor_msgs/msg/Imu");
+  EXPECT_EQ(ros_type_name("Imu"), "Imu");
+}
+
+}  // namespace
+}  // namespace sft::core
