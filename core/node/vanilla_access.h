@@ -1,5 +1,5 @@
-// Decides when a node has a participant for unmodified nodes of DDS and ROS 2: while its publishers may have
-// such readers, and on `automatic` only while there are such nodes. The agent's.
+// Decides when a node has a participant for unmodified nodes of DDS and ROS 2: while the node has publishers
+// and, with `automatic`, only while such nodes are found. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -17,27 +17,28 @@ namespace sft::core {
 
 class VanillaAccess {
  public:
-  /// After the last such node has gone the participant stays so long: nodes restart, and tools come and go.
+  /// The participant is kept for this time after the last such node has gone, because nodes restart, and
+  /// tools run for a moment only.
   static constexpr std::chrono::seconds kept{30};
 
   struct Setup {
     NodeOptions::VanillaDds choice = NodeOptions::VanillaDds::never;
     VanillaPlan plan{};
-    ThreadSettings sender{};  ///< of the threads that hand samples over
+    ThreadSettings sender{};  ///< settings of the threads that hand samples over
     std::function<Result<std::shared_ptr<VanillaDomain>>(const VanillaPlan&)> open = &VanillaDomain::of;
     std::function<bool(std::uint32_t domain)> program_speaks = &program_speaks_dds;
-    /// Called by any thread when readers of some publisher have come or gone: posts and returns.
+    /// Called by any thread when readers of some publisher have come or gone. Must return at once.
     std::function<void()> readers_changed{};
   };
   VanillaAccess(Setup setup, NodeLog& log) : setup_(std::move(setup)), log_(log) {}
 
-  /// `heard`: the nodes of DDS that the links hear. Returns true if the domain is another one than before, or
-  /// has other readers.
+  /// `heard` counts the DDS nodes that the links have found. Returns true if the domain or its readers have
+  /// changed.
   bool look(const Discovery::Vanilla& heard, bool has_publishers, Time now);
-  /// When to look again at the latest; Time::max() if nothing changes by itself.
+  /// Returns the time by which look() has to be called again; Time::max() if nothing changes by itself.
   Time next_look() const { return next_look_; }
 
-  /// Null while there is none.
+  /// Null while the node has no such participant.
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
   const Setup& setup() const { return setup_; }
 
@@ -50,10 +51,10 @@ class VanillaAccess {
   NodeLog& log_;
   std::shared_ptr<VanillaDomain> domain_;
   Retry opening_;
-  Time heard_at_{};                  ///< the last time; Time{}: never
-  std::uint64_t changes_ = 0;        ///< of the readers of the domain, as of the last look
-  std::uint64_t came_ = 0;           ///< as of the last look at the program
-  bool program_speaks_dds_ = false;  ///< as of that look
+  Time heard_at_{};                  ///< when such a node was found last; Time{}: never
+  std::uint64_t changes_ = 0;        ///< VanillaReaders::changes() at the last look
+  std::uint64_t came_ = 0;           ///< Discovery::Vanilla::came at the last look at the program
+  bool program_speaks_dds_ = false;  ///< the result of that look
   Time next_look_ = Time::max();
 };
 

@@ -6,8 +6,8 @@
 
 namespace sft::core {
 
-/// Returns what the program says; else what `environment` says ($SFT_VANILLA_DDS; may be null); else
-/// automatic. The error says what it can be.
+/// Returns the choice of the program, or else that of `environment` (the value of SFT_VANILLA_DDS, or null),
+/// or else `automatic`. The error names the possible values.
 Result<NodeOptions::VanillaDds> vanilla_choice(std::optional<NodeOptions::VanillaDds> program,
                                                const char* environment);
 

@@ -1,5 +1,5 @@
-// Serves the unmodified DDS readers of one publisher: has a DDS writer while the node has a participant for
-// it, and a port for the publisher while it has such readers. The agent's.
+// Serves the unmodified DDS readers of one publisher. It has a DDS writer while the node has a participant
+// for it, and a port for the publisher while the writer has such readers. Used by the agent only.
 #pragma once
 
 #include <cstdint>
@@ -24,13 +24,13 @@ class VanillaServing {
   VanillaServing(const VanillaServing&) = delete;
   VanillaServing& operator=(const VanillaServing&) = delete;
 
-  /// Opens and closes what is needed and not needed any more. Returns true if the port is another one than
-  /// before, so that the publisher has to be told of it; in_force() is then to be called.
+  /// Opens what is needed now, and closes what is not needed any more. Returns true if the port has changed.
+  /// Then the caller must give the new port to the publisher, and call in_force().
   bool reconcile(Time now);
   std::shared_ptr<VanillaPort> port() const { return outlet_; }
-  /// The publisher sends by the port now, and no more by the one before.
+  /// Notes that the publisher sends by the present port, and no longer by the former one.
   void in_force();
-  /// True if something could not be opened and may be tried again.
+  /// Returns true if something could not be opened and may be tried again.
   bool may_try_again(Time now) const { return opening_.due_again(now); }
 
  private:
@@ -43,9 +43,9 @@ class VanillaServing {
   PublisherCore& core_;
   std::shared_ptr<VanillaWriter> writer_;
   std::shared_ptr<VanillaOutlet> outlet_;
-  std::shared_ptr<VanillaOutlet> retired_;  ///< until in_force()
+  std::shared_ptr<VanillaOutlet> retired_;  ///< the former port, until in_force()
   std::set<std::string> unserved_;          ///< the reasons that the log has named
-  std::uint64_t readers_changes_ = 0;       ///< as of then
+  std::uint64_t readers_changes_ = 0;       ///< VanillaReaders::changes() when the log named them
   Retry opening_;
 };
 

@@ -1,6 +1,6 @@
-// The sending end for the readers of a topic that are nodes of DDS or ROS 2, and know nothing of SFT. They
-// take whole samples only, they are found and matched by DDS, and there are no routes to them: a publisher
-// hands each sample over once, however many of them there are.
+// The port by which a publisher sends to unmodified readers of DDS and ROS 2. These take whole samples only,
+// and DDS discovers and matches them. So there are no routes to them: the publisher hands each sample over
+// once, whatever the number of readers.
 #pragma once
 
 #include <cstddef>
@@ -14,18 +14,18 @@ class VanillaPort {
  public:
   virtual ~VanillaPort() = default;
 
-  /// Hands the sample over, which has all fields and may be read from then on for as long as the port keeps
-  /// its handle. Returns at once: whoever sends the samples does not hold the publisher up, and the oldest
-  /// ones that wait are left out if they are too many. Called by the publisher's thread.
+  /// Hands the sample over and returns at once. The sample must have all fields, and must not change while
+  /// the port keeps its handle. If too many samples wait, the oldest are dropped. Called by the publisher's
+  /// thread.
   virtual void send(const SampleHandle& sample) noexcept = 0;
 
   // Called by the agent.
 
-  /// What the publisher retained when it began to send by this port: to be sent before all that send()
-  /// brings, which may have some of it, too. Once.
+  /// Takes the samples that the publisher had retained when it began to send by this port. They are sent
+  /// before those of send(), which may have some of them, too. Must be called only once.
   virtual void begin_with(std::vector<SampleHandle> retained) = 0;
 
-  /// How many readers there are at present. Any thread.
+  /// Returns the present number of readers. Any thread.
   virtual std::size_t readers() const noexcept = 0;
 };
 

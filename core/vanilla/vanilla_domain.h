@@ -25,11 +25,11 @@ struct VanillaPlan {
 
 class VanillaDomain {
  public:
-  /// The one that nodes of this process with an equal plan have, or a new one.
+  /// Returns the participant that nodes of this process with an equal plan share, or makes a new one.
   static Result<std::shared_ptr<VanillaDomain>> of(const VanillaPlan& plan);
 
   VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant);
-  /// Its endpoints are gone before. Waits for threads of Cyclone.
+  /// All its endpoints must have been deleted before. Waits for threads of Cyclone.
   ~VanillaDomain();
   VanillaDomain(const VanillaDomain&) = delete;
   VanillaDomain& operator=(const VanillaDomain&) = delete;
@@ -43,8 +43,9 @@ class VanillaDomain {
   VanillaReaders readers_;
 };
 
-/// True if the program itself speaks DDS, in that domain by Cyclone DDS, or by a library of ROS 2 or Fast DDS
-/// that is loaded. Such a program may pass messages of DDS on to SFT, and would get back what it publishes.
+/// Returns true if the program itself uses DDS: it has opened that domain by Cyclone DDS, or has loaded a
+/// library of ROS 2 or Fast DDS. Such a program may forward messages from DDS to SFT, and would receive its
+/// own messages again if its publishers served DDS readers.
 bool program_speaks_dds(std::uint32_t domain);
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// Whether an unmodified DDS reader can be served by a publisher: what the reader asks for beside what SFT
-// offers to such readers. DDS decides by itself whether the two match; this says why not, in words. Pure.
+// Compares what an unmodified DDS reader requests with what SFT offers to such readers. DDS itself decides if
+// the two match; these functions say in words why they do not. They are pure functions.
 #pragma once
 
 #include <cstdint>
@@ -11,24 +11,25 @@
 
 namespace sft::core {
 
-/// What an endpoint for unmodified peers says in its user data. `type_hash`: of ros_type_hash(); empty: none.
+/// Returns the user data of an endpoint for unmodified peers. `type_hash` is a result of ros_type_hash(), or
+/// empty if the type has no hash.
 std::string endpoint_user_data(std::string_view type_hash);
 
-/// A reader as DDS announces it. A duration of 0 means none.
+/// A reader as DDS announces it. A duration of 0 means that the policy is not set.
 struct VanillaReader {
   std::string type_name{};
-  Qos qos{};                              ///< what it requests, as far as SFT has these policies
-  std::vector<std::string> partitions{};  ///< empty: the one of those that name none
-  bool takes_xcdr1 = true;                ///< the representation in which SFT has its samples
+  Qos qos{};                              ///< the requested policies, as far as SFT has them
+  std::vector<std::string> partitions{};  ///< empty: the default partition
+  bool takes_xcdr1 = true;                ///< accepts XCDR1, the encoding of SFT's samples
   bool is_keyed = false;
   bool owns_exclusively = false;
 };
 
-/// Returns what a publisher offers to unmodified readers. It resends to those that ask for it, and keeps what
-/// it retains for them. Liveliness is that of its process, and no lease is promised.
+/// Returns the QoS that a publisher offers to unmodified readers. The publisher is reliable for readers that
+/// request it, and keeps its retained samples for them. Its liveliness is automatic, without a lease.
 Qos offered_to_vanilla(const Qos& publisher);
 
-/// Returns everything that does not fit, or an empty text. `type_name` is the one of DDS.
+/// Returns all conflicts in words, or an empty text if there is none. `type_name` is the name in DDS.
 std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaReader& reader);
 
 }  // namespace sft::core

@@ -1,6 +1,6 @@
-// Hands the samples of one publisher to its DDS writer, on a thread of its own: sending to DDS readers,
-// however slow they or the network are, takes no time of the publisher. A few small samples may wait, or one
-// large one; the oldest are left out if more come. So a bounded number of samples is held.
+// Hands the samples of one publisher to its DDS writer, on a thread of its own. So a slow DDS reader or a
+// slow network costs the publisher no time. A few small samples may wait, or one large sample. If more
+// samples come, the oldest waiting ones are dropped, so that the number of samples in use is bounded.
 #pragma once
 
 #include <atomic>
@@ -19,22 +19,22 @@ namespace sft::core {
 
 class VanillaOutlet final : public VanillaPort {
  public:
-  /// So many samples may wait, as long as they have no more bytes together. The latest one always may, and so
-  /// may as many as the publisher retains.
+  /// The limits of the waiting samples: their number, and their bytes together. The latest sample may always
+  /// wait, and so may as many samples as the publisher retains.
   static constexpr std::size_t waiting_max = 16, waiting_bytes_max = 256 << 10;
 
-  /// Called on the thread of the outlet; false: the sample was refused.
+  /// Called on the thread of the outlet. Returns false if the sample was refused.
   using Write = std::function<bool(const SampleHandle&)>;
 
-  /// `retained_max`: how many samples the publisher retains.
+  /// `retained_max` is the number of samples that the publisher retains.
   VanillaOutlet(Write write, std::size_t retained_max);
   ~VanillaOutlet() override { close(); }
 
-  /// Begins to send. After begin_with(), once, unless it fails.
+  /// Begins to send. Must be called after begin_with(), and only once unless it fails.
   Result<void> start(const ThreadSpec& thread);
   bool is_started() const { return thread_.joinable(); }
-  /// Ends the thread, and lets go of all samples and of what writes them. What comes by send() later is
-  /// dropped.
+  /// Ends the thread, and releases all samples and the function that writes them. Samples that send() gets
+  /// later are dropped.
   void close();
 
   void show_readers(std::size_t readers) { readers_.store(readers, std::memory_order_relaxed); }
@@ -43,7 +43,7 @@ class VanillaOutlet final : public VanillaPort {
   void begin_with(std::vector<SampleHandle> retained) override { retained_ = std::move(retained); }
   std::size_t readers() const noexcept override { return readers_.load(std::memory_order_relaxed); }
 
-  /// Samples that were left out, and those that were refused.
+  /// Returns the number of samples that were dropped or refused.
   std::uint64_t left_out() const { return left_out_.load(std::memory_order_relaxed); }
 
  private:
@@ -55,7 +55,7 @@ class VanillaOutlet final : public VanillaPort {
   Write write_;
   const std::size_t retained_max_;
   std::thread thread_;
-  std::vector<SampleHandle> retained_;  ///< the thread's, once it runs
+  std::vector<SampleHandle> retained_;  ///< used by the thread once it runs
   std::atomic<std::size_t> readers_{0};
   std::atomic<std::uint64_t> left_out_{0};
 
@@ -63,7 +63,7 @@ class VanillaOutlet final : public VanillaPort {
   Condition arrived_;
   std::vector<SampleHandle> waiting_ SFT_GUARDED_BY(mutex_);  ///< a ring
   std::size_t first_ SFT_GUARDED_BY(mutex_) = 0, count_ SFT_GUARDED_BY(mutex_) = 0;
-  std::size_t bytes_ SFT_GUARDED_BY(mutex_) = 0;  ///< of those that wait
+  std::size_t bytes_ SFT_GUARDED_BY(mutex_) = 0;  ///< the bytes of the waiting samples
   bool closed_ SFT_GUARDED_BY(mutex_) = false;
 };
 

@@ -1,5 +1,6 @@
-// The readers of unmodified nodes that a participant hears, so that people can be told why one of them is not
-// served: DDS itself says nothing where names of types differ, and little where policies do.
+// The readers of unmodified nodes that a participant has discovered. They are kept so that the log can say
+// why a reader is not served: DDS itself reports nothing if the names of types differ, and little if policies
+// do.
 #pragma once
 
 #include <dds/dds.h>
@@ -21,18 +22,18 @@ namespace sft::core {
 
 class VanillaReaders {
  public:
-  /// Ends with the participant, whose deletion waits until no listener runs any more.
+  /// Must live until the participant is deleted. The deletion waits until no listener runs any more.
   explicit VanillaReaders(dds_entity_t participant);
   VanillaReaders(const VanillaReaders&) = delete;
   VanillaReaders& operator=(const VanillaReaders&) = delete;
 
-  /// Differs from what it was if others are there than before. Any thread.
+  /// Returns a number that changes whenever a reader comes. Any thread.
   std::uint64_t changes() const { return changes_.load(std::memory_order_relaxed); }
-  /// Those of that topic of DDS. Any thread.
+  /// Returns the readers of that DDS topic. Any thread.
   std::vector<VanillaReader> of(std::string_view topic) const;
 
  private:
-  static constexpr std::size_t known_max = 4096;  ///< further ones are not looked at
+  static constexpr std::size_t known_max = 4096;  ///< further readers are ignored
   using Key = std::array<unsigned char, 16>;
 
   void take(dds_entity_t builtin);
@@ -40,7 +41,8 @@ class VanillaReaders {
 
   std::atomic<std::uint64_t> changes_{0};
   mutable Mutex mutex_;
-  std::map<Key, std::pair<std::string, VanillaReader>> known_ SFT_GUARDED_BY(mutex_);  ///< with the topic
+  std::map<Key, std::pair<std::string, VanillaReader>> known_
+      SFT_GUARDED_BY(mutex_);  ///< each with its topic
 };
 
 }  // namespace sft::core

@@ -21,7 +21,7 @@ namespace {
 constexpr std::size_t kept_bytes = 16 << 20;
 constexpr std::size_t kept_samples = 10;
 constexpr std::size_t readers_counted = 64;
-constexpr std::size_t reasons_max = 16;  // of one topic; whoever makes readers up can make up no more
+constexpr std::size_t reasons_max = 16;  // of one topic: forged readers can cost no more
 
 struct WriterQosDeleter {
   void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }

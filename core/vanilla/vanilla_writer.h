@@ -21,26 +21,26 @@ namespace sft::core {
 class VanillaWriter {
  public:
   struct Spec {
-    std::string topic;                  ///< as SFT names it
+    std::string topic;                  ///< the name in SFT
     const TypeSupport* type = nullptr;  ///< outlives the writer
-    Qos qos{};                          ///< of the publisher
+    Qos qos{};                          ///< QoS of the publisher
     std::size_t max_sample_bytes = 0;
-    /// Called when readers have come or gone: a thread of Cyclone, posts and returns.
+    /// Called by a thread of Cyclone when readers have come or gone. Must return at once.
     std::function<void()> readers_changed{};
   };
   static Result<std::shared_ptr<VanillaWriter>> open(std::shared_ptr<VanillaDomain> domain, Spec spec);
-  /// Waits until `readers_changed` does not run any more. Cyclone drops the handles of samples soon after.
+  /// Waits until `readers_changed` does not run any more. Cyclone releases the samples soon after.
   ~VanillaWriter();
   VanillaWriter(const VanillaWriter&) = delete;
   VanillaWriter& operator=(const VanillaWriter&) = delete;
 
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
-  /// The readers that match and are not SFT's. One thread at a time.
+  /// Returns the number of matching readers that are not SFT's. One thread at a time.
   std::size_t readers() const;
-  /// Why readers of the topic do not match, each reason once. One thread at a time.
+  /// Returns the reasons why readers of the topic do not match, each once. One thread at a time.
   std::set<std::string> why_not_served() const;
-  /// Takes as long as sending takes, and does not wait for readers. One thread at a time. False if Cyclone
-  /// refuses the sample.
+  /// Sends the sample on the calling thread, without waiting for readers. Returns false if Cyclone refuses
+  /// the sample. One thread at a time.
   bool write(const SampleHandle& sample) noexcept;
 
  private:

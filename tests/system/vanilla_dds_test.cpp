@@ -80,12 +80,12 @@ class VanillaReader {
     samples_.erase(samples_.begin());
     return sample;
   }
-  /// True as soon as so many writers match.
+  /// Waits until that number of writers matches.
   bool matches(std::uint32_t writers) {
     while (matched_ != writers && read_record(hang_timeout)) continue;
     return matched_ == writers;
   }
-  /// How many writers match, as far as it has told.
+  /// The number of matching writers, as reported last.
   std::uint32_t matched() {
     while (read_record(std::chrono::milliseconds(0))) continue;
     return matched_;

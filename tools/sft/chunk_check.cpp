@@ -61,8 +61,7 @@ std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std
   return topics;
 }
 
-/// The topics of publishers of this host that have sent larger samples, "images (6.3 MB)", as far as they
-/// have told.
+/// Returns the topics of publishers of this host that have reported larger samples, as "images (6.3 MB)".
 std::set<std::string> topics_that_were_diverted(const DomainSnapshot& domain) {
   std::map<std::string, std::uint64_t> largest;
   for (const DomainSnapshot::Pair& pair : domain.pairs) {

@@ -58,7 +58,7 @@ Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
       "nodes."};
 }
 
-/// What is known after a while, with the counts of publishers of this host whose samples go in shared memory.
+/// Waits for a while, and returns what is known then, with the counts of publishers of this host.
 DomainSnapshot look_around(Session& session) {
   constexpr double longest_s = 3;  // the first answers come after a second or so
   DomainSnapshot domain = session.look_around();

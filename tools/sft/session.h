@@ -73,7 +73,7 @@ class Session {
   Output* output_;
 };
 
-/// What is said where a host that --peer names is not heard.
+/// The part of an error that explains why a host which --peer names is not found.
 inline constexpr const char* peers_name_each_other =
     "nodes on the host that --peer names have to name this host as a peer, too (DiscoverySettings::peers)";
 

@@ -19,7 +19,7 @@ constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 
 using Clock = std::chrono::steady_clock;
-/// Of one writer, before it is the turn of others.
+/// The limits of what is sent for one writer before other writers have their turn.
 constexpr std::size_t samples_per_turn = 16;
 constexpr std::chrono::milliseconds turn{1};
 }  // namespace

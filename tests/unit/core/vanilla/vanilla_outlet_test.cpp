@@ -35,7 +35,7 @@ class VanillaOutletTest : public testing::Test {
   void let_write() {
     if (std::exchange(is_held_up, false)) may_go_on.set_value();
   }
-  /// The sequences that were written, as soon as so many were.
+  /// Waits until that number of samples was written, and returns their sequences.
   std::vector<std::uint64_t> written(std::size_t count) {
     EXPECT_TRUE(test::eventually([&] {
       const Lock lock(mutex);
