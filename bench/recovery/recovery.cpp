@@ -36,10 +36,10 @@ class Lives {
     const hostile::Outcome outcome = stage().perform(entry, moment, length);
     for (const std::string& complaint : outcome.complaints)
       std::fprintf(stderr, "%s: %s\n", std::string(entry.name).c_str(), complaint.c_str());
-    if (!outcome.recovery || !outcome.complaints.empty()) {
-      stage_.reset();
-      return never;
-    }
+    const bool recovered = outcome.recovery && outcome.complaints.empty();
+    // Files of another account that remain keep the programs from shared memory in later acts.
+    if (!recovered || entry.harm == hostile::Harm::leaves_files) stage_.reset();
+    if (!recovered) return never;
     return static_cast<double>(
         std::max(*outcome.recovery, outcome.command_line.value_or(hostile::Ms{})).count());
   }
