@@ -20,7 +20,8 @@ namespace {
 
 using core::Availability;
 
-/// The ports of writers that have no second port yet. The second port lists the chunks that a writer holds.
+/// The ports of writers that have no second port yet. The second port of a writer lists the chunks that the
+/// writer holds.
 class FirstPorts {
  public:
   using Port = iox::popo::PublisherPortData*;
@@ -32,7 +33,7 @@ class FirstPorts {
     return kept ? kept.mapped().port : nullptr;
   }
   void keep(core::EndpointId writer, Port port) { ports_[writer] = {port, Clock::now()}; }
-  /// Gives back the ports of writers that the node does not open any more.
+  /// Gives back the ports of writers that the node no longer tries to open.
   void give_back_untaken(Clock::time_point now) {
     std::erase_if(ports_, [now](const auto& item) {
       if (now - item.second.since < kept_for) return false;
@@ -56,14 +57,15 @@ class ShmTransport final : public core::SharedMemory {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
 
-  std::size_t max_sample_bytes() const noexcept override { return std::size_t{64} << 20; }  // sftd/pools.h
+  // The size of the largest chunk (sftd/pools.h).
+  std::size_t max_sample_bytes() const noexcept override { return std::size_t{64} << 20; }
 
   std::uint32_t max_depth() const noexcept override { return options_.queue_limit; }
 
   Availability poll(Clock::time_point now) override {
     DaemonLink::State state = daemon_->advance(options_, now);
     if (session_ != nullptr && session_ != state.session) {
-      first_ports_ = {};  // they are gone with the daemon's memory
+      first_ports_ = {};  // the ports are gone with the daemon's memory
       session_.reset();
       return Availability::starting;
     }
@@ -130,7 +132,7 @@ class ShmTransport final : public core::SharedMemory {
   const std::shared_ptr<DoorbellPages> pages_ = std::make_shared<DoorbellPages>(options_.wake_thread);
   const std::shared_ptr<Statistics> statistics_ = std::make_shared<Statistics>();
   std::shared_ptr<Session> session_;
-  FirstPorts first_ports_;  ///< ports of that session
+  FirstPorts first_ports_;  ///< ports that belong to `session_`
 };
 
 }  // namespace
@@ -139,7 +141,8 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions&
   const auto users = user_ids(options.daemon_users);
   if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;
-  clamped.daemon_users.clear();  // numbers replace them: a name must be looked up in a file or at a server
+  // Names are replaced by numbers, since a name must be looked up in a file or at a server.
+  clamped.daemon_users.clear();
   for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
   clamped.queue_limit = std::clamp(options.queue_limit, 1U, ShmOptions::samples_max);
   clamped.held_limit = std::clamp(options.held_limit, 1U, ShmOptions::samples_max);

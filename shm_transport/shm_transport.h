@@ -1,5 +1,5 @@
-// The transport for samples within a host. Samples travel in shared memory, which is built on iceoryx and
-// which the daemon sftd hosts.
+// The transport for samples within a host. Samples are stored in shared memory, which is built on iceoryx
+// and which the daemon sftd hosts.
 #pragma once
 
 #include <memory>
@@ -10,9 +10,9 @@
 
 namespace sft::shm {
 
-/// Opens the transport without waiting, and also if there is no daemon: Transport::poll() finds or starts the
+/// Opens the transport without waiting, even if there is no daemon: Transport::poll() finds or starts the
 /// daemon later.
-/// Errc::invalid_argument names an account in daemon_users that does not exist.
+/// The error Errc::invalid_argument names an account in daemon_users that does not exist.
 Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions& options);
 
 }  // namespace sft::shm

@@ -21,7 +21,7 @@ namespace sft::udp {
 
 namespace {
 
-/// Returns advice for hosts where large samples would get lost; empty for others.
+/// Returns advice for hosts where large samples would get lost; empty for all other hosts.
 std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
   if (socket.receive_buffer_bytes >= options.receive_buffer_bytes) return "";
   return "; the system grants its socket " + std::to_string(socket.receive_buffer_bytes) + " of " +
@@ -30,7 +30,8 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
          "net.core.rmem_max=" + std::to_string(options.receive_buffer_bytes / 2) + "'";
 }
 
-/// Ports share the two halves, and can outlive the transport; they do nothing then.
+/// The transport's ports share its receiving and its sending half. A port can outlive the transport, and
+/// then does nothing.
 class UdpTransport final : public core::Network {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
@@ -95,7 +96,7 @@ class UdpTransport final : public core::Network {
     if (!addresses.empty()) return addresses;
     for (const core::Link& link : links())
       addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
-    // Even if none of the chosen interfaces is there now, nodes of this host can reach us.
+    // Nodes of this host can reach this node even while none of the chosen interfaces exists.
     if (addresses.empty()) addresses.push_back({core::loopback_ipv4, port_, receive_buffer_bytes_});
     return addresses;
   }
@@ -136,7 +137,7 @@ class UdpTransport final : public core::Network {
   }
 
  private:
-  const std::vector<NodeStatus::QuickPath> quick_paths_;  ///< io_uring is first
+  const std::vector<NodeStatus::QuickPath> quick_paths_;  ///< its first entry is io_uring
   const std::string description_;
   const std::size_t max_sample_bytes_;
   const core::IpAddress bound_to_;
@@ -144,13 +145,13 @@ class UdpTransport final : public core::Network {
   const std::vector<std::string> interfaces_;
   std::uint64_t network_changes_ = 0;  ///< number of network changes seen so far
   bool network_has_changed_ = false;
-  std::vector<Remark> remarks_;  ///< that nobody has taken yet
+  std::vector<Remark> remarks_;  ///< remarks that were not yet returned to the node
   mutable core::Mutex links_mutex_;
-  /// The links when the system listed them last, for times when it cannot list them.
+  /// The links that the system listed last. They are used while the system cannot list the links.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
-  const int family_;  ///< family of the socket; an IPv6 socket takes both
+  const int family_;  ///< family of the socket; a socket with AF_INET6 takes IPv4, too
   const std::uint32_t receive_buffer_bytes_;
   const std::shared_ptr<ReceiveLoop> receiver_;
   const std::shared_ptr<SendSide> send_side_;
@@ -207,7 +208,7 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   ReceiveLoop::SendingHalf half;
   half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
                                  std::chrono::steady_clock::time_point now) {
-    if (send_side->sender.answer_port() != 0) {  // then answers have to come to that port
+    if (send_side->sender.answer_port() != 0) {  // answers then have to come to that port
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
     } else {
       send_side->sender.wake(hear_answer(*send_side, answer, from, now));
@@ -248,7 +249,7 @@ Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& opti
                                                   std::move(paths), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
-  SendSide& side = *send_side;  // `hear` is called by the sender of this side
+  SendSide& side = *send_side;  // safe to refer to, because only the sender of this side calls `hear`
   const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
                             std::chrono::steady_clock::time_point now) {
     return hear_answer(side, answer, from, now);

@@ -1,5 +1,5 @@
-// Samples over UDP, behind the seam of core/seam/transport.h. A transport has one socket that receives and
-// one for each address that it sends to, and one receiving and one sending thread.
+// Samples over UDP, behind the seam of core/seam/transport.h. A transport has one socket that receives, one
+// socket for each address that it sends to, one receiving thread and one sending thread.
 #pragma once
 
 #include <cstddef>
@@ -36,26 +36,26 @@ struct UdpOptions {
   Backend backend = Backend::automatic;
 
   std::size_t max_sample_bytes = std::size_t{64} << 20;  ///< limit of a body that is sent or received
-  /// Wanted size, as the kernel counts; it may grant less.
+  /// The requested size, as the kernel counts; the kernel may grant less.
   std::size_t receive_buffer_bytes = std::size_t{32} << 20;
-  /// Size for each address; devices have short queues; 0: default.
+  /// The size of the send buffer for each address; small because devices have short queues; 0: the default.
   std::size_t send_buffer_bytes = std::size_t{128} << 10;
 
-  /// Longest datagram, with our header; a path may take less.
+  /// The longest datagram, with our header, in bytes. A path may take only shorter ones.
   std::size_t max_datagram_bytes = datagram_bytes_max;
-  std::uint64_t max_bytes_per_s = 0;  ///< limit of all that is sent; 0: none
+  std::uint64_t max_bytes_per_s = 0;  ///< limit of all bytes that are sent; 0: no limit
   Multicast multicast = Multicast::automatic;
-  std::size_t send_queue_depth = 4;  ///< newest samples that wait, per writer, mask and address
+  std::size_t send_queue_depth = 4;  ///< number of newest samples that may wait, per writer, mask and address
   ReassemblyLimits reassembly{};     ///< `sample_bytes` is set from max_sample_bytes
 
   core::ThreadSpec receive_thread = "sft-udp-recv";
   core::ThreadSpec send_thread = "sft-udp-send";
 };
 
-/// Wraps the transport's I/O, for tests: with loss, delay, repetition, another order.
+/// Wraps the transport's I/O. Tests use it to add loss, delay, repetition and reordering.
 using DecorateIo = std::function<DatagramIo(DatagramIo)>;
 
-/// Received samples lie in memory of `pool`, which belongs to the node.
+/// Opens the transport. Received samples are stored in memory of `pool`, which belongs to the node.
 Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& options,
                                                           std::shared_ptr<core::BufferPool> pool,
                                                           const DecorateIo& decorate = {});

@@ -10,16 +10,16 @@
 namespace sft::udp {
 
 namespace {
-/// The number of masks under which the publisher's thread sends a sample itself. More masks would hold it
-/// up, especially with large samples, which fill the caches.
+/// The largest number of masks under which the publisher's thread sends a sample itself. More masks would
+/// take too much of its time, especially with large samples, which fill the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
-/// The upper limit of the rate of a group, in bytes as the receiving kernel counts them. The rate is lower
-/// if the buffer of a member is small.
+/// The upper limit of the rate of a group, in bytes per second as the receiving kernel counts them. The
+/// rate is lower if the buffer of a member is small.
 constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
-/// The largest merged copy, relative to the largest sample. Sizes are only known as averages, and readers
-/// that asked for less have to get each sample.
+/// The size limit of a merged copy, relative to the largest sample. The sizes of copies are known only as
+/// averages, and a reader that requested less must get even the samples above the average.
 constexpr double merged_share = 0.75;
 
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
@@ -37,7 +37,8 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
-    // Members report only what they are sent alone, so their buffers limit the rate here.
+    // Members report only datagrams to their own sockets. So reports cannot limit a group, and the members'
+    // buffers limit its rate.
     limits.report_port = 0;
     limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
     limits.flow.unheard_bytes_per_s = group_bytes_per_s;
@@ -98,7 +99,7 @@ void UdpWriter::set_routes(std::vector<core::Route> routes) {
   make_table();
   if (variants_.concern_sender()) side_->sender.look_again();
   const Time now = std::chrono::steady_clock::now();
-  keeper_.maintain(now);  // new members of a group should get its offer soon
+  keeper_.maintain(now);  // called now, so that new members of a group get its offer soon
   side_->writers.maintain_by(keeper_.next_duty(now));
 }
 
@@ -118,8 +119,8 @@ void UdpWriter::make_table() {
   routes_.replace(std::move(table));
 }
 
-/// Asks receivers that have not reported yet for a report now, so that the first large sample need not be
-/// copied to wait for one.
+/// Requests a report now from receivers that have not reported yet, so that the first large sample need not
+/// be copied to wait for one.
 void UdpWriter::announce_to_receivers(const RouteTable& table) {
   const auto now = std::chrono::steady_clock::now();
   for (const auto& [reader, lane] : table.lanes_of) {
@@ -143,8 +144,8 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   side_->sender.wake(lane->begin(std::move(jobs)), lane);
 }
 
-/// Turns to another route table. Samples that were left to the sending thread under the previous routes
-/// still count, but none may be left under older routes.
+/// Makes `routes` the table in use. Samples that were left to the sending thread under the previous table
+/// still count. Samples under an older table must be finished before.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
   send_held();
@@ -175,7 +176,7 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.index_slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.set_timeout(timeout());
-  // So that no audience waits until another one's large body has left.
+  // Otherwise an audience would wait until the large body of another audience has left.
   if (groups.size() > 1) sample->complete();
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
@@ -196,13 +197,14 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
 
 /// Returns the number of masks under which this thread sends the sample itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
-  if (!deferred_->done()) return 0;                // nothing may overtake deferred samples
+  if (!deferred_->done()) return 0;                // the sample must not overtake deferred samples
   if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread must not wait for readers
   if (sample.capacity > direct_bytes_max) return deferred_->takes_large() ? 0 : large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 
-/// Sends held samples first if the sample cannot be held, so that it does not overtake them.
+/// Holds the sample if it can be held. If not, sends the held samples first, so that this sample does not
+/// overtake them.
 std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept {
   using Hold = VariantSender::Hold;
   Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;

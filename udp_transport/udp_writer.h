@@ -1,5 +1,5 @@
 // A publisher's end of the UDP transport. It makes one encoding for each distinct mask. The publisher's
-// thread sends these itself if they are small and few.
+// thread sends the encodings itself if they are small and few.
 #pragma once
 
 #include <algorithm>
@@ -66,18 +66,19 @@ class UdpWriter final : public core::NetworkWriter, private Periodic {
   GroupKeeper keeper_;                  ///< used by the agent's thread
   std::vector<core::Route> asked_for_;  ///< the routes as they were set; used by the agent's thread
   core::Published<RouteTable> routes_;
-  const std::shared_ptr<core::DeliveryBook> book_;  ///< null: counts of samples are not needed
+  const std::shared_ptr<core::DeliveryBook> book_;  ///< the counts of samples; null if they are not needed
 
-  // Used by the publisher's thread.
+  // The following members are used by the publisher's thread.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
-  const RouteTable* in_use_ = &nobody_;  ///< table of the latest sample, whose page is open
-  /// State of the counts for samples that were left under the page before.
+  const RouteTable* in_use_ = &nobody_;  ///< table of the latest sample; its page is open
+  /// Says if samples left under the previous page are still to be counted.
   core::DeliveryBook::LateCounts late_counts_{};
   VariantSender sender_;
-  bool holds_ = false;                          ///< true between hold() and flush()
-  std::size_t missed_ = 0;                      ///< number of held samples that some reader missed
-  std::shared_ptr<const RouteTable> held_for_;  ///< keeps the audiences of the held samples
+  bool holds_ = false;      ///< true between hold() and flush()
+  std::size_t missed_ = 0;  ///< number of held samples that some reader missed
+  /// The table of the held samples, which keeps their audiences alive.
+  std::shared_ptr<const RouteTable> held_for_;
   const std::shared_ptr<FanOut> deferred_;
 };
 

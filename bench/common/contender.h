@@ -15,40 +15,42 @@ namespace sft::bench {
 
 class Messages;
 
-/// Called with the number of each sample after the sample was read.
+/// A function that is called with the number of each sample after the sample was read.
 using Arrived = std::function<void(std::uint64_t)>;
 
 /// A set of top-level fields of a message: bit i stands for its i-th member.
 using FieldSet = std::uint32_t;
 constexpr FieldSet all_fields(std::size_t fields) { return (FieldSet{1} << fields) - 1; }
 
-/// The fields for which SFT's readers of messages ask. Readers of other contenders get all fields.
+/// The fields that SFT's readers of messages request. Readers of other contenders get all fields.
 struct Wanted {
-  std::optional<std::string> fields{};  ///< the fields as text; nothing: all fields
+  std::optional<std::string> fields{};  ///< the fields as text; empty: all fields
   bool recorded = false;                ///< true: SFT records which fields the program reads
   FieldSet read = 0;                    ///< the fields of each message that the program reads
 };
 
 struct Topic {
   std::string name = "samples";
-  std::uint32_t bulk_bytes = 0;  ///< bytes of data in each sample; 0: whole samples have 64 bytes
-  /// Messages that are sent in turns, instead of samples that contain a number.
+  std::uint32_t bulk_bytes = 0;  ///< number of data bytes in each sample; 0: whole samples have 64 bytes
+  /// Messages to send in turns, in place of samples that contain a number.
   std::shared_ptr<const Messages> messages{};
   bool reliable = true;
   bool durable = false;     ///< true: late readers get the last sample, too, and delivery is reliable
-  std::uint32_t depth = 8;  ///< the number of samples that either side keeps
-  bool spinning = false;    ///< true: Reader::wait() spins until a sample comes, if the contender can
-  bool batching = false;    ///< samples that are written together may share datagrams
+  std::uint32_t depth = 8;  ///< the number of samples that a writer and a reader keep
+  /// True: Reader::wait() spins until a sample comes, if the contender supports that.
+  bool spinning = false;
+  bool batching = false;  ///< true: samples that are written together may share datagrams
 
-  /// SFT's readers ask for the number and the stamp only, and not for the data.
+  /// SFT's readers request only the number and the stamp, and not the data.
   bool two_fields = false;
   Wanted wanted{};
   std::optional<std::chrono::nanoseconds> spin{};  ///< SubscriberOptions::spin of SFT's readers
-  // The following members are for contenders that have neither discovery nor names.
-  std::uint16_t id = 0;      ///< the number of the topic, unique and below 64
-  std::size_t readers = 1;   ///< the number of readers that the writer has, at most 16
-  std::size_t reader = 0;    ///< the number of this reader
-  bool on_one_host = false;  ///< true: on the writer's host; false: each reader on a host of its own
+  // The following members are for contenders without discovery and names.
+  std::uint16_t id = 0;     ///< the number of the topic, unique and below 64
+  std::size_t readers = 1;  ///< the number of readers of the writer, at most 16
+  std::size_t reader = 0;   ///< the index of this reader
+  /// True: the reader is on the writer's host; false: each reader is on a host of its own.
+  bool on_one_host = false;
 };
 
 class Writer {
@@ -58,7 +60,7 @@ class Writer {
   Writer(const Writer&) = delete;
   Writer& operator=(const Writer&) = delete;
 
-  /// The number of readers that get the samples that are written from now on.
+  /// Returns the number of readers that get the samples that are written from now on.
   virtual std::size_t readers() const = 0;
   virtual bool serves(std::size_t count) const { return readers() == count; }
   /// Writes the sample with this number. For a topic with messages, writes the message with this number.
@@ -95,13 +97,14 @@ class Reader {
 
   virtual std::size_t writers() const = 0;
   // The following functions are only for a reader without a callback.
-  virtual void wait() {}                      ///< waits at most a second for a sample
-  virtual std::uint64_t take() { return 0; }  ///< returns the number of the next sample; 0: there is none
-  /// Makes SFT's reader of messages ask for these fields only, from then on.
+  virtual void wait() {}  ///< waits at most a second for a sample
+  /// Returns the number of the next sample; 0: no sample has come.
+  virtual std::uint64_t take() { return 0; }
+  /// From now on, makes SFT's reader of messages request only these fields.
   virtual void ask_for(const std::string& /*fields*/) {}
 };
 
-/// The participants of one process. It must outlive its writers and readers.
+/// The participants of one process. The object must outlive its writers and readers.
 class Peer {
  public:
   Peer() = default;
@@ -110,22 +113,23 @@ class Peer {
   Peer& operator=(const Peer&) = delete;
 
   virtual std::unique_ptr<Writer> writer(const Topic& topic) = 0;
-  /// Opens a reader. It calls `arrived` on a thread of the contender, with the number of a sample, or 0 for a
-  /// message. Without `arrived`, the caller takes samples.
+  /// Opens a reader. It calls `arrived` on a thread of the contender, with the number of a sample, or 0 for
+  /// a message. Without `arrived`, the caller takes the samples.
   virtual std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived = {}) = 0;
   /// Waits until the topic's writer in another process is known.
   virtual void know_writer(const Topic& /*topic*/) {}
 };
 
-inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;    ///< 393,216 points of 16 bytes
-inline constexpr std::int64_t iceoryx_connecting_us = 300'000;  ///< iceoryx connects ports every 100 ms
+inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;  ///< the data of 393,216 points of 16 bytes
+/// Long enough, since iceoryx connects ports every 100 ms.
+inline constexpr std::int64_t iceoryx_connecting_us = 300'000;
 
 using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
-/// For bulk samples only. Samples are loaned from the publisher, and sent without a copy.
+/// Returns SFT for bulk samples only. Samples are loaned from the publisher, and sent without a copy.
 std::unique_ptr<Peer> sft_loan_peer();
-/// With a receive buffer of 4 MiB, as on a host whose administrator has not raised net.core.rmem_max beyond
-/// that.
+/// Returns SFT with a receive buffer of 4 MiB, as on a host whose administrator has not raised
+/// net.core.rmem_max beyond that.
 std::unique_ptr<Peer> sft_small_buffer_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
@@ -134,58 +138,60 @@ std::unique_ptr<Peer> fast_dds_peer();
 // of DDS wait for at most a second. Both sides keep only the last samples.
 
 std::unique_ptr<Peer> sft_usual_peer();    ///< uses UDP
-std::unique_ptr<Peer> sft_unicast_peer();  ///< the same without multicast
+std::unique_ptr<Peer> sft_unicast_peer();  ///< uses UDP without multicast
 std::unique_ptr<Peer> sft_local_peer();    ///< uses shared memory, and UDP to other hosts
 std::unique_ptr<Peer> cyclone_usual_peer();
 std::unique_ptr<Peer> cyclone_unicast_peer();
-/// Cyclone DDS with the given text as its configuration.
+/// Returns Cyclone DDS with `config` as its configuration.
 std::unique_ptr<Peer> cyclone_peer_with(const std::string& config);
 std::unique_ptr<Peer> fast_dds_usual_peer();
 std::unique_ptr<Peer> fast_dds_multicast_peer();
-/// Also in shared memory. It has room for several samples of 6.3 MB: the default room is less than a tenth of
-/// such a sample, so that none would arrive.
+/// Returns Fast DDS that also uses shared memory. The memory has room for several samples of 6.3 MB: the
+/// default is less than a tenth of such a sample, so that no sample would arrive.
 std::unique_ptr<Peer> fast_dds_local_peer();
 
 // The following contenders pass samples in shared memory.
 
 std::unique_ptr<Peer> sft_memory_peer();
-/// For bulk samples only.
+/// Returns SFT for bulk samples only, in loans.
 std::unique_ptr<Peer> sft_memory_loan_peer();
-/// Bulk samples are point clouds with this number of data bytes, of which readers read two fields.
+/// Returns SFT with point clouds as bulk samples. They have the requested number of data bytes, and readers
+/// read two of their fields.
 std::unique_ptr<Peer> sft_cloud_peer();
-/// The same in loans.
+/// Returns SFT with the clouds of sft_cloud_peer(), in loans.
 std::unique_ptr<Peer> sft_cloud_loan_peer();
-/// By iceoryx, which takes iceoryx_connecting_us after writers and readers have found each other. REQUIRES:
-/// the process has entered the namespace of a Roudi.
+/// Returns Cyclone DDS by iceoryx, which takes iceoryx_connecting_us after writers and readers have found
+/// each other. REQUIRES: the process has entered the namespace of a Roudi.
 std::unique_ptr<Peer> cyclone_memory_peer();
-/// The same in loans of samples of a fixed size, with sent_cloud_bytes of data.
+/// Returns Cyclone DDS by iceoryx with loans of samples of a fixed size, with sent_cloud_bytes of data.
 std::unique_ptr<Peer> cyclone_memory_loan_peer();
 std::unique_ptr<Peer> fast_dds_memory_peer();
-/// In loans of such samples by data sharing, where readers access the writer's memory.
+/// Returns Fast DDS with loans of samples of a fixed size by data sharing, where readers access the
+/// writer's memory.
 std::unique_ptr<Peer> fast_dds_memory_loan_peer();
-/// iceoryx alone, which copies each sample into a loan. For bulk samples only, and readers without a
-/// callback. REQUIRES: sftd runs.
+/// Returns iceoryx alone, which copies each sample into a loan. For bulk samples only, and for readers
+/// without a callback. REQUIRES: sftd runs.
 std::unique_ptr<Peer> iceoryx_peer();
-/// The same with a loan of which only the number is written.
+/// Returns iceoryx alone with a loan of which only the number is written.
 std::unique_ptr<Peer> iceoryx_loan_peer();
 
 // The following contenders are sockets.
 
-/// Sends bulk samples as trains of datagrams by UDP GSO and GRO, with one acknowledgement for each sample.
-/// write() waits for the acknowledgement of the previous sample, or of an earlier one if samples are small.
-/// Sends a datagram for each sample that is not bulk, and loses those that do not fit into the receiver's
-/// buffer.
+/// Returns a contender that sends bulk samples as trains of datagrams by UDP GSO and GRO, with one
+/// acknowledgement for each sample. write() waits for the acknowledgement of the previous sample, or of an
+/// earlier one if samples are small. A sample that is not bulk is sent as one datagram, and is lost if it
+/// does not fit into the receiver's buffer.
 std::unique_ptr<Peer> raw_udp_peer();
-/// The same with a copy of each bulk sample. Reliable delivery needs the copy if the writer may change its
-/// memory.
+/// Returns the contender of raw_udp_peer() with a copy of each bulk sample. Reliable delivery needs the
+/// copy if the writer may change its memory.
 std::unique_ptr<Peer> raw_udp_copying_peer();
-/// For bulk samples only.
+/// Returns a contender that sends samples over TCP. For bulk samples only.
 std::unique_ptr<Peer> raw_tcp_peer();
-/// The same with a copy of each sample.
+/// Returns the contender of raw_tcp_peer() with a copy of each sample.
 std::unique_ptr<Peer> raw_tcp_copying_peer();
-/// The least work of a publisher and its readers by UDP without IP fragments. A message is sent to one
-/// multicast group in datagrams that fit into packets, and each reader reads all of them. Lost datagrams are
-/// not sent again, and messages are not decoded. Only for topics with messages.
+/// Returns a contender that does the least work of a publisher and its readers by UDP without IP fragments.
+/// A message is sent to one multicast group in datagrams that fit into packets, and each reader reads all
+/// of them. Lost datagrams are not sent again, and messages are not decoded. Only for topics with messages.
 std::unique_ptr<Peer> raw_multicast_peer();
 
 }  // namespace sft::bench

@@ -53,7 +53,8 @@ struct EventType {
 constexpr EventType instructions{PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS};
 constexpr EventType cache_misses{PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES};
 
-/// Returns a counter of one event in one thread. It is not valid if there is none; errno says why.
+/// Returns a counter of one event in one thread. If the event is not available, the counter is not valid,
+/// and errno gives the reason.
 FileDescriptor open_event(const EventType& event, pid_t thread) {
   perf_event_attr attributes{};
   attributes.size = sizeof attributes;
@@ -63,7 +64,7 @@ FileDescriptor open_event(const EventType& event, pid_t thread) {
       static_cast<int>(syscall(SYS_perf_event_open, &attributes, thread, -1, -1, PERF_FLAG_FD_CLOEXEC)));
 }
 
-/// Opens the directory of the kernel's events. If its file system is not mounted, it is mounted for this
+/// Opens the directory of the kernel's events. If its file system is not mounted, mounts it for this
 /// process only.
 FileDescriptor open_tracefs() {
   FileDescriptor mounted(open("/sys/kernel/tracing", O_RDONLY | O_DIRECTORY | O_CLOEXEC));
@@ -73,7 +74,7 @@ FileDescriptor open_tracefs() {
   return FileDescriptor(fsmount(context.get(), FSMOUNT_CLOEXEC, 0));
 }
 
-/// Returns the event "a system call begins".
+/// Returns the event for the beginning of a system call.
 std::optional<EventType> system_call_event() {
   const FileDescriptor events = open_tracefs();
   if (!events) return std::nullopt;
@@ -108,7 +109,7 @@ std::int64_t number_behind(const std::string& key, std::istream& lines) {
   return 0;
 }
 
-/// Reads the counts that the kernel maintains for each thread anyway.
+/// Reads the counts that the kernel maintains for each thread in any case.
 Counts noted(const std::filesystem::path& task) {
   std::ifstream status(task / "status");
   Counts counts;

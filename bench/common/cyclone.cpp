@@ -20,7 +20,7 @@ CycloneQos cyclone_best_effort() {
 
 namespace {
 
-/// Creates the domain 0. Returns DDS_RETCODE_PRECONDITION_NOT_MET if this process already has it.
+/// Creates the domain 0. Returns DDS_RETCODE_PRECONDITION_NOT_MET if this process already has that domain.
 dds_entity_t create_domain(const std::string& config) {
   const dds_entity_t domain = dds_create_domain(0, config.c_str());
   return domain == DDS_RETCODE_PRECONDITION_NOT_MET ? domain : checked(domain);

@@ -20,8 +20,8 @@ CycloneQos cyclone_best_effort();
 /// One participant in domain 0. Only one thread may call its functions.
 class CycloneParticipant {
  public:
-  /// Creates the domain, too, unless this process already has it; the same participant deletes it. REQUIRES:
-  /// the participant that creates the domain outlives all others.
+  /// Also creates the domain, unless this process already has it. The participant that created the domain
+  /// deletes it. REQUIRES: that participant outlives all others.
   explicit CycloneParticipant(const std::string& config);
   ~CycloneParticipant();
   CycloneParticipant(const CycloneParticipant&) = delete;
@@ -29,12 +29,12 @@ class CycloneParticipant {
 
   dds_entity_t writer(const dds_topic_descriptor_t& type, const std::string& topic,
                       const dds_qos_t* qos) const;
-  /// `on_data` may be null. It is called with `context`.
+  /// Creates a reader. `on_data` may be null. It is called with `context`.
   dds_entity_t reader(const dds_topic_descriptor_t& type, const std::string& topic, const dds_qos_t* qos,
                       dds_on_data_available_fn on_data, void* context) const;
 
-  /// Return the number of readers that are matched with a writer, and of writers that are matched with a
-  /// reader.
+  /// Return the number of readers that are matched with `writer`, and the number of writers that are
+  /// matched with `reader`.
   static std::size_t readers(dds_entity_t writer);
   static std::size_t writers(dds_entity_t reader);
 
@@ -43,9 +43,9 @@ class CycloneParticipant {
  private:
   dds_entity_t topic(const dds_topic_descriptor_t& type, const std::string& name) const;
 
-  const dds_entity_t domain_;  ///< negative: the domain belongs to another participant
+  const dds_entity_t domain_;  ///< the domain; negative: the domain belongs to another participant
   const dds_entity_t participant_;
-  mutable std::map<std::string, dds_entity_t> topics_;  ///< by name, since dds_find_topic() can crash
+  mutable std::map<std::string, dds_entity_t> topics_;  ///< topics by name, since dds_find_topic() can crash
 };
 
 }  // namespace sft::bench

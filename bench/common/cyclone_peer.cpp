@@ -16,9 +16,9 @@ namespace sft::bench {
 
 namespace {
 
-// The fastest of the configurations that were tried for large samples, with fragments and datagrams of
-// various sizes down to the MTU. It has the largest datagrams, which IP fragments. Both ends have buffers for
-// several samples, and as many bytes may be unacknowledged.
+// The fastest configuration for large samples among those that were tried, with fragments and datagrams of
+// various sizes down to the MTU. It has the largest datagrams, which IP fragments. Both ends have buffers
+// for several samples, and as many bytes may be unacknowledged.
 constexpr const char* fastest = R"(
   <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
@@ -33,7 +33,7 @@ struct Ways {
   std::string config;
   bool in_memory = false;
   bool loans = false;  ///< true: samples have a fixed size
-  bool usual = false;  ///< true: default settings
+  bool usual = false;  ///< true: the contender has its default settings
 };
 
 CycloneQos qos_of(const Topic& topic, const Ways& ways) {
@@ -65,7 +65,7 @@ void require_memory(dds_entity_t writer) {
   std::exit(1);
 }
 
-/// Memory for a sample with a number, which comes first in all types of such samples.
+/// Memory for a sample with a number. The number is the first member in all types of such samples.
 union Message {
   sft_bench_Small small{};
   sft_bench_Bulk bulk;
@@ -133,7 +133,7 @@ class CycloneReader : public Reader {
         reader_(participant.reader(type_, topic.name, qos_of(topic, ways).get(),
                                    arrived_ ? take_all : nullptr, this)) {}
   ~CycloneReader() override {
-    dds_delete(reader_);  // ends its callbacks before the members are destroyed
+    dds_delete(reader_);  // ends the callbacks of the reader before the members are destroyed
     dds_sample_free(message_, &type_, DDS_FREE_ALL);
   }
 
@@ -159,7 +159,7 @@ class CycloneReader : public Reader {
     }
     return false;
   }
-  /// Valid only if the sample has a number.
+  /// Returns the number. Valid only if the sample has a number.
   std::uint64_t number() const { return *static_cast<const std::uint64_t*>(message_); }
 
   const CycloneParticipant& participant_;
@@ -193,7 +193,7 @@ class CyclonePeer : public Peer {
   }
   /// Waits until a writer is announced.
   void know_writer(const Topic&) override {
-    constexpr double timeout_s = 60;  // many nodes that start at once need time
+    constexpr double timeout_s = 60;  // long enough for many nodes that start at once
     const dds_entity_t announcements = checked(
         dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
     const auto announced = [&] {

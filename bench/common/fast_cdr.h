@@ -1,5 +1,5 @@
-// Reads and writes the benchmark's messages with Fast CDR, member by member, as code that Fast DDS generates
-// does.
+// Reads and writes the benchmark's messages with Fast CDR, member by member, like code that Fast DDS
+// generates.
 #pragma once
 
 #include <fastcdr/Cdr.h>
@@ -13,7 +13,7 @@
 
 namespace sft::bench {
 
-// One list of members for both directions. Io is FastCdrReader or FastCdrWriter.
+// The list of members, used for both directions. Io is FastCdrReader or FastCdrWriter.
 template <class Io>
 void members(Io& io, builtin_interfaces::msg::Time& m) {
   io.all(m.sec, m.nanosec);
@@ -65,11 +65,11 @@ void members(Io& io, nav_msgs::msg::Odometry& m) {
 
 class FastCdrStream {
  public:
-  /// `memory` begins with the body, which has at least its alignment.
+  /// `memory` begins with the body, and must have at least the alignment of the body.
   explicit FastCdrStream(std::span<std::byte> memory)
       : buffer_(reinterpret_cast<char*>(memory.data()), memory.size()), cdr_(make(buffer_)) {}
 
-  /// The number of bytes of the body that were read or written so far.
+  /// Returns the number of bytes of the body that were read or written so far.
   std::size_t bytes() const { return bytes_of(cdr_); }
 
  protected:
@@ -77,8 +77,8 @@ class FastCdrStream {
   eprosima::fastcdr::Cdr cdr_;
 
  private:
-  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12). Unless told otherwise, it aligns
-  // numbers of 8 bytes to 4.
+  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12). By default, it aligns numbers of 8
+  // bytes to 4.
   static eprosima::fastcdr::Cdr make(eprosima::fastcdr::FastBuffer& buffer) {
     using eprosima::fastcdr::Cdr;
 #if __has_include(<fastcdr/CdrSizeCalculator.hpp>)

@@ -1,5 +1,5 @@
-// Fast DDS, used as in a program without SFT. It is one header: Fast DDS's headers are slow to compile, and
-// each program includes them in one source only.
+// Fast DDS, used as in a program without SFT. There is only one header, because Fast DDS's headers are slow
+// to compile. Each program includes it in one source only.
 #pragma once
 
 #include <cstdio>
@@ -36,7 +36,7 @@ T& checked(T* entity, const char* what) {
   return *entity;
 }
 
-/// The type support of a message, which the generator of Fast DDS would write.
+/// The type support of a message, in place of code from the generator of Fast DDS.
 template <class T>
 class Type : public AnyType {
  public:
@@ -56,7 +56,7 @@ class Type : public AnyType {
   }
 };
 
-/// The type support of messages whose bytes in memory are those on the wire.
+/// The type support of messages whose bytes in memory are the same as on the wire.
 template <class T>
 class PlainType : public Type<T> {
  public:
@@ -81,7 +81,7 @@ class PlainType : public Type<T> {
   bool is_same_in_memory() const override { return true; }
 };
 
-/// Sets the QoS of a writer or reader to best effort, volatile, and keep last 1. The memory of the sample
+/// Sets the QoS of a writer or reader to best effort, volatile, and keep last 1. The memory of a sample
 /// grows as needed.
 template <class Qos>
 Qos best_effort(Qos qos) {
@@ -111,7 +111,7 @@ class Participant {
   Participant(const Participant&) = delete;
   Participant& operator=(const Participant&) = delete;
 
-  /// Takes ownership of `type`.
+  /// Returns the topic with this name and type. Takes ownership of `type`.
   dds::Topic& topic(const char* name, AnyType* type) {
     const dds::TypeSupport support(type);
     support.register_type(participant_);
@@ -133,8 +133,8 @@ class Participant {
   dds::DomainParticipant* participant_ = nullptr;
 };
 
-/// Return the number of readers that are matched with a writer, and of writers that are matched with a
-/// reader.
+/// Return the number of readers that are matched with `writer`, and the number of writers that are matched
+/// with `reader`.
 inline std::size_t readers(const dds::DataWriter& writer) {
   dds::PublicationMatchedStatus status;
   writer.get_publication_matched_status(status);

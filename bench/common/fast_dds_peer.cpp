@@ -1,5 +1,5 @@
-// Fast DDS. A sample is its CDR, which is copied to the wire and from it. That takes less time than code that
-// Fast DDS's own generator would write.
+// The contender Fast DDS. A sample is its CDR, which is copied to the wire and from it. That takes less
+// time than code from Fast DDS's own generator.
 #include <algorithm>
 #include <fastdds/dds/core/LoanableSequence.hpp>
 #include <string>
@@ -20,13 +20,13 @@ namespace transports = fast::transports;
 struct Ways {
   bool over_udp = true;
   bool in_memory = false;
-  bool usual = false;  ///< true: default settings
+  bool usual = false;  ///< true: the contender has its default settings
   bool multicast = false;
 };
 
 using Body = std::vector<std::byte>;
 
-/// A sample of fixed size, whose bytes in memory are those on the wire.
+/// A sample of fixed size, whose bytes in memory are the same as on the wire.
 struct Fixed {
   std::uint64_t number;
   std::uint8_t data[sent_cloud_bytes];
@@ -34,7 +34,7 @@ struct Fixed {
 
 class BodyType : public fast::Type<Body> {
  public:
-  /// The types of two topics have different names, since Fast DDS reserves memory for the size of each type.
+  /// Each type has a name of its own, since Fast DDS reserves memory for the size of each type.
   BodyType(const std::string& name, std::size_t bytes)
       : Type(name.c_str(), static_cast<std::uint32_t>(bytes)) {}
 
@@ -54,7 +54,7 @@ class BodyType : public fast::Type<Body> {
   }
 };
 
-/// Returns the bodies that are sent in turns. The body of a sample with a number begins with the number.
+/// Returns the bodies that are sent in turns. If the sample has a number, the body begins with it.
 std::vector<Body> bodies_of(const Topic& topic) {
   if (topic.messages) return topic.messages->bodies();
   constexpr std::size_t small_bytes = 64, number_and_stamp_bytes = 16;
@@ -103,7 +103,7 @@ template <class Qos>
 Qos qos_of(const Topic& topic, const Ways& ways, Qos qos) {
   qos = fast::best_effort(qos);
   qos.data_sharing().off();
-  qos.resource_limits().allocated_samples = 0;  // otherwise it reserves memory for a hundred samples
+  qos.resource_limits().allocated_samples = 0;  // otherwise Fast DDS reserves memory for a hundred samples
   if (ways.usual) qos.history().depth = static_cast<std::int32_t>(topic.depth);
   if (!topic.reliable) return qos;
   qos.reliability().kind = dds::RELIABLE_RELIABILITY_QOS;
@@ -122,7 +122,7 @@ dds::DataWriterQos writer_qos(const Topic& topic, const Ways& ways) {
     qos.reliability().max_blocking_time = {10, 0};
     fast::answer_soon(qos);
   }
-  // Fast DDS sends samples that exceed a datagram only from a thread of its own.
+  // Fast DDS sends samples that exceed a datagram only from a separate thread.
   const bool by_a_thread = ways.over_udp || topic.reliable;
   if (by_a_thread && largest(bodies_of(topic)) > in_one_datagram_bytes)
     qos.publish_mode().kind = dds::ASYNCHRONOUS_PUBLISH_MODE;
@@ -154,7 +154,7 @@ class FastDdsWriter : public Writer {
   void write(std::uint64_t number) override {
     Body& body = bodies_[number % bodies_.size()];
     if (numbered_) std::memcpy(body.data(), &number, sizeof number);
-    // A write into a full history can fail without a wait. It then succeeds the next time.
+    // A write into a full history can fail without a wait. In that case the next attempt succeeds.
     while (!fast::write(writer_, &body) && patient_) {
     }
   }
@@ -166,7 +166,7 @@ class FastDdsWriter : public Writer {
   const bool patient_;
 };
 
-/// Deserializes every sample into the same memory.
+/// A reader that deserializes every sample into the same memory.
 class FastDdsReader : public Reader, private dds::DataReaderListener {
  public:
   FastDdsReader(fast::Participant& participant, const Topic& topic, const Ways& ways, Arrived arrived)
@@ -190,7 +190,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
     }
     return false;
   }
-  /// Valid only if the sample has a number.
+  /// Returns the number. Valid only if the sample has a number.
   std::uint64_t number() const {
     std::uint64_t number = 0;
     std::memcpy(&number, body_.data(), std::min(sizeof number, body_.size()));
@@ -233,7 +233,7 @@ class LoanWriter : public LendingWriter {
   void* loan_ = nullptr;
 };
 
-/// Reads samples in place.
+/// A reader that reads samples in place.
 class LoanReader : public Reader, private dds::DataReaderListener {
  public:
   LoanReader(fast::Participant& participant, dds::Topic& topic, Arrived arrived)

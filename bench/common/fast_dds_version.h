@@ -1,5 +1,5 @@
 // The differences between Fast DDS 2 (Debian 12) and Fast DDS 3 (Debian 13): folders, namespaces, and names
-// of functions. Contenders use the names of this header. bench/CMakeLists.txt sets FAST_DDS_3.
+// of functions. Contenders use the names of this header. bench/CMakeLists.txt defines FAST_DDS_3.
 #pragma once
 
 #if FAST_DDS_3
@@ -51,10 +51,10 @@ class AnyType : public dds::TopicDataType {
   virtual void* make() = 0;
   virtual void unmake(void* data) = 0;
   virtual void encode(const void* data, rtps::SerializedPayload_t& payload) = 0;
-  /// Returns false if the payload is malformed.
+  /// Decodes the payload into `data`. Returns false if the payload is malformed.
   virtual bool decode(rtps::SerializedPayload_t& payload, void* data) = 0;
   virtual std::uint32_t encoded_bytes(const void* data) = 0;
-  /// Returns true if the bytes of the type in memory are those on the wire.
+  /// Returns true if the bytes of the type in memory are the same as on the wire.
   virtual bool is_same_in_memory() const { return false; }
 
 #if FAST_DDS_3
@@ -109,8 +109,8 @@ class AnyType : public dds::TopicDataType {
 #endif
 };
 
-/// Makes a writer announce its samples, and a reader ask for missing ones, without much delay. By default,
-/// Fast DDS asks for missing fragments only every 3 s.
+/// Makes a writer announce its samples, and a reader request missing samples, without much delay. By
+/// default, Fast DDS requests missing fragments only every 3 s.
 inline void answer_soon(dds::DataWriterQos& qos) {
   auto& times = qos.reliable_writer_qos().times;
 #if FAST_DDS_3

@@ -20,7 +20,7 @@ std::string text_of(pid_t process, const char* file) {
   return core::text_of(fmt::format("/proc/{}/{}", process, file));
 }
 
-/// Returns the bytes that a line of a file in /proc/PID gives in kB.
+/// Returns a number of bytes that the file /proc/PID/FILE gives in kB. `key` is the beginning of its line.
 double bytes_of(pid_t process, const char* file, const std::string& key) {
   const std::string text = text_of(process, file);
   const std::size_t at = text.find(key);

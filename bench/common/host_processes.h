@@ -1,4 +1,4 @@
-// Processes on the hosts of a benchmark's own network.
+// Runs processes on the hosts of a benchmark's own network.
 #pragma once
 
 #include <sys/types.h>
@@ -14,9 +14,9 @@ namespace sft::bench {
 
 class HostProcesses {
  public:
-  /// Makes host 0 and `hosts` others, which exist as long as this object.
+  /// Makes host 0 and `hosts` further hosts, which exist as long as this object.
   explicit HostProcesses(std::size_t hosts);
-  /// Uses host 0 and `hosts` others of a network that several objects may use one after the other.
+  /// Uses host 0 and `hosts` further hosts of a network that several objects may use one after the other.
   HostProcesses(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t hosts);
   /// Ends all processes.
   ~HostProcesses();
@@ -25,23 +25,23 @@ class HostProcesses {
 
   /// Calls `run` in a new process on a host.
   pid_t start(std::size_t host, const std::function<int()>& run);
-  /// Returns the host of the reader with this number: all hosts but host 0 are used in turns.
+  /// Returns the host of the reader with this number: all hosts except host 0 are used in turns.
   std::size_t host_of_reader(std::size_t number) const { return 1 + number % (hosts_ - 1); }
 
   std::size_t hosts() const { return hosts_; }
   std::size_t size() const { return members_.size(); }
-  /// Waits for the process that was started first. Returns true if its exit code was 0.
+  /// Waits for the end of the process that was started first. Returns true if its exit code was 0.
   bool first_succeeds();
 
-  // The following functions return the sums over all processes, or over all interfaces.
+  // The following functions return sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
-  /// The memory that no file backs: what the processes have written for themselves.
+  /// Returns the bytes of memory that no file backs: the memory that the processes have written.
   double anonymous_bytes() const;
-  /// The bytes of all hosts' interfaces. REQUIRES: there is a process on each host.
+  /// Returns the bytes of the interfaces of all hosts. REQUIRES: there is a process on each host.
   LinkBytes link_bytes() const;
 
-  /// The bytes of one host's interface. REQUIRES: there is a process on that host.
+  /// Returns the bytes of one host's interface. REQUIRES: there is a process on that host.
   LinkBytes link_bytes(std::size_t host) const;
 
  private:

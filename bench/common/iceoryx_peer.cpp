@@ -1,4 +1,4 @@
-// iceoryx in sftd's memory, used as in its own examples.
+// The contender iceoryx, in sftd's memory and used as in iceoryx's own examples.
 #include <unistd.h>
 
 #include <algorithm>
@@ -18,7 +18,7 @@ namespace sft::bench {
 
 namespace {
 
-/// Joins sftd, before any port is made. sftd serves only programs whose names begin with "sft_".
+/// Joins sftd. Called before any port is made. sftd serves only programs whose names begin with "sft_".
 iox::capro::ServiceDescription service(const Topic& topic) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kOff,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
@@ -48,8 +48,8 @@ class IceoryxWriter : public LendingWriter {
         data_(copies ? topic.bulk_bytes - sizeof(std::uint64_t) : 0, std::byte{1}),
         readers_(topic.readers) {}
 
-  /// Returns the number of all readers or 0, since iceoryx only tells whether there is one. Each reader
-  /// knows its own state.
+  /// Returns the number of all readers or 0, because iceoryx does not report the number of connected
+  /// readers. Each reader knows its own state.
   std::size_t readers() const override { return publisher_.hasSubscribers() ? readers_ : 0; }
   void prepare(std::uint64_t number) override {
     publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) {
@@ -63,7 +63,7 @@ class IceoryxWriter : public LendingWriter {
  private:
   iox::popo::UntypedPublisher publisher_;
   const std::uint32_t bytes_;
-  const std::vector<std::byte> data_;  ///< the data that is copied into each loan; empty if none is
+  const std::vector<std::byte> data_;  ///< the data that is copied into each loan; empty if no data is copied
   const std::size_t readers_;
   void* chunk_ = nullptr;
 };

@@ -21,7 +21,7 @@ struct dds_topic_descriptor;
 
 namespace sft::bench {
 
-/// Messages of one type, which are sent in turns. Immutable.
+/// Messages of one type, which are sent in turns. The object is immutable.
 class Messages {
  public:
   explicit Messages(const dds_topic_descriptor& cyclone_type) : cyclone_type_(cyclone_type) {}
@@ -37,13 +37,13 @@ class Messages {
   /// Opens SFT's subscriber to all fields of such messages.
   virtual std::unique_ptr<Reader> reader(Node& node, const std::string& topic,
                                          const SubscriberOptions& options, Arrived arrived) const = 0;
-  /// Returns the bytes of CDR of the message with this number if only these fields are sent.
+  /// Returns the bytes of CDR of the message with this number if only the fields `fields` are sent.
   virtual std::size_t masked_bytes(std::size_t number, FieldSet fields) const = 0;
 
-  /// The bodies of the messages in CDR, without encapsulation, with all fields.
+  /// Returns the bodies of the messages in CDR, without encapsulation, with all fields.
   const std::vector<std::vector<std::byte>>& bodies() const { return bodies_; }
   std::size_t size() const { return bodies_.size(); }
-  /// The bytes of the longest body.
+  /// Returns the number of bytes of the longest body.
   std::size_t largest() const;
 
   FieldSet all() const { return all_fields(type().type().members.size()); }
@@ -67,14 +67,15 @@ std::vector<std::byte> encoded(const T& message) {
   const StructType& type = detail::TypeTable<T>::type;
   const FieldMask full = type_support<T>().full();
   const std::uint32_t bytes = detail::encoded_size(type, &message, full).bytes;
-  std::vector<std::uint64_t> memory((bytes + 7) / 8);  // words of 8 bytes are aligned as bodies must be
+  // Consists of words of 8 bytes, so that it is aligned as bodies must be.
+  std::vector<std::uint64_t> memory((bytes + 7) / 8);
   const std::span<std::byte> body = std::as_writable_bytes(std::span(memory)).first(bytes);
   std::vector<std::uint32_t> index(detail::slot_count(type));
   detail::encode(type, &message, full, body, index);
   return {body.begin(), body.end()};
 }
 
-/// Returns the message; nothing if the body is malformed.
+/// Decodes a body. Returns the message; nothing if the body is malformed.
 template <class T>
 std::optional<T> decoded(std::span<const std::byte> body) {
   const FieldMask full = type_support<T>().full();

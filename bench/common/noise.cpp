@@ -39,7 +39,7 @@ Noise::Moment Noise::now() {
 Noise::Shares Noise::shares() const {
   const Moment end = now();
   const double all = end.all_s - begin_.all_s, own = end.own_s - begin_.own_s;
-  // A time shorter than a tick has no shares.
+  // A time of zero ticks has no shares.
   const auto percent = [&](double seconds) { return all > 0 ? 100 * std::max(0., seconds) / all : 0; };
   return {.own = percent(own),
           .other_programs = percent(end.busy_s - begin_.busy_s - own),

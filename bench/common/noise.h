@@ -1,4 +1,4 @@
-// How much other work the machine did while a benchmark ran.
+// Measures how much other work the machine did while a benchmark ran.
 #pragma once
 
 #include <string>
@@ -12,15 +12,16 @@ class Noise {
  public:
   Noise() : begin_(now()) {}
 
-  /// Shares of the time of all processors since this object was made, in percent. A child process
-  /// counts as `own` once this process has waited for its end. A daemon that outlives this process does not.
+  /// Shares of the time of all processors since the object of class Noise was made, in percent. A child
+  /// process counts as `own` once this process has waited for its end. A daemon that outlives this process
+  /// does not count as `own`.
   struct Shares {
     double own = 0, other_programs = 0, other_machines = 0;
   };
   Shares shares() const;
 
  private:
-  /// Sums over all processors, in seconds.
+  /// Sums over all processors at one moment, in seconds.
   struct Moment {
     double busy_s = 0, stolen_s = 0, all_s = 0, own_s = 0;
   };
@@ -30,7 +31,8 @@ class Noise {
 };
 
 std::string text_of(const Noise::Shares& shares);
-/// Returns the shares for the file with the figures. A change of them makes no benchmark better or worse.
+/// Returns the shares as figures for the file. A change of these figures makes no benchmark better or
+/// worse.
 std::vector<Figure> figures_of(const Noise::Shares& shares);
 
 }  // namespace sft::bench

@@ -23,15 +23,17 @@ class Exchange {
 
   alignas(64) std::atomic<std::uint64_t> sent{0};      ///< number of the last message that was sent
   alignas(64) std::atomic<std::uint64_t> received{0};  ///< number of the last message that was read
-  alignas(64) std::atomic<bool> ready{false};          ///< true when the receiver has begun
+  alignas(64) std::atomic<bool> ready{false};          ///< true once the receiver has begun
   std::atomic<bool> failed{false};
   std::int64_t sent_at[samples_max] = {};
-  std::int64_t returned_at[samples_max] = {};  ///< 0 if it was not noted
+  /// By message: the time at which the sending function returned; 0: not noted.
+  std::int64_t returned_at[samples_max] = {};
   std::int64_t received_at[samples_max] = {};
 
-  /// Called by the sender. Waits until the receiver has read message n. Returns false after a second.
+  /// Called by the sender. Waits until the receiver has read message n. Returns false if that takes more
+  /// than a second.
   bool wait_for_receipt(std::uint64_t n);
-  /// Called by the receiver after it has read message n.
+  /// Notes that the receiver has read message n. Called by the receiver.
   void note_receipt(std::uint64_t n);
 };
 
@@ -47,26 +49,26 @@ struct Sides {
 /// The times of a message.
 struct Delivery {
   std::int64_t sent_at = 0;
-  std::int64_t received_at = 0;  ///< 0: it was not read
-  std::int64_t returned_at = 0;  ///< when the function that sent the message returned; 0: that was not noted
+  std::int64_t received_at = 0;  ///< time of the receipt; 0: the message was not read
+  std::int64_t returned_at = 0;  ///< time when the function that sent the message returned; 0: not noted
 
   double us() const { return static_cast<double>(received_at - sent_at) / 1000.0; }
 };
 
 /// Runs both sides to their end, and returns the times of all messages. Empty if a side failed.
 std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages);
-/// Runs both sides to their end, and returns the one-way times in microseconds of the messages that were
-/// read, without the first tenth. Empty if a side failed.
+/// Runs both sides to their end. Returns the one-way times in microseconds of the messages that were read,
+/// without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
-/// Pauses so long that the receiver falls asleep between two messages. Keeps this core out of deep idle
-/// states.
+/// Waits for this time without sleeping, which keeps this core out of deep idle states. The time should be
+/// so long that the receiver falls asleep between two messages.
 void pause_us(std::int64_t us);
-/// Sleeps, and leaves the core to other threads.
+/// Sleeps for this time, and leaves the core to other threads.
 void sleep_us(std::int64_t us);
-/// Sleeps until a time of now_ns().
+/// Sleeps until now_ns() returns `ns`.
 void sleep_until(std::int64_t ns);
-/// Checks every millisecond whether `holds` returns true, and then returns true. Returns false after the
+/// Calls `holds` every millisecond until it returns true, and then returns true. Returns false after the
 /// timeout.
 bool wait_until(const std::function<bool()>& holds, double timeout_s = 20);
 

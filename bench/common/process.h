@@ -10,9 +10,9 @@ namespace sft::bench {
 void pin_to_core(int core);
 
 /// Calls `run` in a new process, whose exit code is the result. The process is killed when the calling
-/// process ends, or after five minutes, because it hangs then.
+/// process ends. It is also killed after five minutes, because it must be hanging then.
 pid_t start_process(const std::function<int()>& run);
-/// The same, pinned to a core.
+/// Does the same as start_process(), with the process pinned to a core.
 pid_t start_on_core(int core, const std::function<int()>& run);
 /// Waits until the process has ended. Returns true if its exit code was 0.
 bool succeeds(pid_t process);

@@ -1,5 +1,5 @@
-// The main program of each benchmark. It measures its groups of figures, or a chosen group. It prints a table
-// and the noise of the machine, and writes both to a file.
+// The main program of each benchmark. It measures all groups of figures, or one chosen group. It prints a
+// table and the noise of the machine, and writes both to a file.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -20,17 +20,18 @@ struct Group {
 
 class Program {
  public:
-  /// Measures `groups` in this order.
+  /// Makes a program that measures `groups` in this order.
   Program(const std::string& description, std::vector<Group> groups);
 
-  /// The options of the benchmark, besides --json and --only.
+  /// Returns the options of the benchmark, to which a benchmark can add its own. They include --json and
+  /// --only.
   CLI::App& options() { return options_; }
 
-  /// Prints no table. For a benchmark whose groups print tables of their own.
+  /// Leaves out the table. Used by a benchmark whose groups print tables of their own.
   void leave_out_table() { has_table_ = false; }
 
-  /// Returns the exit code if the program must end at once. Opens the file for the figures already here,
-  /// since an isolated run has its own /tmp.
+  /// Reads the command line. Returns the exit code if the program must end at once. The file for the
+  /// figures is opened here, since an isolated run has its own /tmp.
   std::optional<int> parse(int argc, char** argv);
   /// Runs the benchmark and returns the exit code.
   int run();

@@ -1,4 +1,5 @@
-// The addresses of the sockets of a topic. These contenders have neither discovery nor names.
+// The addresses of the sockets of a topic. The contenders that use sockets have neither discovery nor
+// names.
 #pragma once
 
 #include <arpa/inet.h>
@@ -11,9 +12,9 @@
 
 namespace sft::bench {
 
-/// Returns the address at which a reader of a topic listens, or the address of all interfaces with its port.
-/// Each topic has ports of its own behind `first_port`, one for each reader, since all readers may be on one
-/// host.
+/// Returns the address at which a reader of a topic listens, or the address of all interfaces with its
+/// port. Each topic has its own ports from `first_port` on, one for each reader, since all readers may be
+/// on one host.
 inline sockaddr_in reader_address(const Topic& topic, std::size_t reader, std::uint16_t first_port,
                                   bool all_interfaces = false) {
   constexpr std::size_t readers_max = 16;

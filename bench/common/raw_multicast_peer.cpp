@@ -36,7 +36,7 @@ ip_mreqn on_the_link() {
   return membership;
 }
 
-/// Ends the process if `done` is false, because the system has refused something.
+/// Ends the process if `done` is false, because the system has refused a call.
 void must(bool done) {
   if (!done) std::abort();
 }
@@ -62,7 +62,7 @@ int receiving_socket() {
   return fd;
 }
 
-/// Receives samples. The last datagram of a sample is the one that is not full.
+/// Receives samples. A datagram that is not full is the last one of a sample.
 [[noreturn]] void receive(int socket, const Arrived& arrived) {
   std::array<std::uint8_t, datagram_bytes> datagram{};
   for (;;) {

@@ -20,13 +20,13 @@ int bound_socket() {
   sockaddr_in here{};
   here.sin_family = AF_INET;
   here.sin_port = htons(port);
-  const timeval second{1, 0};  // a datagram that takes longer counts as lost
+  const timeval second{1, 0};  // a datagram counts as lost after this time
   setsockopt(fd, SOL_SOCKET, SO_RCVTIMEO, &second, sizeof second);
   if (bind(fd, reinterpret_cast<sockaddr*>(&here), sizeof here) != 0) _exit(1);
   return fd;
 }
 
-/// Receives a datagram and returns its size; 0 or less after a second without a datagram.
+/// Receives a datagram and returns its size. Returns 0 or less after a second without a datagram.
 ssize_t receive(int fd, std::vector<std::uint8_t>& message, Reading reading, sockaddr_in* from = nullptr) {
   const std::int64_t deadline = now_ns() + 1'000'000'000;
   for (;;) {

@@ -1,4 +1,5 @@
-// Sends samples over TCP connections, one for each reader, with the kernel's default settings.
+// The contender TCP. It sends samples over connections, one for each reader, with the kernel's default
+// settings.
 #include <netinet/tcp.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -64,7 +65,7 @@ class RawTcpWriter : public Writer {
  private:
   std::vector<int> sockets_;
   std::vector<std::byte> sample_;
-  std::vector<std::byte> kept_;  ///< the copy of a sample, if copies are made
+  std::vector<std::byte> kept_;  ///< the copy of a sample, if the contender makes copies
 };
 
 /// Receives from the first writer that connects.

@@ -1,8 +1,8 @@
-// The least time that a transfer by UDP takes. For large samples, each system call hands over a train of
-// datagrams. The kernel cuts it (GSO) and puts it together again (GRO), directly from and into the sample's
-// memory. The sender is at most one sample ahead of the last acknowledgement, or some small samples. So no
-// sample is lost to a full buffer, and neither side sleeps between samples. For samples that are not bulk,
-// each side makes one system call per datagram, and neither side waits.
+// The contender UDP, which takes the least possible time for a transfer. For large samples, each system
+// call hands over a train of datagrams. The kernel cuts it (GSO) and puts it together again (GRO), directly
+// from and into the sample's memory. The sender is at most one sample ahead of the last acknowledgement, or
+// some small samples. So no sample is lost to a full buffer, and neither side sleeps between samples. For
+// samples that are not bulk, each side makes one system call per datagram, and neither side waits.
 #include <netinet/udp.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -27,10 +27,10 @@ namespace {
 constexpr std::uint16_t first_port = 44'000;
 constexpr int segment_bytes = 1472;  // an MTU of 1500 without the headers of IPv4 and UDP
 constexpr std::size_t train_bytes = 44 * segment_bytes;
-constexpr std::size_t small_datagram_bytes = 112;  // the same as with SFT's headers
+constexpr std::size_t small_datagram_bytes = 112;  // the same length as with SFT's headers
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
-constexpr std::uint64_t again = 0;  // in place of a number: all unacknowledged samples follow once more
+constexpr std::uint64_t again = 0;  // sent in place of a number: all unacknowledged samples follow once more
 
 int udp_socket() {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -54,14 +54,14 @@ int writer_socket(const Topic& topic, std::size_t reader) {
   return fd;
 }
 
-/// Returns by how many samples the writer may be ahead of the last acknowledgement.
+/// Returns the number of samples by which the writer may be ahead of the last acknowledgement.
 std::uint64_t samples_ahead(std::size_t sample_bytes) {
   constexpr std::size_t bytes_ahead = 256 << 10, samples_max = 32;
   return std::clamp<std::uint64_t>(bytes_ahead / sample_bytes, 1, samples_max);
 }
 
-/// A writer's socket for one reader. If an acknowledgement is missing, the writer announces that it begins
-/// again, and sends all samples that are not acknowledged.
+/// A writer's socket for one reader. If an acknowledgement is missing, the writer announces a repetition,
+/// and sends all samples that are not acknowledged.
 class RawUdpLink {
  public:
   RawUdpLink(const Topic& topic, std::size_t reader) : socket_(writer_socket(topic, reader)) {
@@ -76,7 +76,8 @@ class RawUdpLink {
       send(socket_, sample.data(), std::min(train_bytes, sample.size()), 0);
   }
   void begin_again() const { send(socket_, &again, sizeof again, 0); }
-  /// Waits for the acknowledgement of a sample. Returns false if it does not arrive in time.
+  /// Waits for the acknowledgement of a sample. Returns false if the acknowledgement does not arrive in
+  /// time.
   bool acknowledged(std::uint64_t number) {
     while (acknowledged_ < number) {
       if (recv(socket_, &acknowledged_, sizeof acknowledged_, 0) <= 0) return false;
@@ -124,7 +125,7 @@ class RawUdpWriter : public Writer {
   const std::uint64_t ahead_;
   std::vector<std::unique_ptr<RawUdpLink>> links_;
   std::vector<std::byte> message_;
-  std::vector<std::vector<std::byte>> kept_;  ///< copies of the last samples, if copies are made
+  std::vector<std::vector<std::byte>> kept_;  ///< copies of the last samples, if the contender makes copies
 };
 
 class RawUdpReader : public Reader {
@@ -162,7 +163,7 @@ class RawUdpReader : public Reader {
   }
 
  private:
-  /// Receives a train of datagrams. It may contain the end of a sample, or several samples.
+  /// Receives a train of datagrams. The train may contain the end of a sample, or several samples.
   void receive() {
     sockaddr_in peer{};
     socklen_t length = sizeof peer;
@@ -184,7 +185,7 @@ class RawUdpReader : public Reader {
   const int socket_;
   const std::size_t bytes_;
   const bool spinning_;
-  std::deque<std::uint64_t> come_;  ///< samples to take, if the reader has no callback
+  std::deque<std::uint64_t> come_;  ///< numbers of the samples to take, if the reader has no callback
   const Arrived arrived_;
   std::vector<std::byte> memory_;
   std::size_t filled_ = 0;

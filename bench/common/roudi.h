@@ -1,5 +1,5 @@
-// iceoryx's own daemon, which Cyclone DDS needs, since sftd serves programs of SFT only. It has its own
-// /dev/shm and /tmp, so that it does not collide with sftd.
+// Runs iceoryx's own daemon, which Cyclone DDS needs, since sftd serves programs of SFT only. The daemon
+// has its own /dev/shm and /tmp, so that it does not collide with sftd.
 #pragma once
 
 #include <sys/types.h>
@@ -8,8 +8,8 @@ namespace sft::bench {
 
 class Roudi {
  public:
-  /// Starts the daemon and waits until it serves. Ends the program with a message if that fails. REQUIRES:
-  /// the program is isolated.
+  /// Starts the daemon and waits until it serves programs. Ends the program with a message if that fails.
+  /// REQUIRES: the program is isolated.
   Roudi();
   ~Roudi();
   Roudi(const Roudi&) = delete;

@@ -26,7 +26,7 @@ std::size_t connected_to(const Status& status) {
       std::ranges::count_if(status.writers, &SubscriberStatus::Writer::connected));
 }
 
-/// Writes messages in turns. If messages have a number, the number of the sample is written into them.
+/// Writes messages in turns. If the message type has a number, the number of the sample is written into it.
 template <class T>
 class SftWriter : public Writer {
  public:
@@ -60,8 +60,8 @@ class SftWriter : public Writer {
   std::vector<T> together_;
 };
 
-/// Reads the fields `requirement` of messages of type T. Returns the number in the message, or 0 if it has
-/// none.
+/// Reads the fields `requirement` of messages of type T. Reports the number in the message, or 0 if the
+/// message has none.
 template <class T, Req<T> requirement = Req<T>(all<T>)>
 class SftReader : public Reader {
  public:

@@ -24,7 +24,7 @@ struct Ways {
   TransportChoice transport = TransportChoice::udp;
   bool loans = false;
   bool clouds = false;  ///< true: bulk samples are point clouds
-  bool usual = false;   ///< true: default settings
+  bool usual = false;   ///< true: the contender has its default settings
   bool multicast = true;
   std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
 };
@@ -43,8 +43,8 @@ Durability durability(const Topic& topic) {
   return topic.durable ? Durability::transient_local : Durability::volatile_;
 }
 
-/// Returns the options of a publisher. Without default settings, the publisher waits for a reader that does
-/// not keep up, like the writers of other contenders.
+/// Returns the options of a publisher. Unless it has default settings, the publisher waits for slow
+/// readers, like the writers of other contenders.
 PublisherOptions publisher_options(const Topic& topic, const Ways& ways) {
   PublisherOptions options{.reliability = reliability(topic), .durability = durability(topic)};
   if (!ways.usual && topic.reliable) options.max_blocking = std::chrono::seconds(1);
@@ -61,8 +61,8 @@ SubscriberOptions subscriber_options(const Topic& topic) {
   return options;
 }
 
-/// Makes samples in the memory from which they are sent. Writes only the number each time, since in a driver
-/// the device would write the data.
+/// Makes samples in the memory from which they are sent. Writes only the number each time, because in a
+/// real driver the device would write the data.
 class SftLoanWriter : public LendingWriter {
  public:
   SftLoanWriter(Node& node, const Topic& topic, const PublisherOptions& options)
@@ -73,7 +73,7 @@ class SftLoanWriter : public LendingWriter {
     prototype_.number = number;
     loan_ = publisher_.loan_for_overwrite(prototype_, {.data = data_bytes_}).value();
     const auto data = (*loan_)->data();
-    if (data.back() != written) std::ranges::fill(data, written);  // once per memory
+    if (data.back() != written) std::ranges::fill(data, written);  // done once for each piece of memory
   }
   void publish() override { std::move(*loan_).publish(); }
 
@@ -85,7 +85,7 @@ class SftLoanWriter : public LendingWriter {
   std::optional<Loan<Bulk>> loan_;
 };
 
-/// Publishes clouds in loans. Does not write their data.
+/// A writer that publishes clouds in loans. It does not write the data of the clouds.
 class CloudLoanWriter : public LendingWriter {
  public:
   CloudLoanWriter(Node& node, const Topic& topic)
@@ -105,7 +105,7 @@ class CloudLoanWriter : public LendingWriter {
   std::optional<Loan<PointCloud2>> loan_;
 };
 
-/// Publishes a cloud from the program's own memory.
+/// A writer that publishes a cloud from the program's own memory.
 class CloudWriter : public LendingWriter {
  public:
   CloudWriter(Node& node, const Topic& topic)
@@ -120,7 +120,7 @@ class CloudWriter : public LendingWriter {
   PointCloud2 cloud_;
 };
 
-/// Reads the height and width of a cloud. The number of its points is the number of the sample.
+/// A reader that reads the height and width of a cloud. The number of points is the number of the sample.
 class CloudReader : public Reader {
  public:
   CloudReader(Node& node, const Topic& topic)
@@ -157,7 +157,7 @@ void read_fields(const DynamicSample& sample, FieldSet fields) {
   }
 }
 
-/// Reads the wanted fields of messages.
+/// A reader that reads the wanted fields of messages.
 class SftFieldReader : public Reader {
  public:
   SftFieldReader(Node& node, const Topic& topic, Arrived arrived)
@@ -215,7 +215,7 @@ class SftPeer : public Peer {
     return std::make_unique<SftReader<Small>>(node_, topic.name, options, std::move(arrived));
   }
   void know_writer(const Topic& topic) override {
-    constexpr std::chrono::seconds timeout{60};  // many nodes that start at once need time
+    constexpr std::chrono::seconds timeout{60};  // long enough for many nodes that start at once
     (void)node_.find_type(topic.name, timeout).value();
   }
 

@@ -7,7 +7,7 @@
 
 namespace sft::bench {
 
-/// `T` consists of plain numbers and atomics. The value is value-initialized.
+/// `T` must consist of plain numbers and atomics. The value is value-initialized.
 template <class T>
 class Shared {
  public:

@@ -17,7 +17,7 @@ struct Contender {
   friend auto operator<=>(const Contender&, const Contender&) = default;
 };
 
-/// Returns the name with the kind of delivery: "Cyclone DDS, reliable".
+/// Returns the name with the kind of delivery, such as "Cyclone DDS, reliable".
 inline std::string name_of(const Contender& contender) {
   constexpr std::array names{"SFT", "Cyclone DDS", "Fast DDS"};
   return names[static_cast<std::size_t>(contender.middleware)] +

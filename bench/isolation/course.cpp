@@ -18,7 +18,7 @@ namespace {
 constexpr double timeout_s = 20;
 constexpr double recovery_s = 2;
 constexpr std::int64_t warm_up_us = 1'000'000;
-constexpr std::int64_t straggling_us = 500'000;  // the time for late messages
+constexpr std::int64_t straggling_us = 500'000;  // the time to wait for late messages
 
 struct Watched {
   Phase phase;
@@ -35,8 +35,8 @@ void check(const Result<void>& done) {
   std::exit(1);
 }
 
-/// The link of the remote reader's host, which can be made bad. Ends the program with a message if the system
-/// cannot do what is asked for.
+/// The link of the remote reader's host. Its quality can be degraded. Ends the program with a message if
+/// the system refuses that.
 class Link {
  public:
   Link(std::shared_ptr<const hosts::EmulatedNetwork> network, std::size_t host)
@@ -44,10 +44,10 @@ class Link {
 
   /// Makes the host lose `lossy_percent` of the arriving packets, chosen at random (nftables).
   void make_lossy() const;
-  /// Makes the switch pass at most `narrow_mbit_s` on to the host. It queues 50 ms of traffic, and drops more
-  /// (the token bucket filter of tc).
+  /// Makes the switch pass at most `narrow_mbit_s` Mbit/s on to the host. The switch queues 50 ms of
+  /// traffic, and drops what exceeds that (the token bucket filter of tc).
   void make_narrow() const;
-  // The following functions undo that.
+  // The following functions undo these changes.
   void lose_nothing() const;
   void widen() const;
 

@@ -14,12 +14,12 @@ struct Scale {
   int rounds = 3;
   double phase_s = 3;  ///< the length of each phase
   double rate_hz = 20;
-  bool quick = false;  ///< true: best effort only with SFT
+  bool quick = false;  ///< true: best effort is measured only with SFT
   std::vector<Middleware> middleware{all_middleware.begin(), all_middleware.end()};
 };
 
-/// Adds the observations of all phases to `results`. If the programs of one host do not find each other, says
-/// so on the standard error and adds nothing. `network` has two hosts.
+/// Runs a round, and adds the observations of all phases to `results`. If the programs of one host do not
+/// find each other, reports that on the standard error and adds nothing. `network` must have two hosts.
 void run_course(const Contender& contender, const std::shared_ptr<const hosts::EmulatedNetwork>& network,
                 const Scale& scale, Results& results);
 

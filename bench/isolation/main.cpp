@@ -1,7 +1,7 @@
 // Measures whether a remote reader disturbs the readers on the publisher's host. A camera and a lidar send
-// 6.3 MB at 20 Hz to three local readers. Meanwhile a remote reader joins, stalls, loses packets, asks for
-// everything over a narrow link, and is killed. SFT, Cyclone DDS and Fast DDS run one after the other. Hosts
-// are network namespaces with an MTU of 1500. The system chooses the cores.
+// 6.3 MB at 20 Hz to three local readers. Meanwhile a remote reader joins, stalls, loses packets, requests
+// all fields over a narrow link, and is killed. SFT, Cyclone DDS and Fast DDS run one after the other.
+// Hosts are network namespaces with an MTU of 1500. The system chooses the cores.
 #include <fmt/format.h>
 
 #include <map>
@@ -42,7 +42,7 @@ class Study {
       if (results_.has(contender)) fmt::print("{}", table(results_, contender));
     }
     fmt::print("\n");
-    std::fflush(stdout);  // otherwise each process that is forked later would have a copy
+    std::fflush(stdout);  // otherwise each process that is forked later would have a copy of the output
     return figures(results_, reliable);
   }
 

@@ -1,4 +1,5 @@
-// What was observed in one phase, and its summary over several rounds. Pure: no process is run or read here.
+// The observations of one phase, and their summary over several rounds. Pure: no process is run or read
+// here.
 #pragma once
 
 #include <atomic>
@@ -12,19 +13,23 @@ inline constexpr std::size_t local_readers = 3;
 inline constexpr std::size_t remote_reader = local_readers;  ///< the index of the remote reader
 inline constexpr std::size_t messages_max = 8192;
 
-/// The notes of all processes of a run, in memory that they share. The index into an array is the number of a
+/// The notes of all processes of a run, in memory that they share. Arrays are indexed by the number of a
 /// message, from 1.
 struct Board {
-  std::atomic<std::size_t> ready{0};            ///< processes that are matched, without the remote reader
+  /// Number of processes that are matched, without the remote reader.
+  std::atomic<std::size_t> ready{0};
   std::atomic<bool> begun{false};               ///< true: the publisher may write
   std::atomic<std::uint64_t> written{0};        ///< the number of the last message that was due
   std::atomic<std::uint64_t> remote_latest{0};  ///< the greatest number that the remote reader has read
   std::atomic<bool> remote_matched{false};
   std::int64_t due_ns[messages_max] = {};
-  std::int64_t sent_ns[messages_max] = {};                        ///< the time before the call that writes
-  std::int64_t returned_ns[messages_max] = {};                    ///< the time after it; 0: it still runs
-  std::int64_t page_faults[messages_max] = {};                    ///< page faults of the thread in that call
-  std::int64_t arrived_ns[local_readers + 1][messages_max] = {};  ///< 0: the reader has not read the message
+  std::int64_t sent_ns[messages_max] = {};  ///< time before the call that writes
+  /// Time after that call; 0: the call has not returned.
+  std::int64_t returned_ns[messages_max] = {};
+  /// Page faults of the thread during that call.
+  std::int64_t page_faults[messages_max] = {};
+  /// Time of the arrival; 0: the reader has not read the message.
+  std::int64_t arrived_ns[local_readers + 1][messages_max] = {};
 };
 
 /// The messages of a phase: [first, end).
@@ -40,10 +45,11 @@ struct Resources {
 };
 
 struct Observation {
-  std::vector<double> local_us{};    ///< the times from before the writing call until a local reader has read
-  std::vector<double> publish_us{};  ///< the duration of that call
-  std::vector<double> late_us{};     ///< how much later than planned the publisher wrote
-  std::int64_t page_faults = 0;      ///< page faults in all these calls
+  /// Times from before the writing call until a local reader has read the message.
+  std::vector<double> local_us{};
+  std::vector<double> publish_us{};  ///< duration of the writing call
+  std::vector<double> late_us{};     ///< delay of each write relative to its planned time
+  std::int64_t page_faults = 0;      ///< page faults in all writing calls
   std::size_t lost = 0;              ///< messages that a local reader missed, summed over the local readers
   std::size_t remote_received = 0;
   Resources resources{};

@@ -25,15 +25,16 @@ Topic topic_of(const char* name, const Contender& contender) {
 }
 
 /// Opens the contender with its default settings. Within the host, SFT and Fast DDS use shared memory, and
-/// Cyclone DDS uses UDP. The emulated hosts have separate networks, but the same memory, in which a remote
-/// reader must not look for samples.
+/// Cyclone DDS uses UDP. The emulated hosts have separate networks, but share one memory. A remote reader
+/// must not look for samples there.
 std::unique_ptr<Peer> open(Middleware middleware, bool is_remote) {
   if (middleware == Middleware::sft) return is_remote ? sft_usual_peer() : sft_local_peer();
   if (middleware == Middleware::cyclone) return cyclone_usual_peer();
   return is_remote ? fast_dds_usual_peer() : fast_dds_local_peer();
 }
 
-/// Returns the page faults of the calling thread so far: memory that its process used for the first time.
+/// Returns the number of page faults of the calling thread so far. They show memory that its process used
+/// for the first time.
 std::int64_t page_faults() {
   rusage usage{};
   getrusage(RUSAGE_THREAD, &usage);
@@ -44,7 +45,7 @@ std::int64_t page_faults() {
   for (;;) pause();
 }
 
-/// Lets all other processes run first. A real remote host has processors of its own, which this machine
+/// Gives all other processes precedence. A real remote host has processors of its own, which this machine
 /// cannot provide.
 void yield_to_others() {
   const sched_param parameters{};
@@ -119,7 +120,7 @@ int Pipeline::read_all(std::size_t reader) const {
   stay();
 }
 
-/// Only one thread at a time calls back for a topic, so that no two threads note the same message.
+/// A topic's callbacks run on one thread at a time, so that no two threads note the same message.
 Arrived Pipeline::note_arrivals(std::size_t reader) const {
   return [this, reader](std::uint64_t number) {
     if (number >= messages_max) return;

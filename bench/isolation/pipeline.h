@@ -21,7 +21,7 @@ class Pipeline {
  public:
   static constexpr std::size_t remote_host = 1;
 
-  /// Starts all processes but the remote reader.
+  /// Starts all processes except the remote reader.
   Pipeline(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, double rate_hz);
 
   bool is_ready() const { return board_->ready.load() == 1 + local_readers; }
@@ -32,7 +32,7 @@ class Pipeline {
   void signal_remote(int signal) const;
 
   const Board& board() const { return *board_; }
-  /// Returns the time, and the processor time that the processes have used so far.
+  /// Returns the present time, and the processor time that the processes have used so far.
   Resources resources() const;
 
  private:
@@ -46,7 +46,7 @@ class Pipeline {
   const Shared<Board> board_;
   HostProcesses processes_;
   std::array<pid_t, 1 + local_readers> local_{};
-  pid_t remote_ = 0;  ///< 0: the process was not started
+  pid_t remote_ = 0;  ///< process id of the remote reader; 0: the process was not started
 };
 
 }  // namespace sft::bench::isolation

@@ -11,7 +11,7 @@ namespace {
 
 constexpr const char* without = "without the remote reader";
 
-/// Formats times in ms: "1.23 (1.02)", where the second number is the ratio, or "none".
+/// Formats times in ms as "1.23 (1.02)" or "none". The second number is the ratio.
 std::string beside(double us, double baseline_us) {
   if (std::isnan(us)) return "none";
   if (std::isnan(baseline_us)) return fmt::format("{:.2f}", us / 1000);
@@ -61,7 +61,8 @@ std::vector<Figure> figures_of(const Results& results, const Contender& contende
   return figures;
 }
 
-/// The second part of the baseline relative to its first part: a ratio that is due to noise only.
+/// Returns the ratio of the second part of the baseline to its first part. It differs from 1 only because
+/// of noise.
 Figure noise(const Results& results, const Contender& contender, const std::string& prefix) {
   Figure figure = p99(prefix + "_again_local_p99" + suffix(contender.middleware),
                       results.of(contender, Phase::again).local, results.of(contender, Phase::alone).local);

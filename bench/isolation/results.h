@@ -21,11 +21,11 @@ class Results {
   void add(const Contender& contender, Phase phase, Observation observation);
 
   bool has(const Contender& contender) const;
-  /// REQUIRES: has(contender).
+  /// Returns the summary of all rounds of a phase. REQUIRES: has(contender).
   Summary of(const Contender& contender, Phase phase) const;
   /// Returns the summary of all rounds without a remote reader. REQUIRES: has(contender).
   Summary baseline(const Contender& contender) const;
-  /// Returns how much later than planned publishers wrote, for each message.
+  /// Returns the delay of each message relative to its planned time.
   std::vector<double> late_us() const;
 
  private:
@@ -38,9 +38,10 @@ std::string legend();
 /// Returns a row for each phase. Each time is followed by its ratio to the time without the remote reader.
 std::string table(const Results& results, const Contender& contender);
 
-/// Returns the figures of each disturbance. For SFT these are the p99 of the local readers and of publish(),
-/// lost messages and processor time, with the baseline as reference; for other contenders the p99 only. A
-/// name is "isolation_joined_local_p99"; with best effort it is "isolation_best_effort_joined_local_p99".
+/// Returns the figures of each disturbance. For SFT these are the p99 of the local readers and of
+/// publish(), lost messages and processor time, with the baseline as reference. For other contenders, it is
+/// only the p99 of the local readers. A name is "isolation_joined_local_p99"; with best effort it is
+/// "isolation_best_effort_joined_local_p99".
 std::vector<Figure> figures(const Results& results, bool reliable);
 
 }  // namespace sft::bench::isolation

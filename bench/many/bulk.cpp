@@ -1,4 +1,5 @@
-// Measures large samples by UDP where SFT has less help than usual, and loans compared with messages.
+// Measures large samples by UDP without the usual help of interfaces and buffers, and loans compared with
+// messages.
 #include <string>
 
 #include "bench/common/statistics.h"
@@ -63,7 +64,7 @@ std::vector<Figure> bulk_without(const ManyScale& scale) {
     rate.add_reference(tcp.gb_per_s);
     cpu.add_ours(ours.cpu_s_per_gb);
     cpu.add_reference(tcp.cpu_s_per_gb);
-    const Stream raw = stream(raw_udp_peer, large, seconds, bare);  // the costs of bare datagrams
+    const Stream raw = stream(raw_udp_peer, large, seconds, bare);  // the costs of plain datagrams
     rate_of_raw.add_ours(ours.gb_per_s);
     rate_of_raw.add_reference(raw.gb_per_s);
     cpu_of_raw.add_ours(ours.cpu_s_per_gb);

@@ -12,7 +12,8 @@ namespace sft::bench {
 
 namespace {
 
-/// Costs that do not grow have exponents near 0. Neither a ratio nor a bar of these has a meaning.
+/// The unit of exponents. Costs that do not grow have exponents near 0, for which a ratio or a bar has no
+/// meaning.
 constexpr const char* unit_of_exponents = "exponent";
 
 std::string cell(double value) { return fmt::format(" {:>13.{}f}", value, std::abs(value) < 100 ? 2 : 0); }
@@ -95,7 +96,7 @@ std::string Curve::table() const {
 
 std::vector<Figure> Curve::report() const {
   fmt::print("{}", table());
-  std::fflush(stdout);  // otherwise processes that are forked later print it, too
+  std::fflush(stdout);  // otherwise processes that are forked later would print it again
   return figures();
 }
 

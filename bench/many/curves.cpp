@@ -1,4 +1,4 @@
-// Measures what a sample costs at several sizes of one dimension: readers, masks, fields or bytes.
+// Measures the costs of a sample at several sizes of one dimension: readers, masks, fields or bytes.
 #include <algorithm>
 #include <fields.hpp>
 #include <utility>
@@ -26,7 +26,7 @@ std::vector<double> values(const Costs& costs) {
   return {costs.bytes, costs.publisher_cpu_us, costs.subscriber_cpu_us, costs.latency_us};
 }
 
-/// The point of a curve that a phase of a case yields.
+/// One point of a curve. A phase of a case is the measurement of a point.
 struct Point {
   Curve& curve;
   std::size_t size;
@@ -42,7 +42,7 @@ void measure(const Case& of, const std::vector<Point>& points) {
   }
 }
 
-/// The readers take turns at `count` different masks.
+/// Returns the fields of readers that take turns at `count` different masks.
 Fields masks(std::size_t count) {
   return [=](std::size_t reader) { return own_fields_and_data(reader % count); };
 }
@@ -53,7 +53,7 @@ Case readers_of_cloud(std::size_t readers, std::vector<Fields> phases, const Man
           .hosts = std::min(readers, emulated_hosts),
           .topic = cloud_topic(cloud_bytes),
           .phases = std::move(phases),
-          .settling_s = readers < 64 ? few_s : 2 * few_s,  // groups for many masks form later
+          .settling_s = readers < 64 ? few_s : 2 * few_s,  // longer for many masks, whose groups form later
           .samples = scale.quick ? std::uint64_t{10} : 40,
           .period_us = period_us,
           .settled_us = settled_us};
@@ -68,7 +68,7 @@ Case one_reader(Topic topic, std::vector<Fields> phases, std::uint64_t samples) 
           .samples = samples,
           .period_us = period_us,
           .settled_us = settled_us,
-          .warming = samples};  // the traffic of joining ends meanwhile
+          .warming = samples};  // the traffic of joining ends while these samples are sent
 }
 
 std::string first_field(std::size_t) { return "f0"; }
@@ -125,7 +125,8 @@ std::vector<Figure> report_of(const std::vector<Curve>& curves) {
 
 }  // namespace
 
-/// 64 nodes take seconds to find each other. So the same nodes change their masks.
+/// 64 nodes take seconds to find each other. So the same nodes are used for all masks, and change their
+/// requests.
 std::vector<Figure> readers(const ManyScale& scale) {
   const std::vector<std::size_t> counts{1, 4, 16, 64};
   Curve of_readers("growth_readers", counts, costs_of_sample);

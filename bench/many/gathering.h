@@ -1,4 +1,5 @@
-// A publisher and its readers, each a node in a process of its own. They start together, and keep running.
+// A publisher and its readers. Each is a node in a process of its own. They start together, and keep
+// running.
 #pragma once
 
 #include <unistd.h>
@@ -22,8 +23,8 @@ class Gathering {
       processes_.start(processes_.host_of_reader(i), [&] { return be_reader(); });
   }
 
-  /// Waits until all nodes are matched. After the timeout it reports that on the standard error, and returns
-  /// false.
+  /// Waits until all nodes are matched. If the timeout ends first, reports that on the standard error and
+  /// returns false.
   bool wait(double timeout_s) {
     if (!wait_until([&] { return board_->matched.load() == readers_ + 1; }, timeout_s)) {
       std::fprintf(stderr, "%s: %zu of %zu nodes were matched after %.0f s\n", member_.name,
@@ -39,7 +40,7 @@ class Gathering {
 
  private:
   static constexpr std::int64_t pause_us =
-      5000;  // a longer pause would distort the time, a shorter one the processor time
+      5000;  // a longer pause would distort the time, and a shorter one the processor time
 
   struct Board {
     std::atomic<std::size_t> matched{0};

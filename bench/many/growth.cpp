@@ -1,7 +1,7 @@
 // Measures how costs grow with the number of nodes, each of which has ten endpoints. The nodes form a ring:
 // each one subscribes to the five topics of the next one, which runs on another host. So the number of
-// matching pairs grows only as fast as the number of nodes. Node 0 has a host to itself. All others are in up
-// to eight processes on as many hosts.
+// matching pairs grows only as fast as the number of nodes. Node 0 has a host to itself. All other nodes
+// are in up to eight processes on as many hosts.
 #include <fmt/format.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -27,7 +27,7 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::size_t topics = 5;  // topics that each node publishes, and to which it subscribes
+constexpr std::size_t topics = 5;  // number of topics that each node publishes, and to which it subscribes
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 /// `all_s` is the time limit of a contender for all sizes together, or for each size if rings keep running.
@@ -67,10 +67,11 @@ class RingNode {
 struct Board {
   std::atomic<std::size_t> matched{0};
   std::atomic<std::int64_t> last_ns{0};
-  std::atomic<std::int64_t> newcomer_ns{0};  ///< when the newcomer knew a publisher of each of its topics
+  /// Time when the newcomer knew a publisher of each of its topics.
+  std::atomic<std::int64_t> newcomer_ns{0};
 };
 
-/// Raises the limit of descriptors: many nodes in a process have many sockets.
+/// Raises the limit of descriptors, because many nodes in a process have many sockets.
 void allow_descriptors() {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);
@@ -87,7 +88,7 @@ std::vector<std::size_t> nodes_of(std::size_t host, std::size_t nodes) {
 }
 
 /// Returns the pause between two checks whether a node is matched. A longer pause would distort the time of
-/// few nodes, a shorter one the processor time of many nodes.
+/// few nodes, and a shorter one the processor time of many nodes.
 std::int64_t pause_us(std::size_t nodes) { return nodes > 32 ? 50'000 : 5'000; }
 
 int be_some_nodes(const Member& member, Board& board, const std::vector<std::size_t>& numbers,
@@ -104,7 +105,7 @@ int be_some_nodes(const Member& member, Board& board, const std::vector<std::siz
   for (;;) pause();
 }
 
-/// Runs one more node in a process of its own, which subscribes to the topics of node 0.
+/// Runs one more node in a separate process. The node subscribes to the topics of node 0.
 int be_a_newcomer(const Member& member, Board& board, std::size_t nodes) {
   const RingNode node(member, nodes, 0);
   while (!node.hears_all()) sleep_us(1000);
@@ -169,7 +170,7 @@ std::vector<double> received_per_s(const std::vector<const HostProcesses*>& crow
 
 using Add = void (Curve::*)(std::size_t size, const std::vector<double>& values);
 
-/// Adds the costs at each size, up to the first size that this machine does not manage.
+/// Adds the costs at each size, up to the first size at which this machine fails.
 void measure_alone(const Member& member, Curve& curve, const std::vector<std::size_t>& sizes,
                    const Times& times, Add add) {
   const std::int64_t begin_ns = now_ns();
@@ -188,14 +189,14 @@ void measure_alone(const Member& member, Curve& curve, const std::vector<std::si
   }
 }
 
-/// The rings of one contender, which keep running while others join.
+/// The rings of one contender. Each keeps running while others join.
 struct Rings {
   void add(std::size_t nodes, double timeout_s) {
     rings.push_back(std::make_unique<const Ring>(member, nodes));
     costs.push_back(rings.back()->join(timeout_s).value_or(std::vector(3, unknown)));
   }
 
-  /// Returns the costs of a ring that has received this number of bytes per second.
+  /// Returns the costs of a ring. `received_per_s` is the number of bytes per second that it has received.
   std::vector<double> all_costs(std::size_t ring, double received_per_s) const {
     std::vector<double> all = costs[ring];
     all.push_back(std::isfinite(all[0]) ? received_per_s : unknown);
@@ -207,8 +208,8 @@ struct Rings {
   std::vector<std::vector<double>> costs{};
 };
 
-/// All rings are idle and observed in the same seconds. Rings that exist already use some processor time
-/// while others join. So the contenders take turns at joining first.
+/// All rings are idle and observed in the same seconds. Existing rings use some processor time while others
+/// join. So the contenders take turns at joining first.
 void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, int round) {
   Rings ours{sft_member}, theirs{cyclone_member};
   for (const std::size_t nodes : sizes) {
@@ -231,7 +232,7 @@ void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const
 
 const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
 
-/// Returns the costs of a ring, and that of one more node.
+/// Returns the costs of a ring, and those of one more node.
 std::vector<Curve::Cost> costs_of_growth() {
   std::vector<Curve::Cost> costs = costs_of_ring;
   costs.push_back({"newcomer", "s"});

@@ -37,8 +37,8 @@ void note(const HostProcesses& processes, const Moment& before, void (Tally::*ad
 
 }  // namespace
 
-/// All groups of processes are idle, and are measured in the same seconds, since they hardly use the
-/// processors.
+/// Measures all groups of processes in the same seconds. That is possible because idle processes hardly use
+/// the processors.
 std::vector<Figure> idle(const ManyScale& scale) {
   Gathering ours(sft_member, 31, emulated_hosts);
   bool matched = ours.wait(joining_s);

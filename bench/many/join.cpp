@@ -12,8 +12,8 @@ struct Joining {
   Tally time_s, megabytes, cpu_s;
 };
 
-/// If not all nodes are matched in time, the figures cover the time until then; the complete ones would be
-/// larger.
+/// Runs the nodes and adds the figures. If not all nodes are matched in time, the figures cover only the
+/// time until then, and the complete ones would be larger.
 void run(const Member& member, const ManyScale& scale, void (Tally::*add)(double), Joining& joining) {
   Gathering gathering(member, readers, emulated_hosts);
   gathering.wait(scale.joining_s);

@@ -10,71 +10,78 @@
 
 namespace sft::bench {
 
-inline constexpr std::size_t emulated_hosts = 8;  ///< hosts with readers, besides the host of the publisher
+/// Number of hosts with readers, in addition to the host of the publisher.
+inline constexpr std::size_t emulated_hosts = 8;
 
 struct ManyScale {
   bool quick = false;
   int rounds = 3;         ///< rounds of each contender, in turns; the median is used
-  double settled_s = 30;  ///< how long nodes are idle before they are measured
-  double joining_s = 60;  ///< how long nodes may take to find each other
-  /// How long idle nodes are measured in a round: longer than the period of any of their control messages.
+  double settled_s = 30;  ///< the time for which nodes are idle before they are measured
+  double joining_s = 60;  ///< the longest time in which nodes have to find each other
+  /// The time for which idle nodes are measured in a round. It is longer than the period of any of their
+  /// control messages.
   double window_s = 45;
 };
 
-/// 16 readers of a cloud of 16 kB on eight hosts, each with a mask of its own: the bytes that leave the
-/// publisher's host.
+/// Measures the bytes that leave the publisher's host for 16 readers of a cloud of 16 kB on eight hosts,
+/// each with a mask of its own.
 std::vector<Figure> masks_16(const ManyScale& scale);
-/// The same with 64 readers. Also the time until these bytes have settled, and the processor time of a
-/// sample, by itself and beyond that of raw UDP.
+/// Measures the bytes of masks_16() with 64 readers. Also measures the time until these bytes have settled,
+/// and the processor time of a sample, both in total and beyond that of raw UDP.
 std::vector<Figure> masks_64(const ManyScale& scale);
-/// Three readers with three masks, two of which include the data of the cloud: bytes from the first sample
-/// on.
+/// Measures the bytes from the first sample on for three readers with three masks, two of which include the
+/// data of the cloud.
 std::vector<Figure> three_masks(const ManyScale& scale);
 
-/// 1 + 64 nodes on eight hosts that start together: time, bytes and processor time until all are matched.
+/// Measures time, bytes and processor time until 1 + 64 nodes on eight hosts, which start together, are all
+/// matched.
 std::vector<Figure> join_64(const ManyScale& scale);
 
-/// 25 to 200 nodes with ten endpoints each, or 12 to 50 if quick. The costs until all are matched, the bytes
-/// that an idle node receives, and the exponents with which both grow. One round.
+/// Measures 25 to 200 nodes with ten endpoints each, or 12 to 50 if quick: the costs until all are matched,
+/// the bytes that an idle node receives, and the exponents with which both grow. One round.
 std::vector<Figure> growth(const ManyScale& scale);
 
-// The following groups are curves: the costs of SFT and of Cyclone DDS at four sizes, in turns, with
-// exponents.
+// The following groups are curves: they measure the costs of SFT and of Cyclone DDS at four sizes, in
+// turns, with exponents.
 
-/// The costs of a sample for readers of a cloud of 16 kB on up to eight hosts: first for 1 to 64 readers that
-/// all ask for its data, then for 64 readers with 1 to 64 different masks.
+/// Measures the costs of a sample for readers of a cloud of 16 kB on up to eight hosts: first for 1 to 64
+/// readers that all request its data, then for 64 readers with 1 to 64 different masks.
 std::vector<Figure> readers(const ManyScale& scale);
-/// The costs of 2 to 32 nodes with ten endpoints each, as in growth().
+/// Measures the costs of 2 to 32 nodes with ten endpoints each, as in growth().
 std::vector<Figure> nodes(const ManyScale& scale);
-/// Messages of 8 to 512 fields of 4 bytes: the costs of a sample for one reader that asks for one field, and
-/// for every other field, and the time until a request for another field is in force.
+/// Measures messages of 8 to 512 fields of 4 bytes: the costs of a sample for one reader that requests one
+/// field, and for one that requests every other field, and the time until a request for another field is in
+/// force.
 std::vector<Figure> fields(const ManyScale& scale);
-/// Samples of 64 bytes to 32 MiB that are sent reliably: the costs of each.
+/// Measures the costs of samples of 64 bytes to 32 MiB that are sent reliably.
 std::vector<Figure> sizes(const ManyScale& scale);
 
-/// The traffic, processor time and memory of 32 nodes on eight hosts, and of two nodes, that have been idle.
+/// Measures the traffic, processor time and memory of 32 idle nodes on eight hosts, and of two idle nodes.
 std::vector<Figure> idle(const ManyScale& scale);
 
-/// The worst time of 25 samples of 6.3 MB.
+/// Measures the worst time of 25 samples of 6.3 MB.
 std::vector<Figure> worst_large(const ManyScale& scale);
-/// Small samples between hosts that sleep in between: latency, and the processor time of both sides. If TCP
-/// is the reference, raw UDP is measured, too: it is the least that any transfer by UDP takes.
+/// Measures small samples between hosts that sleep in between: latency, and the processor time of both
+/// sides. If TCP is the reference, raw UDP is measured, too, because it is the least that any transfer by
+/// UDP takes.
 std::vector<Figure> paced(const ManyScale& scale);
 
-/// The highest rate of samples of 4 MiB without offloads of interfaces, and with a receive buffer of 4 MiB.
+/// Measures the highest rate of samples of 4 MiB without offloads of interfaces, and with a receive buffer
+/// of 4 MiB.
 std::vector<Figure> bulk_without(const ManyScale& scale);
-/// Loans by UDP compared with publish(message): the time to the callback, and the highest rate.
+/// Measures loans by UDP compared with publish(message): the time to the callback, and the highest rate.
 std::vector<Figure> loans(const ManyScale& scale);
 
-/// publish(message) in shared memory, to a reader that sleeps.
+/// Measures publish(message) in shared memory to a reader that sleeps.
 std::vector<Figure> shm_publish(const ManyScale& scale);
-/// wait() in shared memory at 200 Hz: the default of SubscriberOptions::spin compared with other values.
+/// Measures wait() in shared memory at 200 Hz: the default of SubscriberOptions::spin compared with other
+/// values.
 std::vector<Figure> shm_wait(const ManyScale& scale);
 
-/// The time until a request for another field is in force. It is also compared with the least time that is
-/// possible if no listener of Cyclone DDS may wait.
+/// Measures the time until a request for another field is in force. The time is also compared with the
+/// least possible time if no listener of Cyclone DDS may wait.
 std::vector<Figure> response(const ManyScale& scale);
-/// publish(message) to 64 readers: its duration with one mask, and its allocations with 64 masks.
+/// Measures publish(message) to 64 readers: its duration with one mask, and its allocations with 64 masks.
 std::vector<Figure> publish_to_64(const ManyScale& scale);
 
 }  // namespace sft::bench

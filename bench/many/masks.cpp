@@ -13,7 +13,8 @@ constexpr std::size_t data_bytes = 16'000;
 struct Tallies {
   Tally bytes, publisher_cpu, subscriber_cpu, settled;
 
-  /// Runs both contenders at the same time, since that does not influence bytes.
+  /// Runs both contenders at the same time. That is possible because it does not influence the number of
+  /// bytes.
   void run_for_bytes(const Case& of, int rounds) {
     for (int round = 0; round < rounds; ++round) {
       SampleCosts ours(sft_member, of);
@@ -41,13 +42,13 @@ Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t sampl
           .period_us = 50'000};
 }
 
-/// This number of samples takes 8.5 s. The processor time of a node includes its control traffic. Cyclone
-/// DDS renews the leases of all nodes at once every 8 s: half as many samples would include a renewal or not,
-/// by chance. A node of SFT sends a heartbeat every second.
+/// The number of samples that takes 8.5 s. The processor time of a node includes its control traffic.
+/// Cyclone DDS renews the leases of all nodes at once every 8 s: half as many samples would include a
+/// renewal or not, by chance. A node of SFT sends a heartbeat every second.
 constexpr std::uint64_t samples_of_a_period = 170;
 
-/// Returns the fields that a map, a display and a monitor may need. Two of them need the data, and all of
-/// them together need nearly the whole cloud.
+/// Returns the fields that a map, a display and a monitor may need. Two of them need the data. All of them
+/// together need nearly the whole cloud.
 std::string fields_of_three(std::size_t number) {
   const char* fields[] = {"header, fields, point_step, data", "header.stamp, height, width, row_step, data",
                           "height, width"};

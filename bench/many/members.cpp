@@ -16,7 +16,7 @@ Topic cloud_topic(std::size_t data_bytes, const std::string& name) {
 }
 
 Topic bulk_topic(std::size_t bytes) {
-  constexpr std::size_t header_bytes = 20;  // a number, a stamp, and the length of the data
+  constexpr std::size_t header_bytes = 20;  // bytes of a number, a stamp, and the length of the data
   sft_bench::Bulk bulk;
   bulk.data.resize(bytes - header_bytes, 1);
   return {.name = "points", .messages = shared(std::vector{std::move(bulk)}, sft_bench_Bulk_desc)};

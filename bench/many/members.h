@@ -1,4 +1,4 @@
-// The contenders of groups of processes, with default settings, and their messages.
+// The contenders for groups of processes, with default settings, and their messages.
 #pragma once
 
 #include <cstddef>
@@ -18,14 +18,14 @@ struct Member {
 inline constexpr Member sft_member{"SFT", sft_usual_peer};
 inline constexpr Member cyclone_member{"Cyclone DDS", cyclone_usual_peer};
 
-/// Returns the fields for which the reader with this number asks.
+/// A function that returns the fields that the reader with this number requests.
 using Fields = std::function<std::string(std::size_t)>;
 
-/// Clouds with this number of data bytes, best effort.
+/// Returns the topic of clouds with this number of data bytes, best effort.
 Topic cloud_topic(std::size_t data_bytes, const std::string& name = "points");
-/// Messages of this number of bytes in CDR, sent reliably.
+/// Returns the topic of messages of this number of bytes in CDR, which are sent reliably.
 Topic bulk_topic(std::size_t bytes);
-/// Messages whose members are numbers, all of them 0, best effort.
+/// Returns the topic of messages whose members are numbers, all of them 0, best effort.
 template <class T>
 Topic zeros_topic(const dds_topic_descriptor& cyclone_type) {
   return {.name = "points", .messages = shared(std::vector<T>(1), cyclone_type), .reliable = false};

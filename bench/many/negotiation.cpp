@@ -1,4 +1,4 @@
-// Includes figures of bench/negotiation, with the bounds of this benchmark.
+// Runs groups of bench/negotiation with the bounds of this benchmark.
 #include "bench/negotiation/negotiation.h"
 
 #include <algorithm>

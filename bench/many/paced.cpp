@@ -1,5 +1,5 @@
-// Measures the time from publish to callback between two hosts that sleep in between: the worst time of large
-// samples, and the median of small ones. For small samples, also measures their processor time.
+// Measures the time from publish to callback between two hosts that sleep in between: the worst time of
+// large samples, and the median of small ones. For small samples, also measures the processor time.
 #include <algorithm>
 #include <array>
 #include <limits>
@@ -37,7 +37,7 @@ struct Contest {
   Figure figure() const { return tally.figure(name, "us", rival_name, bound); }
 };
 
-/// The processor time of a sample, of both sides together.
+/// The processor time of a sample, summed over both sides.
 struct CpuContest {
   std::string rate;
   Paced paced;

@@ -25,7 +25,7 @@ Topic topic_of(const Case& of) {
   return topic;
 }
 
-/// The resources that have been used so far.
+/// The resources that have been used up to a moment.
 struct Used {
   double s = 0, bytes = 0, publisher_s = 0, readers_s = 0;
 
@@ -62,13 +62,14 @@ class Publishing {
   static constexpr std::int64_t settling_period_us = 20'000;
   static constexpr std::int64_t settled_bytes_per_s = 50'000;
   static constexpr double calming_s = 20;
-  static constexpr double arriving_at_least = 0.95;  // share of all samples; the network loses none
-  static constexpr double arriving_s = 0.2;          // a sample counts as lost after this time
+  // Required share of arriving samples; the network itself loses none.
+  static constexpr double arriving_at_least = 0.95;
+  static constexpr double arriving_s = 0.2;  // a sample counts as lost after this time
   static constexpr double arriving_reliably_s = 20;
 
   bool all_matched() const { return board_.matched.load() == matched_ && writer_->serves(case_.readers); }
 
-  /// Waits until discovery has ended, judged by its traffic.
+  /// Waits until discovery has ended, which its traffic shows.
   void wait_until_settled() const {
     const std::int64_t end = now_ns() + static_cast<std::int64_t>(calming_s * 1e9);
     while (now_ns() < end) {
@@ -98,7 +99,7 @@ class Publishing {
     return matched_ns != 0;
   }
 
-  /// Sends samples one by one: each waits until the previous one has arrived.
+  /// Sends samples one by one. Each waits until the previous one has arrived.
   void send(std::uint64_t samples) {
     const double timeout_s = case_.topic.reliable ? arriving_reliably_s : arriving_s;
     for (std::uint64_t i = 0; i < samples; ++i) {
@@ -147,8 +148,9 @@ class Publishing {
 
   Board& board_;
   const Case& case_;
-  std::size_t matched_ = 0;  ///< the board's count when all readers of the present phase are matched
-  Costs* costs_ = nullptr;   ///< the costs of the present phase
+  /// The board's value of `matched` when all readers of the present phase are matched.
+  std::size_t matched_ = 0;
+  Costs* costs_ = nullptr;  ///< the costs of the present phase
   const char* const name_;
   const std::unique_ptr<Peer> peer_;
   const std::unique_ptr<Writer> writer_;

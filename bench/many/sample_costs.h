@@ -1,6 +1,6 @@
-// Measures what a sample to many readers costs: bytes that leave the publisher's host, processor time, and
-// latency. The bytes that the same nodes send without samples are subtracted. The processor time is not
-// reduced.
+// Measures the costs of a sample to many readers: bytes that leave the publisher's host, processor time,
+// and latency. The bytes that the same nodes send without samples are subtracted. The processor time
+// without samples is not subtracted.
 #pragma once
 
 #include <array>
@@ -19,13 +19,14 @@ namespace sft::bench {
 struct Case {
   std::size_t readers;
   std::size_t hosts;
-  Topic topic;                 ///< a topic with messages
-  std::vector<Fields> phases;  ///< the fields for which the same readers ask, one phase after the other
-  double settling_s;           ///< the time for the bytes to settle while samples are sent; 0: none
+  Topic topic;                 ///< the topic of the samples, which has messages
+  std::vector<Fields> phases;  ///< the fields that the same readers request, one phase after the other
+  /// The time for the bytes to settle while samples are sent; 0: they need no time.
+  double settling_s;
   std::uint64_t samples;
   std::int64_t period_us;
-  std::int64_t settled_us = 1'000'000;  ///< discovery has ended if it sends next to nothing for this time
-  std::uint64_t warming = 0;            ///< samples that are not counted
+  std::int64_t settled_us = 1'000'000;  ///< discovery has ended if nearly no bytes are sent for this time
+  std::uint64_t warming = 0;            ///< number of samples that are not counted
 };
 
 /// The costs of a sample.
@@ -39,12 +40,12 @@ struct Costs {
   double settled_ms = unknown;
 };
 
-/// One case with one contender. It starts at once, and ends in wait().
+/// One case with one contender. It starts in the constructor, and ends in wait().
 class SampleCosts {
  public:
   SampleCosts(const Member& member, const Case& of);
 
-  /// Waits for the end, and returns the costs of each phase.
+  /// Waits for the end of the case, and returns the costs of each phase.
   std::vector<Costs> wait();
 
   // The following members are for the processes of the case.
@@ -52,12 +53,13 @@ class SampleCosts {
   static constexpr std::size_t readers_max = 64, phases_max = 4, arrivals_max = 16'384;
 
   struct Board {
-    std::atomic<std::size_t> knowing{0};       ///< readers' nodes that know the publisher
-    std::array<Signal, readers_max> go;        ///< tells a reader to begin the next phase
-    std::atomic<std::size_t> matched{0};       ///< the number of matched readers, summed over all phases
-    std::atomic<std::int64_t> sent_ns{0};      ///< when the last sample was sent
-    std::atomic<std::uint64_t> received{0};    ///< samples that all readers have received, together
-    std::array<double, arrivals_max> us = {};  ///< the latency of each received sample, in a ring
+    std::atomic<std::size_t> knowing{0};     ///< number of readers' nodes that know the publisher
+    std::array<Signal, readers_max> go;      ///< signals that tell each reader to begin the next phase
+    std::atomic<std::size_t> matched{0};     ///< number of matched readers, summed over all phases
+    std::atomic<std::int64_t> sent_ns{0};    ///< time when the last sample was sent
+    std::atomic<std::uint64_t> received{0};  ///< number of received samples, summed over all readers
+    /// The latency of each received sample in microseconds, in a ring.
+    std::array<double, arrivals_max> us = {};
     std::array<pid_t, readers_max> readers = {};
     std::array<Costs, phases_max> costs;
 

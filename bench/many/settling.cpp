@@ -10,7 +10,7 @@ namespace {
 
 constexpr double allowed = 0.05;
 constexpr std::size_t window =
-    5;  // samples in a mean, so that control traffic during one has little influence
+    5;  // number of samples in a mean; with so many, control traffic has little influence
 
 double bytes_per_sample(const std::vector<Counted>& samples, std::size_t first, std::size_t last) {
   return static_cast<double>(samples[last].bytes - samples[first].bytes) / static_cast<double>(last - first);

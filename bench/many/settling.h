@@ -12,9 +12,9 @@ struct Counted {
   std::int64_t bytes = 0;
 };
 
-/// Returns the time in milliseconds from `begin_ns` until the mean of the following samples stays within 5 %
-/// of the final value, which is the mean of the last half of all samples. Returns 0 if it did so before, and
-/// NaN if there are too few samples.
+/// Returns the time in milliseconds from `begin_ns` until the mean of the following samples stays within 5
+/// % of the final value, which is the mean of the last half of all samples. Returns 0 if the mean did so
+/// before `begin_ns`, and NaN if there are too few samples.
 double settled_ms(const std::vector<Counted>& samples, std::int64_t begin_ns);
 
 }  // namespace sft::bench

@@ -1,4 +1,4 @@
-// Measures shared memory: publish(message) to a reader that sleeps, and how long wait() should spin.
+// Measures shared memory: publish(message) to a reader that sleeps, and the best time for wait() to spin.
 #include <algorithm>
 #include <array>
 #include <optional>
@@ -14,9 +14,9 @@ namespace {
 
 using std::chrono::microseconds;
 
-constexpr std::int64_t period_us = 5000;  // 200 Hz
+constexpr std::int64_t period_us = 5000;  // a rate of 200 Hz
 
-/// Sends samples; the writer sleeps in between, too.
+/// Sends samples. The writer sleeps between them, like the reader.
 void send_slowly(Exchange& exchange, const Topic& topic, std::uint64_t messages) {
   const auto peer = sft_memory_peer();
   const auto writer = peer->writer(topic);
@@ -59,11 +59,12 @@ std::vector<Figure> shm_publish(const ManyScale& scale) {
           medium.figure("shm_publish_16kB", "us", "iceoryx WaitSet", 1.2)};
 }
 
-/// Compares values of `spin`. The noise is the largest difference between two rounds of the default.
+/// Compares values of `spin`. The noise is the largest difference between two rounds with the default.
 std::vector<Figure> shm_wait(const ManyScale& scale) {
   constexpr std::array spins{microseconds(0), microseconds(5), microseconds(50), microseconds(200)};
   const std::uint64_t messages = scale.quick ? 60 : 400;
-  const int rounds = std::max(scale.rounds, 2);  // the noise cannot be estimated from one round
+  // At least two, since the noise cannot be estimated from one round.
+  const int rounds = std::max(scale.rounds, 2);
   std::vector<double> usual;
   std::array<std::vector<double>, spins.size()> fixed;
   for (int round = 0; round < rounds; ++round) {

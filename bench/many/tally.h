@@ -11,7 +11,7 @@ namespace sft::bench {
 
 class Tally {
  public:
-  // NaN is the result of a round that failed, and is ignored.
+  // The following functions ignore NaN, the result of a round that failed.
   void add_ours(double value) { add(value, ours_); }
   void add_reference(double value) { add(value, reference_); }
 
@@ -19,7 +19,7 @@ class Tally {
   /// one.
   Figure figure(const std::string& name, const std::string& unit, const std::string& reference_name,
                 std::optional<double> bound, bool at_least = false) const;
-  /// Returns the same figure with a bound for the value.
+  /// Returns the figure with a bound for its value, and not for its ratio.
   Figure figure_with_bound_of_value(const std::string& name, const std::string& unit,
                                     const std::string& reference_name, double bound) const;
 

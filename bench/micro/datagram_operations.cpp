@@ -17,10 +17,10 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t medium_bytes = 16'000;
-constexpr std::size_t datagram_bytes = 1472;  // the payload at an MTU of 1500
+constexpr std::size_t datagram_bytes = 1472;  // the payload of a datagram at an MTU of 1500
 constexpr core::EndpointId writer = 1;
 
-/// An encoded cloud, as a publisher passes it to the transport.
+/// An encoded cloud, in the form in which a publisher passes it to the transport.
 struct Encoded {
   explicit Encoded(std::size_t data_bytes) : sample(cloud(data_bytes)) {
     const auto body = sample.body().first(sample.state().body_bytes);

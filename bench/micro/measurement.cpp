@@ -47,7 +47,8 @@ void enlist(const std::string& name, const Batch& batch, const Scale& scale) {
 
 std::string copy_of(std::size_t bytes) { return "memcpy_" + std::to_string(bytes); }
 
-/// The position within a cache line at which a copy begins affects the time of a short copy.
+/// A memory block at the beginning of a cache line. The position of a copy within a cache line would affect
+/// the time of a short copy.
 struct alignas(64) CacheLine {
   std::byte bytes[64];
 };
@@ -59,7 +60,7 @@ Batch copying(std::size_t bytes) {
   return batch_of([from, to, bytes] { std::memcpy(to->data(), from->data(), bytes); });
 }
 
-/// Passes settings to Google Benchmark, which takes them for all benchmarks as a command line.
+/// Passes settings to Google Benchmark, which applies them to all benchmarks like a command line.
 void set_up() {
   static bool done = false;
   if (std::exchange(done, true)) return;

@@ -13,7 +13,7 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// A publisher, and readers of its topic on other hosts.
+/// A publisher, and the readers of its topic on other hosts.
 class Topic {
  public:
   explicit Topic(std::size_t readers) : readers_(readers) {
@@ -25,7 +25,7 @@ class Topic {
     if (negotiation_.serving(writer_).network.size() != readers) std::abort();
   }
 
-  /// Makes the next reader ask for other fields. The readers take turns.
+  /// Makes the next reader request other fields. The readers take turns.
   void change_a_request() {
     ++sequence_;
     const core::EndpointId reader = first_reader_ + sequence_ % readers_;

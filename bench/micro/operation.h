@@ -11,28 +11,29 @@ namespace sft::bench::micro {
 
 struct Operation {
   std::string name;
-  std::size_t copied_bytes;  ///< the bytes of the memcpy with which it is compared
+  std::size_t copied_bytes;  ///< the bytes of the memcpy with which the operation is compared
   Batch batch;               ///< owns everything that the operation needs
 };
 
 using Operations = std::vector<Operation>;
 
-/// The bytes of the memcpy for operations that touch only a few bytes.
+/// The bytes of the memcpy that is compared with operations that touch only a few bytes.
 inline constexpr std::size_t small_copy_bytes = 1024;
 
-/// Encodes a message in the program's memory as CDR and index.
+/// Returns operations that encode a message in the program's memory as CDR and index.
 Operations encode_operations();
-/// Gathers the runs of an encoded sample's body for which a mask asks.
+/// Returns operations that gather the runs of an encoded sample's body for a mask.
 Operations gather_operations();
-/// Reads an encoded sample by getters.
+/// Returns operations that read an encoded sample by getters.
 Operations view_operations();
-/// Reads sets of fields from text, joins and compares them.
+/// Returns operations that read sets of fields from text, join and compare them.
 Operations mask_operations();
-/// Cuts an encoded body into datagrams.
+/// Returns operations that cut an encoded body into datagrams.
 Operations fragment_operations();
-/// Reassembles datagrams to a sample that is checked and has its index.
+/// Returns operations that reassemble datagrams to a sample. The sample is checked and gets its index.
 Operations reassemble_operations();
-/// Changes a reader's request, until the publisher knows which fields to send to which readers.
+/// Returns operations that change a reader's request, until the publisher knows which fields to send to
+/// which readers.
 Operations negotiate_operations();
 
 }  // namespace sft::bench::micro

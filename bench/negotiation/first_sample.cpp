@@ -1,6 +1,6 @@
 // Measures how soon the first sample of a publisher on another host arrives by UDP: at a node that starts,
-// and at a new subscriber of a node that the publisher's node knows. If nothing is kept for late readers, the
-// publisher publishes ten thousand times per second. So the wait for the next sample is negligible.
+// and at a new subscriber of a node that the publisher's node knows. If no sample is kept for late readers,
+// the publisher publishes ten thousand times per second. So the wait for the next sample is negligible.
 #include <atomic>
 #include <memory>
 #include <string>
@@ -14,15 +14,15 @@ namespace sft::bench {
 
 namespace {
 
-/// A program with SFT or with Cyclone DDS alone. The one with SFT waits for samples. The other one has a
-/// listener that is called.
+/// A program with SFT or with Cyclone DDS alone. The program with SFT waits for samples. The program with
+/// Cyclone DDS has a listener that is called.
 struct Contestant {
   Contender open;
   bool is_called;
 };
 constexpr Contestant sft_program{sft_peer, false}, cyclone_program{cyclone_control_peer, true};
 
-/// What late readers get: only samples that are sent from then on, or the last earlier sample, too.
+/// The samples for late readers: only samples that are sent from then on, or the last earlier sample, too.
 enum class Late { nothing, last_sample };
 
 Topic topic_for(Late late) {
@@ -37,7 +37,7 @@ class OneSample {
     reader_ = peer.reader(topic, std::move(arrived));
   }
 
-  /// Waits for the sample. Returns false if it does not arrive within five seconds.
+  /// Waits for the sample. Returns false if the sample does not arrive within five seconds.
   bool wait() {
     if (is_called_) came_.wait(false);
     for (int second = 0; second < 5 && !came_; ++second) {
@@ -59,9 +59,9 @@ class OneSample {
 };
 
 constexpr std::int64_t period_us = 100;
-constexpr std::int64_t settled_us = 100'000;  // the control traffic of a change is over after it
+constexpr std::int64_t settled_us = 100'000;  // the time after which the control traffic of a change is over
 
-/// Whether the publisher's node starts at the same moment, or has been running for a while.
+/// States if the publisher's node starts at the same moment, or has been running for a while.
 enum class Sender { starts_too, runs };
 
 /// Waits for the receiver, so that both sides continue at the same moment.
@@ -112,7 +112,7 @@ void start(const Contestant& program, const TwoHosts& hosts, Sender publisher, s
   for (const double time : us) ms.push_back(time / 1000);
 }
 
-/// Publishes to late readers. Exchange::sent tells whether there is a reader.
+/// Publishes to late readers. Exchange::sent shows whether there is a reader.
 void publish_to_late_readers(Exchange& exchange, const Contestant& program, Late late,
                              std::uint64_t readers) {
   const auto peer = program.open();

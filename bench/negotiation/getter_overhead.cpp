@@ -50,7 +50,7 @@ class Samples {
   core::SampleHandle buffer_;
 };
 
-/// Getters of a declared field, and of a recorded field that was already read.
+/// Measures the getters of a declared field, and of a recorded field that was already read.
 class Getters {
  public:
   explicit Getters(int rounds) : rounds_(rounds) {}

@@ -1,4 +1,4 @@
-// Measures the negotiation: how soon a reader gets the fields for which it asks, and the costs for its
+// Measures the negotiation: how soon a reader gets the fields that it requests, and the costs for its
 // publisher. Two network namespaces are the hosts, and each side has its own core.
 #include "bench/common/program.h"
 #include "bench/negotiation/negotiation.h"

@@ -1,5 +1,5 @@
-// Measures the costs for the publishing thread of 64 readers on another host, in one node or in two, if each
-// reader asks for other fields, and if all ask for the same fields. The costs are the duration of publish()
+// Measures the costs for the publishing thread of 64 readers on another host, in one node or in two. The
+// readers request different fields, or all of them the same fields. The costs are the duration of publish()
 // for a large sample while no other sample is being sent, and the number of allocations.
 #include <sft/sft.h>
 #include <cstring>
@@ -23,13 +23,14 @@ using sensor_msgs::msg::PointCloud2;
 
 constexpr std::size_t readers_asking = 64;
 constexpr std::size_t data_bytes = 1'660'000;
-constexpr std::size_t cache_bytes = 64 << 20;  // more than any level of cache
+constexpr std::size_t cache_bytes = 64 << 20;  // more than the size of any cache
 
-/// Returns the fields for which the reader with this number asks.
+/// A function that returns the fields that the reader with this number requests.
 using Fields = std::string (*)(std::size_t);
 
 std::string equal_fields_and_data(std::size_t) { return own_fields_and_data(readers_asking - 1); }
-/// Four readers, such as a display, a recorder and a planner, need the data; 60 monitors do not.
+/// Returns the fields of a reader. Four readers, such as a display, a recorder and a planner, need the
+/// data; 60 monitors do not.
 std::string mostly_small_fields(std::size_t number) {
   return number < 4 ? own_fields_and_data(number) : "header.frame_id" + small_fields(number);
 }
@@ -50,8 +51,8 @@ void wait_for_readers(Exchange& exchange) {
   }
 }
 
-/// Clears the caches. The variants of 64 masks have so many bytes that they clear the caches, too, and one
-/// variant must not have an advantage.
+/// Clears the caches. Without this, one variant would have an advantage: the variants of 64 masks have so
+/// many bytes that they clear the caches by themselves.
 std::uint64_t clear_caches(const std::vector<std::uint64_t>& larger_than_caches) {
   return std::accumulate(larger_than_caches.begin(), larger_than_caches.end(), std::uint64_t{0});
 }
@@ -68,13 +69,13 @@ double copy_us(const PointCloud2& cloud, const std::vector<std::uint64_t>& rubbi
 
 /// The results of one round.
 struct Costs {
-  double allocations = 0;  ///< the number per sample
-  double copy_us = 0;      ///< the time of a memcpy of the data
+  double allocations = 0;  ///< number of allocations per sample
+  double copy_us = 0;      ///< the time of a memcpy of the data in microseconds
 };
 
 /// Publishes, and counts the allocations of a sample in all threads after buffers have grown. The median of
-/// the second half is used, because allocations of a node without samples (for its heartbeats) coincide with
-/// some samples.
+/// the second half is used, because some samples coincide with allocations that a node makes for its
+/// heartbeats.
 void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs& costs) {
   Node node = Node::open(udp_node_options("publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points", {.asynchronous = asynchronous}).value();
@@ -102,7 +103,7 @@ void publish(Exchange& exchange, std::uint64_t samples, bool asynchronous, Costs
   exchange.sent = 1;
 }
 
-/// Opens the readers, which are divided equally among the nodes. Each node is served separately.
+/// Opens the readers, which are divided equally among the nodes. The publisher serves each node separately.
 void subscribe(Exchange& exchange, Fields fields, std::size_t nodes_asking) {
   const auto count = [&](const DynamicSample&) { exchange.received.fetch_add(1); };
   std::vector<Node> nodes;
@@ -122,7 +123,7 @@ struct Asking {
   bool asynchronous = false;
   std::size_t nodes = 1;  ///< the number of the readers' nodes
   Rounds times{};
-  double allocations = 0;  ///< the number per sample, in the worst round
+  double allocations = 0;  ///< number of allocations per sample, in the worst round
   std::vector<double> copies_us{};
 
   void run(const TwoHosts& hosts) {

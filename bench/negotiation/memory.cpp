@@ -1,5 +1,6 @@
-// Measures the memory of a node: anonymous memory, as the kernel counts it, beyond that of Cyclone DDS with
-// the same number of entities. It includes samples in the node's own pool, but none in shared memory.
+// Measures the memory of a node: the growth of its anonymous memory, as the kernel counts it, beyond that
+// of Cyclone DDS with the same number of entities. It includes samples in the node's own pool, but none in
+// shared memory.
 #include <sft/sft.h>
 #include <sys/prctl.h>
 #include <sys/wait.h>
@@ -24,7 +25,7 @@ namespace {
 using sensor_msgs::msg::Imu;
 
 constexpr std::size_t topics = 10;
-constexpr int samples = 100;  // the number on each topic
+constexpr int samples = 100;  // number of samples on each topic
 constexpr int control_topics = 3;
 
 /// Returns the anonymous memory of this process in MB.
@@ -36,8 +37,8 @@ double anonymous_memory() {
   return 0;
 }
 
-/// Calls `run` in a new process. Returns by how much the anonymous memory of that process has grown when
-/// `run` calls `measure`.
+/// Calls `run` in a new process. Returns the growth of the anonymous memory of that process until `run`
+/// calls `measure`.
 double in_new_process(const std::function<void(const std::function<void()>& measure)>& run) {
   const Shared<double> result;
   const pid_t child = fork();

@@ -31,7 +31,7 @@ using Act = std::function<void(std::uint64_t)>;
 
 const Topic requests{.name = "requests", .durable = true};
 
-/// Calls `act` on a thread of its own for each given number, like the agent of a node.
+/// Calls `act` for each given number on a separate thread, like the agent of a node.
 class Helper {
  public:
   explicit Helper(Act act) : act_(std::move(act)), thread_([this] { run(); }) {}
@@ -68,7 +68,7 @@ class Helper {
   std::jthread thread_;
 };
 
-/// Which thread writes, and which one notes arrivals.
+/// The thread that writes on one side, and the thread that notes arrivals on the other side.
 enum class By { the_thread_itself, a_helper };
 
 void write(Exchange& exchange, std::uint64_t messages, By by) {
@@ -126,7 +126,8 @@ std::vector<Figure> str_response(const Scale& scale) {
     by_helpers.add(dds_write_times(hosts, scale.messages, By::a_helper));
   }
   const char* reference = "dds_write to a listener";
-  // A node leaves requests to its agent, since neither a getter nor a listener of Cyclone DDS may block.
+  // This path is measured, too, because a node leaves requests to its agent: neither a getter nor a
+  // listener of Cyclone DDS may block.
   const char* floor = "the same, from one helping thread to another";
   return {{"str_response", ours.p50(), "us", raw.p50(), reference, 100, true},
           {"str_response_p99", ours.p99(), "us", raw.p99(), reference, 1000, true},

@@ -1,7 +1,7 @@
-// The time from a getter call for an absent field until the publisher on another host has applied the new
-// mask, for messages of any type. `Probe` has the type Message, the field `wanted`, and the functions
-// read_usual() and read_wanted(). read_wanted() reads the field `wanted` of a sample, and read_usual() reads
-// another field.
+// Measures the time from a getter call for an absent field until the publisher on another host has applied
+// the new mask, for messages of any type. `Probe` has the type Message, the field `wanted`, and the
+// functions read_usual() and read_wanted(). read_wanted() reads the field `wanted` of a sample, and
+// read_usual() reads another field.
 #pragma once
 
 #include <sft/sft.h>
@@ -15,7 +15,7 @@
 
 namespace sft::bench {
 
-/// Publishes a thousand times per second, and notes when a reader asks for the wanted field.
+/// Publishes a thousand times per second, and notes when a reader requests the wanted field.
 template <class Probe>
 void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
   const FieldMask wanted = FieldMask(Probe::wanted);
@@ -36,8 +36,8 @@ void publish_to_learner(Exchange& exchange, std::uint64_t messages) {
   }
 }
 
-/// Reads the wanted field whenever the subscriber has given it up and gets samples without it, until the
-/// publisher has noted the request.
+/// Reads the wanted field whenever the subscriber no longer requests it and gets samples without it. Goes
+/// on reading it until the publisher has noted the request.
 template <class Probe>
 void learn(Exchange& exchange, std::uint64_t messages) {
   constexpr std::int64_t timeout_ns = 1'000'000'000;
@@ -53,7 +53,8 @@ void learn(Exchange& exchange, std::uint64_t messages) {
     Probe::read_usual(sample);
     const std::uint64_t n = exchange.received.load();
     if (exchange.sent.load() > n) {  // the publisher has not noted the request yet
-      Probe::read_wanted(sample);    // otherwise a busy machine might give up the field before that
+      // Otherwise the subscriber of a busy machine might drop the field before the publisher has noted it.
+      Probe::read_wanted(sample);
       exchange.failed = now_ns() > exchange.sent_at[n] + timeout_ns;
     } else if (n < messages && !sample.mask().contains(wanted) &&
                !subscriber.status().mask.contains(wanted)) {
@@ -72,12 +73,12 @@ std::vector<double> response_times(const TwoHosts& hosts, std::uint64_t messages
                   messages);
 }
 
-/// Cyclone DDS alone, with SFT's configuration. Its samples are about as large as a request. Durable topics
-/// have the QoS of requests.
+/// Returns Cyclone DDS alone, with SFT's configuration. Its samples are about as large as a request.
+/// Durable topics have the QoS of requests.
 std::unique_ptr<Peer> cyclone_control_peer();
 
-/// The reference: times of Cyclone DDS alone from a thread of one program to a thread of another one, with
-/// the QoS of requests.
+/// Returns the reference: times of Cyclone DDS alone from a thread of one program to a thread of another
+/// program, with the QoS of requests.
 std::vector<double> dds_write_times(const TwoHosts& hosts, std::uint64_t messages);
 
 }  // namespace sft::bench

@@ -10,7 +10,7 @@ namespace sft::bench::paper {
 enum class Way {
   sft_recorded,  ///< SFT records which fields the program reads
   sft_declared,  ///< the program declares the fields that it reads
-  sft_full,      ///< the program asks for all fields
+  sft_full,      ///< the program requests all fields
   cyclone,
   fast_dds
 };
@@ -28,11 +28,12 @@ std::string name_of(Way way);
 /// Returns the name with the QoS and the network: "Cyclone DDS, reliable, unicast".
 std::string name_of(const Contender& contender);
 
-/// Returns SFT with recorded, declared and all fields, Cyclone DDS, and Fast DDS. Each of them is best effort
-/// and reliable, with unicast and with multicast.
+/// Returns SFT with recorded, declared and all fields, Cyclone DDS, and Fast DDS. Each of them is included
+/// with best effort and reliable, with unicast and with multicast.
 std::vector<Contender> all_contenders();
 
-/// Returns the contender with the same idle traffic as `contender`: neither fields nor QoS influence it.
+/// Returns the contender with the same idle traffic as `contender`. Neither fields nor QoS influence idle
+/// traffic.
 Contender idle_twin(const Contender& contender);
 
 }  // namespace sft::bench::paper

@@ -38,7 +38,7 @@ void run_parametric_session(const Stage& stage, Configuration of, std::size_t re
     of.percent = percent;
     phases.push_back(parametric_phase(of, repeat, scale));
   }
-  // In random order, since nodes have more idle traffic while they are young.
+  // The order is random, since nodes have more idle traffic while they are young.
   std::shuffle(phases.begin(), phases.end(), std::mt19937_64(next_seed(scale, results)));
   run_session(stage, of.receivers, phases, scale.pace, next_seed(scale, results), results);
 }

@@ -1,4 +1,4 @@
-// The paper's experiments: which messages are sent to which receivers, and which fields each receiver reads.
+// The paper's experiments: the messages, their receivers, and the fields that each receiver reads.
 #pragma once
 
 #include <cstdint>
@@ -22,9 +22,9 @@ struct Scale {
 
 // The following functions add the records of all repeats to `results`.
 void run_parametric_study(const Stage& stage, const Scale& scale, Results& results);
-/// The cases of Nav2, with messages that this benchmark makes and with recorded ones.
+/// Runs the cases of Nav2, with messages that this benchmark makes and with recorded ones.
 void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results);
-/// The case of the PointCloud2, with messages of both kinds.
+/// Runs the case of the PointCloud2, with messages that this benchmark makes and with recorded ones.
 void run_point_cloud_case(const Stage& stage, const Scale& scale, Results& results);
 
 }  // namespace sft::bench::paper

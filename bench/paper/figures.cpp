@@ -52,7 +52,7 @@ std::string latency_name(const Row& row) {
   return "latency_" + (row.name.starts_with(prefix) ? row.name.substr(prefix.size()) : row.name);
 }
 
-/// Returns the faster one of Cyclone DDS and Fast DDS, with the same QoS and network as `ours`.
+/// Returns Cyclone DDS or Fast DDS with the same QoS and network as `ours`, whichever is faster.
 Contender better_dds(const Records& all, const Contender& ours, const Cases& cases) {
   const Contender cyclone{Way::cyclone, ours.reliable, ours.multicast};
   const Contender fast_dds{Way::fast_dds, ours.reliable, ours.multicast};
@@ -82,7 +82,7 @@ Figure worst_latency(const Records& all, const std::string& name, const Contende
   return *worst;
 }
 
-/// The bytes that receivers got, and the fewest possible bytes that carry the same fields.
+/// The bytes that receivers got, and the fewest possible bytes with the same fields.
 struct Carried {
   double bytes = 0;
   double least = 0;

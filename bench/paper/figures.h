@@ -9,7 +9,7 @@
 
 namespace sft::bench::paper {
 
-/// Returns bytes and latencies of each row that has records.
+/// Returns the bytes and the latencies of each row that has records.
 std::vector<Figure> row_figures(const Records& all, const std::vector<Row>& rows);
 
 /// Returns the figures that have a bound in every configuration: bytes relative to the fewest possible, and

@@ -21,8 +21,7 @@ namespace {
 using namespace sft::bench;
 using namespace sft::bench::paper;
 
-/// Prints and flushes, since each process that is forked later would have a copy of what is left in the
-/// buffer.
+/// Prints and flushes. Otherwise each process that is forked later would have a copy of the unwritten text.
 void say(const std::string& text) {
   fmt::print("{}", text);
   std::fflush(stdout);
@@ -47,7 +46,7 @@ class Experiments {
     for (const Row& row : point_cloud_rows()) say(receivers_table(results_.records, row));
     return row_figures(results_.records, point_cloud_rows());
   }
-  /// Returns figures over all cases that the groups before have measured.
+  /// Returns figures over all cases that the previous groups have measured.
   std::vector<Figure> bounds() const {
     std::vector<Figure> figures = configuration_figures(results_.records);
     if (figures.empty()) return {};
@@ -59,7 +58,7 @@ class Experiments {
     if (trace_) say(fmt::format("\nThe trace has a response of {:.0f} us.\n", trace_->response_us()));
     Figure figure = str_response({.messages = quick ? 100u : 400u, .rounds = quick ? 1 : 3}).front();
     figure.name = "response";
-    // It is enough if either of the two bounds is kept.
+    // One of two bounds has to be kept: 100 us, or 1.5 times the reference.
     figure.bound_is_of_value = figure.value <= 100;
     figure.bound = figure.bound_is_of_value ? 100 : 1.5;
     return {figure};
@@ -120,8 +119,8 @@ void add_options(CLI::App& to, Experiments& experiments, std::string& trace) {
   to.add_option("--trace", trace, "also write the messages around one change of fields to this file");
 }
 
-/// Opens files before the program is isolated, since it cannot reach them afterwards. Returns an error; empty
-/// if there is none.
+/// Opens files before the program is isolated, since it cannot reach them afterwards. Returns an error
+/// text; empty if there is no error.
 std::string prepare(Experiments& experiments, const std::string& trace) {
   if (!trace.empty()) experiments.trace.open(trace);
   if (experiments.trace.fail()) return "cannot write " + trace;

@@ -17,14 +17,14 @@ SharedMessages occupancy_grids();
 /// Returns clouds with 16 kB of points.
 SharedMessages point_clouds();
 
-// The following functions return recorded messages from files below `data`; null if the files are not there.
+// The following functions return recorded messages from files below `data`; null if the files do not exist.
 
-/// Scans of a robot's laser, with 361 ranges and as many intensities.
+/// Returns scans of a robot's laser, with 361 ranges and as many intensities.
 SharedMessages recorded_laser_scans(const std::filesystem::path& data);
 SharedMessages recorded_battery_states(const std::filesystem::path& data);
 /// Returns the map of a building.
 SharedMessages recorded_occupancy_grids(const std::filesystem::path& data);
-/// The first 16 kB of points of a rotating lidar's cloud.
+/// Returns the first 16 kB of points of a rotating lidar's cloud.
 SharedMessages recorded_point_clouds(const std::filesystem::path& data);
 
 }  // namespace sft::bench::paper

@@ -5,8 +5,8 @@
 
 namespace sft::bench::paper {
 
-// std::seed_seq and std::mt19937_64 give the same numbers everywhere, but distributions of the standard do
-// not.
+// std::seed_seq and std::mt19937_64 give the same numbers on every machine, but distributions of the
+// standard do not.
 FieldSet draw_fields(std::uint64_t seed, const Configuration& of, std::size_t repeat, std::size_t receiver) {
   std::seed_seq all{seed,
                     seed >> 32,

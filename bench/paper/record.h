@@ -1,5 +1,5 @@
-// A record has the costs of one contender in one phase of a session. A case says what the session sends
-// there.
+// A record has the costs of one contender in one phase of a session. A case describes the messages of that
+// phase.
 #pragma once
 
 #include <compare>
@@ -27,42 +27,45 @@ struct Configuration {
   friend auto operator<=>(const Configuration&, const Configuration&) = default;
 };
 
-/// Draws the fields that a receiver requires, each field independently of all others. The same arguments give
-/// the same fields on every machine. An empty result is possible, and is kept.
+/// Draws the fields that a receiver requires, each field independently of all others. The same arguments
+/// give the same fields on every machine. An empty result is possible, and is not replaced.
 FieldSet draw_fields(std::uint64_t seed, const Configuration& of, std::size_t repeat, std::size_t receiver);
 
-/// Returns the fewest bytes of frames that carry a message of `cdr_bytes`, with no headers but those of
-/// Ethernet, IPv4 and UDP. All frames but the last one are full at an MTU of 1500. An empty message takes one
-/// frame.
+/// Returns the fewest bytes of frames that carry a message of `cdr_bytes` bytes, with only the headers of
+/// Ethernet, IPv4 and UDP. All frames but the last one are full at an MTU of 1500. An empty message takes
+/// one frame.
 std::size_t least_bytes(std::size_t cdr_bytes);
 
-/// The messages of a case: those of the parametric study, or messages with a name.
+/// The messages of a case: messages of the parametric study, or messages with a name.
 struct Case {
-  std::string name;  ///< "parametric", "laserscan", ...
-  /// The configuration of a parametric case. Of other cases only the number of receivers is used.
+  std::string name;  ///< the name: "parametric", "laserscan", ...
+  /// The configuration of a parametric case. In other cases only its number of receivers is used.
   Configuration configuration{};
   std::size_t repeat = 0;
 };
 
-/// One receiver. All numbers of bytes are per message.
+/// The results of one receiver. All numbers of bytes are per message.
 struct Received {
-  FieldSet fields = 0;     ///< the fields that it reads
-  double cdr_bytes = 0;    ///< bytes of the fields that it reads
+  FieldSet fields = 0;     ///< the fields that the receiver reads
+  double cdr_bytes = 0;    ///< bytes of the fields that the receiver reads
   double least_bytes = 0;  ///< the fewest bytes on the wire that carry these fields
-  double bytes = unknown;  ///< bytes of its host's interface in both directions, without idle traffic
-  double lost = unknown;   ///< the share of the messages that did not arrive
+  /// Bytes of the interface of the receiver's host in both directions, without idle traffic.
+  double bytes = unknown;
+  double lost = unknown;  ///< the share of the messages that did not arrive
 };
 
 struct Record {
   Case of;
   Contender contender{};
   std::vector<Received> receivers{};
-  double sender_bytes = unknown;               ///< per message, both directions, without idle traffic
+  /// Bytes per message of the sender's host in both directions, without idle traffic.
+  double sender_bytes = unknown;
   double idle_bytes_per_s = unknown;           ///< traffic of the sender's host without messages
   double idle_receiver_bytes_per_s = unknown;  ///< traffic of all receivers' hosts together
-  double p50_us = unknown;                     ///< the time from the call until a receiver has its fields
+  /// Median time from the writing call until a receiver has its fields.
+  double p50_us = unknown;
   double p99_us = unknown;
-  double cpu_us = unknown;          ///< CPU time per message, of all processes, with idle work
+  double cpu_us = unknown;          ///< CPU time per message, of all processes, idle work included
   double resident_bytes = unknown;  ///< memory of all processes at the end of the session
 
   /// True if the machine stopped the writer for so long that messages may have been counted in another phase.

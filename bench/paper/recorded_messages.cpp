@@ -21,7 +21,7 @@ namespace {
 
 constexpr std::size_t encapsulation_bytes = 4;
 
-/// Reads the first records of a log.
+/// Returns messages from the first records of a log.
 template <class T>
 SharedMessages logged(const std::filesystem::path& data, const char* name,
                       const dds_topic_descriptor_t& cyclone_type) {

@@ -4,7 +4,8 @@ namespace sft::bench::paper {
 
 namespace {
 
-constexpr double full_masks = 1.01;  // the maximum relative to the peers' bytes if all fields are sent
+// The maximum of SFT's bytes relative to the peers' bytes if all fields are sent.
+constexpr double full_masks = 1.01;
 
 bool is_parametric(const Case& of) { return of.name == "parametric"; }
 

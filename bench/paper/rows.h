@@ -1,4 +1,4 @@
-// The rows of the paper's results: the cases of each row, and the results of the paper.
+// The rows of the paper's tables: the cases of each row, and the results of the paper.
 #pragma once
 
 #include <optional>
@@ -16,14 +16,14 @@ struct Published {
 };
 
 struct Row {
-  std::string name;   ///< the name of the figure
-  std::string title;  ///< the title of the figure in tables
+  std::string name;   ///< the name of the row's figure, as in JSON
+  std::string title;  ///< the title of the row in tables
   Cases cases;
-  /// The share of bytes that SFT saves in the paper, such as 0.491. Negative: SFT takes more.
+  /// The share of bytes that SFT saves in the paper, such as 0.491. Negative: SFT takes more bytes.
   std::optional<double> saving;
-  double bound = 1;                      ///< the bound of SFT's bytes divided by the peers' bytes
+  double bound = 1;                      ///< the limit of SFT's bytes divided by the peers' bytes
   bool sends_all = false;                ///< true: each receiver needs all fields
-  std::optional<Published> published{};  ///< set if the paper has the measurements themselves
+  std::optional<Published> published{};  ///< the paper's measurements; empty if the paper has none
 };
 
 /// Returns the rows of the parametric study.

@@ -15,10 +15,10 @@ namespace sft::bench::paper {
 namespace {
 
 constexpr double timeout_s = 40;
-constexpr std::int64_t lead_ns = 300'000'000;  // the time from the decision to begin until the first message
+constexpr std::int64_t lead_ns = 300'000'000;  // the time from the start signal until the first message
 
-/// Returns random slots of the contenders, since one may suffer from the work of another one after its
-/// message.
+/// Returns random slots of the contenders, since a contender may suffer from the work of the previous one
+/// after its message.
 std::vector<std::size_t> turns(std::size_t contenders, std::uint64_t seed) {
   std::vector<std::size_t> slots(contenders);
   std::iota(slots.begin(), slots.end(), std::size_t{0});
@@ -27,7 +27,7 @@ std::vector<std::size_t> turns(std::size_t contenders, std::uint64_t seed) {
 }
 
 using Teams = std::vector<std::unique_ptr<Team>>;
-/// The resources that each team has used.
+/// The resources that each team has used up to a moment.
 using Moment = std::vector<Used>;
 
 Moment moment(const Teams& teams) {
@@ -54,8 +54,8 @@ void wait_until_ready(Teams& teams) {
 }
 
 struct Measured {
-  Used phase;  ///< the resources from before until after the counted messages
-  Used idle;   ///< the resources of the twin in the same time
+  Used phase;  ///< the resources used during the counted messages
+  Used idle;   ///< the resources that the twin used in the same time
   double resident_bytes = 0;
 };
 
@@ -63,7 +63,7 @@ std::size_t number_of(std::size_t sample, const Phase& phase, const Pace& pace) 
   return (pace.settling + sample) % phase.messages->size();
 }
 
-/// Returns the mean of some size over all messages that are counted.
+/// Returns the mean of a value over all messages that are counted.
 template <class Size>
 double mean_over(const Phase& phase, const Pace& pace, Size size) {
   double sum = 0;
@@ -117,7 +117,7 @@ Record record_of(const Team& team, const Phase& phase, std::size_t phase_number,
   return record;
 }
 
-/// Returns how much later than planned the writer wrote each counted message of a phase.
+/// Returns the delay of each counted message of a phase relative to its planned time.
 std::vector<double> late_us(const Board& board, std::size_t phase, const Pace& pace) {
   std::vector<double> late;
   for (std::size_t i = 0; i < pace.samples; ++i)
@@ -125,7 +125,7 @@ std::vector<double> late_us(const Board& board, std::size_t phase, const Pace& p
   return late;
 }
 
-/// Starts each twin just after the first of its contenders, so that their idle bursts coincide.
+/// Starts each twin just after the first of its contenders, so that their bursts of idle traffic coincide.
 Teams start(const Stage& stage, const Team::Task& task, std::uint64_t seed) {
   const std::size_t contenders = stage.contenders().size();
   const std::vector<std::size_t> slots = turns(contenders, seed);
@@ -141,7 +141,7 @@ Teams start(const Stage& stage, const Team::Task& task, std::uint64_t seed) {
   return teams;
 }
 
-/// Returns the number of the twin's team; the number of teams if there is no such team.
+/// Returns the index of the twin's team; the number of teams if there is no such team.
 std::size_t twin_of(const Team& team, const Teams& teams) {
   const Contender twin = idle_twin(team.contender());
   const auto found = std::ranges::find_if(
@@ -210,7 +210,7 @@ Stage::Stage(std::vector<Contender> contenders) : contenders_(std::move(contende
 
 void run_session(const Stage& stage, std::size_t receivers, const std::vector<Phase>& phases,
                  const Pace& pace, std::uint64_t seed, Results& results) {
-  constexpr std::size_t repetitions_max = 6;  // the maximum of the whole benchmark, which has to end in time
+  constexpr std::size_t repetitions_max = 6;  // the limit for the whole benchmark, which has to end in time
   const Team::Task task{receivers, phases, pace, stage.contenders().size()};
   Results session = try_session(stage, task, seed);
   if (is_mostly_disturbed(session) && results.repeated_sessions < repetitions_max) {

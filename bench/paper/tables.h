@@ -1,4 +1,4 @@
-// Tables for people: the paper's results compared with those of this run.
+// Tables as text: the paper's results compared with those of this run.
 #pragma once
 
 #include <string>
@@ -9,15 +9,15 @@
 
 namespace sft::bench::paper {
 
-/// Returns mean rates in kbit/s at the receivers for 10 messages per second, how much less than the full
-/// message SFT takes, and mean latencies.
+/// Returns a table with mean rates in kbit/s at the receivers for 10 messages per second, the saving of SFT
+/// relative to the full message, and mean latencies.
 std::string paper_table(const Records& all, const std::vector<Row>& rows);
-/// Returns bytes per message and traffic without messages of each contender, at the receivers and at the
-/// sender.
+/// Returns a table with the bytes per message, and the traffic without messages, of each contender, at the
+/// receivers and at the sender.
 std::string bytes_table(const Records& all, const std::vector<Row>& rows);
-/// Returns the bytes at each receiver of a case, compared with the fewest possible.
+/// Returns a table with the bytes at each receiver of a case, compared with the fewest possible ones.
 std::string receivers_table(const Records& all, const Row& row);
-/// Returns the share of fields that receivers drew, and how many receivers drew none.
+/// Returns a text with the share of fields that receivers drew, and the number of receivers that drew none.
 std::string draws_text(const Records& all);
 
 }  // namespace sft::bench::paper

@@ -13,7 +13,7 @@ namespace {
 constexpr std::int64_t poll_us = 10'000;
 
 /// Opens the contender with its default settings, apart from multicast. The emulated hosts have separate
-/// networks, but the same memory, in which SFT must not look for samples.
+/// networks, but share one memory. SFT must not look for samples there.
 std::unique_ptr<Peer> open(const Contender& contender) {
   if (contender.is_sft()) return contender.multicast ? sft_usual_peer() : sft_unicast_peer();
   if (contender.way == Way::cyclone)
@@ -21,7 +21,7 @@ std::unique_ptr<Peer> open(const Contender& contender) {
   return contender.multicast ? fast_dds_multicast_peer() : fast_dds_usual_peer();
 }
 
-/// Returns the request of a reader that needs these fields.
+/// Returns the request of a reader that needs the fields `needed`.
 Wanted wanted(Way way, const Messages& messages, FieldSet needed) {
   const FieldSet read = way == Way::sft_full ? messages.all() : needed;
   return {.fields = messages.text_of(read), .recorded = way == Way::sft_recorded, .read = read};
@@ -103,8 +103,8 @@ int Team::read_all(std::size_t receiver) const {
   stay();
 }
 
-/// An arriving message is taken for the last one that was written, since the next one is written a period
-/// later.
+/// An arriving message counts as the last one that was written. That is correct because the next one is
+/// written a period later.
 Arrived Team::note_arrivals(std::size_t phase, std::size_t receiver) const {
   return [this, phase, receiver](std::uint64_t) {
     const std::int64_t now = now_ns();

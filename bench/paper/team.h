@@ -1,4 +1,5 @@
-// One contender in one session: a writer's process on its host, and a reader's process on each other host.
+// One contender in one session: a writer's process on its host, and a reader's process on each of the other
+// hosts.
 #pragma once
 
 #include <array>
@@ -15,7 +16,7 @@
 
 namespace sft::bench::paper {
 
-/// Messages of one type on their own topic.
+/// A phase: messages of one type on their own topic.
 struct Phase {
   Case of;
   SharedMessages messages;
@@ -27,17 +28,21 @@ inline constexpr std::size_t samples_max = 512;
 
 /// The notes of all processes of a team, which the parent process reads.
 struct Board {
-  std::atomic<std::size_t> ready{0};                  ///< processes whose writers or readers are all matched
-  std::atomic<std::int64_t> begin_ns{0};              ///< the beginning of the schedule; 0: not known yet
-  std::atomic<std::size_t> written[phases_max] = {};  ///< messages, with those that are not counted
+  /// Number of processes whose writers or readers are all matched.
+  std::atomic<std::size_t> ready{0};
+  /// Time of the beginning of the schedule; 0: not known yet.
+  std::atomic<std::int64_t> begin_ns{0};
+  /// By phase: number of messages written, including those that are not counted.
+  std::atomic<std::size_t> written[phases_max] = {};
   std::int64_t due_ns[phases_max][samples_max] = {};
   std::int64_t sent_ns[phases_max][samples_max] = {};
-  std::int64_t received_ns[phases_max][receivers_max][samples_max] = {};  ///< 0: not received
+  /// Time of the receipt; 0: not received.
+  std::int64_t received_ns[phases_max][receivers_max][samples_max] = {};
 };
 
 /// The resources that a team has used up to a moment.
 struct Used {
-  double s = 0;  ///< the time at that moment
+  double s = 0;  ///< the time of that moment
   double sender_bytes = 0;
   std::array<double, receivers_max> receiver_bytes{};
   double cpu_s = 0;
@@ -47,17 +52,18 @@ struct Used {
 
 class Team {
  public:
-  /// What the team does: the number of its receivers, the phases, and when it sends. `phases` must outlive
-  /// the team.
+  /// The task of a team: the number of its receivers, the phases, and the times of sending. `phases` must
+  /// outlive the team.
   struct Task {
     std::size_t receivers;
     const std::vector<Phase>& phases;
     Pace pace;
-    std::size_t slots;  ///< slots in each period
+    std::size_t slots;  ///< number of slots in each period
   };
   static constexpr std::size_t silent = SIZE_MAX;
 
-  /// Starts the processes. `slot` is the team's slot in each period. A team that is `silent` writes nothing.
+  /// Starts the processes. `slot` is the team's slot in each period. A team that is `silent` writes no
+  /// messages.
   Team(const Contender& contender, std::shared_ptr<const hosts::EmulatedNetwork> network, const Task& task,
        std::size_t slot);
 

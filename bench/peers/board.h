@@ -1,4 +1,4 @@
-// What the processes of a trial share: the notes of the readers, and the results.
+// The memory that the processes of a trial share: the notes of the readers, and the results.
 #pragma once
 
 #include <sys/types.h>
@@ -16,9 +16,10 @@ namespace sft::bench::peers {
 
 /// The messages of one size, numbered from 1, that a reader has received.
 struct Receipts {
-  alignas(64) std::atomic<std::uint64_t> last{0};  ///< the greatest number received
+  alignas(64) std::atomic<std::uint64_t> last{0};  ///< the greatest number of a received message
   std::atomic<std::uint64_t> count{0};
-  std::int64_t at_ns[samples_max] = {};  ///< when the message arrived, at its number modulo samples_max
+  /// Time of arrival of each message; its index is the number of the message modulo samples_max.
+  std::int64_t at_ns[samples_max] = {};
 
   void note(std::uint64_t number) {
     at_ns[number % samples_max] = now_ns();
@@ -29,7 +30,7 @@ struct Receipts {
 
 struct ReaderNotes {
   std::atomic<pid_t> process{0};
-  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< sizes whose last message was received
+  alignas(64) std::atomic<std::size_t> sizes_done{0};  ///< number of sizes whose last message was received
   Receipts receipts[sizes_max];
 };
 
@@ -40,8 +41,8 @@ struct SizeResult {
 };
 
 struct Board {
-  std::atomic<std::size_t> ready{0};  ///< readers that know the writer
-  /// The number of the last message of each size, which the writer sets after it has measured everything.
+  std::atomic<std::size_t> ready{0};  ///< number of readers that know the writer
+  /// The number of the last message of each size. The writer sets it after all measurements.
   std::atomic<std::uint64_t> last_number[sizes_max];
   ReaderNotes readers[readers_max];
   SizeResult results[sizes_max];

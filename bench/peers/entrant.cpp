@@ -7,7 +7,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-/// The properties of each way, in the order of Way.
+/// The properties of each value of Way, in the same order.
 struct Facts {
   const char* name;
   const char* id;

@@ -1,4 +1,4 @@
-// The entrants of this benchmark, and where and how their readers wait for samples.
+// The entrants of this benchmark, and the places and ways in which their readers wait for samples.
 #pragma once
 
 #include <compare>
@@ -13,7 +13,7 @@ enum class Waiting { sleeping, spinning };
 enum class Way {
   sft_two_fields,
   sft_full,
-  sft_loan,  ///< all fields, from a loan
+  sft_loan,  ///< SFT with all fields, published from a loan
   iceoryx,   ///< iceoryx alone, with a copy of each message
   iceoryx_loan,
   cyclone,
@@ -22,20 +22,20 @@ enum class Way {
   fast_dds_memory,
   tcp,
   udp,
-  memcpy_alone  ///< copies the message from one buffer to another one, without a reader
+  memcpy_alone  ///< a copy of the message from one buffer to another one, without a reader
 };
 
 struct Entrant {
   Way way{};
-  bool spin_0 = false;  ///< true: SubscriberOptions::spin is 0, and not the default
+  bool spin_0 = false;  ///< true: SubscriberOptions::spin is 0 instead of the default
 
   bool is_sft() const { return way <= Way::sft_loan; }
   friend auto operator<=>(const Entrant&, const Entrant&) = default;
 };
 
-/// Returns the name for people: "SFT, full, spin 0".
+/// Returns the name for tables, such as "SFT, full, spin 0".
 std::string name_of(const Entrant& entrant);
-/// Returns the name in figures: "sft_full_spin0".
+/// Returns the name in figures, such as "sft_full_spin0".
 std::string id_of(const Entrant& entrant);
 
 struct Case {
@@ -51,8 +51,8 @@ struct Case {
 /// out.
 std::vector<Entrant> entrants(const Case& of);
 
-/// Returns the entrants in their order in a round. Each round begins with another entrant, so that no entrant
-/// always runs first or just after the same one.
+/// Returns the entrants in their order in a round. Each round begins with a different entrant, so that no
+/// entrant always runs first or just after the same one.
 std::vector<Entrant> turns(std::vector<Entrant> all, std::size_t round);
 
 }  // namespace sft::bench::peers

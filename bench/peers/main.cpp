@@ -43,8 +43,7 @@ constexpr const char* how =
     "its\n"
     "CPU time is what the benchmark itself takes to sleep and to wake up.\n";
 
-/// Prints and flushes, since each process that is forked later would have a copy of what is left in the
-/// buffer.
+/// Prints and flushes. Otherwise each process that is forked later would have a copy of the unwritten text.
 void say(const std::string& text) {
   fmt::print("{}", text);
   std::fflush(stdout);
@@ -55,7 +54,7 @@ std::string title_of(const Case& of) {
          (of.waiting == Waiting::sleeping ? ", sleeping" : ", spinning");
 }
 
-/// Returns the ids of all entrants, all of which run in this case.
+/// Returns the ids of all entrants. All of them run in this case.
 std::vector<std::string> ids() {
   std::vector<std::string> ids;
   for (const Entrant& entrant : entrants({Where::one_host, Waiting::sleeping})) ids.push_back(id_of(entrant));

@@ -1,4 +1,4 @@
-// How many messages of each size are sent, and when.
+// The number of messages of each size, and the times at which they are sent.
 #pragma once
 
 #include <cstddef>
@@ -14,16 +14,18 @@ inline constexpr std::size_t readers_max = 8;
 inline constexpr std::size_t samples_max = 4096;  ///< the maximum number of latencies of one message size
 
 struct Pace {
-  std::int64_t period_us = 200;  ///< time between two messages; longer if the first one has not arrived
-  std::size_t warm_up = 30;      ///< messages before those that are counted; fewer if they are large
+  std::int64_t period_us = 200;  ///< time between two messages; longer if the previous one has not arrived
+  /// Number of messages before those that are counted; smaller if they are large.
+  std::size_t warm_up = 30;
   std::size_t samples = 1000;    ///< the maximum number of messages that are counted
   std::size_t samples_min = 12;  ///< the minimum number of messages that are counted
-  double latency_s = 0.4;        ///< the time after which only the minimum number of messages is still sent
+  /// The time after which messages are sent only until `samples_min` is reached.
+  double latency_s = 0.4;
   double throughput_warm_up_s = 0.05;
   double throughput_s = 0.15;  ///< the time in which messages are sent as fast as possible
 };
 
-/// The number of rounds, and how long each measurement takes.
+/// The number of rounds, and the length of each measurement.
 struct Scale {
   int rounds = 3;
   std::vector<std::uint32_t> sizes{16, 1 << 10, 16 << 10, 128 << 10, 1 << 20, bytes_max};
@@ -36,10 +38,11 @@ struct Scale {
 /// Returns the scale of a run that takes less than two minutes.
 Scale quick_scale();
 
-/// Returns how many samples writers and readers of all contenders keep: as many as fit into 4 MiB, 4 to 64.
+/// Returns the number of samples that writers and readers of all contenders keep: as many as fit into 4
+/// MiB, but 4 to 64.
 std::uint32_t depth_of(std::uint32_t bytes);
 
-/// Returns a size as text: "16 B", "128 KiB", "8 MiB".
+/// Returns a size as text, such as "16 B", "128 KiB", "8 MiB".
 std::string size_text(std::uint32_t bytes);
 
 }  // namespace sft::bench::peers

@@ -53,7 +53,7 @@ void write_csv(std::ostream& out, const Records& all) {
                        id_of(r.entrant), r.bytes, r.round + 1, r.samples, r.p50_us, r.p90_us, r.p99_us,
                        r.p999_us, r.paced_cpu_us, r.per_s, r.fast_cpu_us, r.lost);
   }
-  out << std::flush;  // an isolated program ends without destroying the stream
+  out << std::flush;  // needed because an isolated program ends without destroying the stream
 }
 
 }  // namespace sft::bench::peers

@@ -13,14 +13,14 @@ namespace sft::bench::peers {
 inline constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
 struct Record {
-  std::string group{};  ///< the group of the benchmark that measured it: "intra_sleeping"
+  std::string group{};  ///< the group of the benchmark that measured the record: "intra_sleeping"
   Case of{};
   Entrant entrant{};
   std::uint32_t bytes = 0;
   std::size_t round = 0;
 
   std::size_t samples = 0;  ///< the number of messages whose latency is known
-  // Microseconds from the call until the last reader has the message:
+  // Quantiles of the time from the writing call until the last reader has the message, in microseconds.
   double p50_us = unknown, p90_us = unknown, p99_us = unknown, p999_us = unknown;
   double paced_cpu_us = unknown;  ///< the CPU time per message, of all processes, while latency is measured
   double per_s = unknown;         ///< messages per second that each reader received
@@ -33,7 +33,7 @@ using Records = std::vector<Record>;
 /// Sets the quantiles. They stay unknown without times.
 void set_latency(Record& record, std::vector<double> times_us);
 
-/// The median over the rounds, and their range. All are unknown if no round has a value.
+/// The median over the rounds, and their range. All values are unknown if no round has a value.
 struct Spread {
   double median = unknown, least = unknown, most = unknown;
 };

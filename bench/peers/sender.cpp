@@ -15,9 +15,10 @@ constexpr std::int64_t timeout_ns = 2'000'000'000;
 constexpr std::int64_t look_again_us = 50;
 constexpr std::size_t warm_up_min = 5;
 constexpr double warm_up_s = 0.1;
-constexpr std::uint64_t received_min = 8;  // the least messages for a rate, if they arrive in time
+// A rate is computed from at least this number of messages, if they arrive in time.
+constexpr std::uint64_t received_min = 8;
 constexpr double timeout_of_rate_s = 1;
-constexpr std::int64_t quiet_us = 50'000;  // no more messages arrive after a pause of this time
+constexpr std::int64_t quiet_us = 50'000;  // if no message arrives for this time, no more will arrive
 
 std::int64_t ns_of(double seconds) { return static_cast<std::int64_t>(seconds * 1e9); }
 
@@ -118,8 +119,8 @@ void Sender::count_lost() {
   result_.lost = static_cast<double>(number_ - received()) / static_cast<double>(number_);
 }
 
-/// Readers wait for a message, so that only a message can end them. The last message is sent again in case
-/// it was lost.
+/// Readers wait for a message, so only a message can end them. The last message is sent again in case it
+/// was lost.
 bool Sender::finish() {
   constexpr int tries = 5;
   board_.last_number[size_] = number_ + 1;

@@ -28,15 +28,15 @@ class Sender {
 
   bool sleeps() const { return of_.waiting == Waiting::sleeping; }
   Moment moment() const;
-  /// The number of messages that every reader has received, and the greatest number that every reader has
-  /// received.
+  /// The first function returns the number of messages that every reader has received. The second one
+  /// returns the greatest number that every reader has received.
   std::uint64_t received() const;
   std::uint64_t last_received() const;
-  /// When the last of the readers received a message.
+  /// Returns when the last of the readers received a message.
   std::int64_t received_at_ns(std::uint64_t number) const;
 
-  /// Sends a message, and waits until it has arrived and the period is over. Returns its time in
-  /// microseconds; NaN if it has not arrived.
+  /// Sends a message, and waits until it has arrived and the period is over. Returns the time until it
+  /// arrived in microseconds; NaN if it has not arrived.
   double send_and_wait();
   void warm_up();
   void measure_latency();

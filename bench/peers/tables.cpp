@@ -12,7 +12,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-constexpr std::size_t samples_of_p999 = 1000;  // with fewer samples, the p999 is the worst one
+constexpr std::size_t samples_of_p999 = 1000;  // with fewer samples, the p999 equals the worst one
 
 using Cell = std::function<std::string(const Records&)>;
 

@@ -20,8 +20,8 @@ std::vector<Column> columns_of_sizes(const Case& of, const std::vector<std::uint
 /// Returns a column for each number of readers.
 std::vector<Column> columns_of_readers(Case of, const std::vector<std::size_t>& readers, std::uint32_t bytes);
 
-/// Returns a number with three significant digits, or all digits of its integer part: "5.31", "42.5",
-/// "1,204". "-" if it is unknown.
+/// Returns a number as text with three significant digits, or all digits of its integer part: "5.31",
+/// "42.5", "1,204". Returns "-" if the number is unknown.
 std::string number_text(double value);
 
 /// Returns tables with latency, throughput and processor time of all entrants that have records in these

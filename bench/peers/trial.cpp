@@ -19,7 +19,7 @@ namespace sft::bench::peers {
 
 namespace {
 
-/// Opens the contender for the entrant's way, which must be one with readers.
+/// Opens the contender for the entrant's way, which must have readers.
 std::unique_ptr<Peer> open(const Trial& trial) {
   const Contender sft = trial.of.where == Where::one_host ? sft_memory_peer : sft_peer;
   const Contender contenders[] = {sft,
@@ -98,7 +98,7 @@ int write_all(Board& board, const Trial& trial) {
   return measure_all(board, writers, trial);
 }
 
-/// Reads messages of one size until the last message.
+/// Reads messages of one size until the last message has come.
 void read(Reader& reader, Receipts& receipts, const std::atomic<std::uint64_t>& last_number) {
   while (receipts.last.load() < last_number.load()) {
     reader.wait();

@@ -15,11 +15,12 @@ namespace sft::bench::peers {
 struct Trial {
   Case of;
   Entrant entrant;
-  std::vector<std::uint32_t> sizes;  ///< at most sizes_max of them
+  std::vector<std::uint32_t> sizes;  ///< the sizes of the messages, at most sizes_max sizes
   Pace pace;
 };
 
-/// Returns a record for each size. If the entrant failed, names it on the standard error, and returns none.
+/// Returns a record for each size. If the entrant failed, names it on the standard error, and returns no
+/// records.
 Records run(const Trial& trial, const Stage& stage);
 
 }  // namespace sft::bench::peers

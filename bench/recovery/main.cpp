@@ -1,4 +1,4 @@
-// Measures for how long hostile programs and mishaps disturb other programs after their end; see
+// Measures for how long hostile programs and faults disturb other programs after their end; see
 // tests/hostile.
 #include "bench/common/program.h"
 #include "bench/recovery/recovery.h"

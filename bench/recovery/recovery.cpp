@@ -19,18 +19,18 @@ using hostile::Stage;
 using Times = std::vector<double>;
 
 constexpr double worst_ms_max = 1000;
-/// Messages that were forged in the names of other processes lose their effect when a link is made anew
-/// (SECURITY.md).
+/// The limit after forgeries. Messages that were forged in the names of other processes lose their effect
+/// when a link is made anew (SECURITY.md).
 constexpr double worst_ms_max_after_forgeries = 5000;
 constexpr double never = std::numeric_limits<double>::quiet_NaN();
 
-/// Honest programs, which keep running from act to act until one of them ends.
+/// Honest programs, which keep running from act to act. They are replaced only if one of them ends.
 class Lives {
  public:
   explicit Lives(unsigned long seed) : seed_(seed) {}
 
   /// Returns the time in milliseconds until all pairs are served again and, if required, `sftd status`
-  /// answers; NaN if that does not happen.
+  /// answers. Returns NaN if that does not happen.
   double recovery(const Entry& entry, Moment moment, std::chrono::milliseconds length) {
     if (moment != Moment::after_they_started) stage_.reset();
     const hostile::Outcome outcome = stage().perform(entry, moment, length);
@@ -60,7 +60,7 @@ class Lives {
   std::unique_ptr<Stage> stage_;
 };
 
-/// Returns the longest time. Returns NaN, which is the worst result, if a round did not recover.
+/// Returns the longest time. Returns NaN, which counts as the worst result, if a round did not recover.
 double worst_of(const Times& times) {
   const bool all_ended = std::ranges::none_of(times, [](double time) { return time != time; });
   return all_ended ? *std::ranges::max_element(times) : never;

@@ -1,5 +1,4 @@
-// Measures how long it takes after a hostile act or a mishap until every honest pair of programs is served
-// again.
+// Measures the time after a hostile act or a fault until every honest pair of programs is served again.
 #pragma once
 
 #include <chrono>
@@ -17,8 +16,8 @@ struct RecoveryScale {
   unsigned long seed = 1;                 ///< the seed of all random numbers
 };
 
-/// Returns the median and the worst time: first of a publisher that is killed by kill -9 and restarted, which
-/// is the reference, then of each act.
+/// Returns the median and the worst time for a publisher that is killed by kill -9 and restarted, which is
+/// the reference, and for each act.
 std::vector<Figure> recovery_after_each_act(const RecoveryScale& scale);
 
 }  // namespace sft::bench

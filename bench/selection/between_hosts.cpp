@@ -37,7 +37,8 @@ void publish(Exchange& exchange, std::uint64_t samples) {
   wait_until([&] { return exchange.received.load() >= samples; }, 2);
 }
 
-/// Sets `bytes` to the bytes per sample that the link has received, with the headers of all layers.
+/// Subscribes to `fields`. Sets `bytes` to the bytes per sample that the link has received, with the
+/// headers of all layers.
 void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samples, double& bytes) {
   Node node = Node::open(udp_node_options("reader")).value();
   const DynamicType type = node.find_type("points", std::chrono::seconds(20)).value();
@@ -58,7 +59,7 @@ void subscribe(Exchange& exchange, const std::string& fields, std::uint64_t samp
 
 struct Measured {
   std::vector<double> us;  ///< times from publish() to the callback
-  double bytes = 0;        ///< bytes per sample
+  double bytes = 0;        ///< number of bytes per sample
 };
 
 Measured measure(const TwoHosts& hosts, const std::string& fields, std::uint64_t samples) {

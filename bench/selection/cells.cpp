@@ -42,7 +42,7 @@ Image coloured_image() {
   return image;
 }
 
-/// The loop of a program that knows where the window is.
+/// The loop of a program that knows the position of the window.
 [[gnu::noinline]] ColourSums colours_by_hand(const ImageView& view, const Window& window) {
   const std::uint8_t* const data = view.data().data();
   const std::size_t step = view.step();
@@ -101,7 +101,8 @@ std::vector<Figure> reading_cells(int rounds) {
   const LocalPart part(type_support<Image>(), whole, text_of_middle);
   const ImageView full = view_of<Image, all<Image>>(whole.state());
   const ImageView window = view_of<Image, all<Image>>(part.state());
-  // The loop by hand is vectorised. A loop that looks for the ends of rows is not.
+  // There is no bound, because the loop by hand is vectorised, and a loop that checks for the ends of rows
+  // is not.
   constexpr std::optional<double> none;
   return {time_of_pixels("cells_rows_full", colours_of_rows, full, full, all_pixels, 1.1, rounds),
           time_of_pixels("cells_rows_in_place", colours_of_rows, window, full, middle, 1.1, rounds),

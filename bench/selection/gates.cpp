@@ -22,7 +22,7 @@ using namespace std::chrono_literals;
 
 constexpr double bound_ns = 30;  ///< the bound of the time per gate and sample
 
-/// Returns a gate that has seen the message, and does not let it pass again.
+/// Returns a gate that has evaluated the message once, and does not let it pass again.
 std::unique_ptr<core::Gate> closed_gate(const std::string& conditions, const BatteryState& message) {
   const TypeSupport& type = type_support<BatteryState>();
   const Selection selection = type.parse_selection("* @ " + conditions).value();
@@ -44,9 +44,9 @@ Figure time_of(std::string name, const std::string& conditions, int rounds) {
   return {std::move(name), best[0], "ns", bound_ns, "the bound, for " + conditions, 1.0};
 }
 
-/// Returns how often a thread that waits for samples in shared memory is woken while `samples` are published,
-/// none of which has more than 1 V. The last sample, of 5 V, wakes the thread once more, which is not
-/// counted.
+/// Returns the number of times that a thread that waits for samples in shared memory is woken while
+/// `samples` are published, none of which has more than 1 V. The last sample, of 5 V, wakes the thread once
+/// more. That wake-up is not counted.
 double wakeups(const std::string& selection, int samples) {
   Node a = Node::open(node_options("publisher", TransportChoice::shm)).value();
   Node b = Node::open(node_options("subscriber", TransportChoice::shm)).value();

@@ -1,4 +1,4 @@
-// A reader on the publisher's host that asks for a part of a message.
+// A reader on the publisher's host that requests a part of a message.
 #pragma once
 
 #include <memory>
@@ -13,17 +13,17 @@ namespace sft::bench {
 
 class LocalPart {
  public:
-  /// Puts the message where it would be in shared memory. The type must outlive this object.
+  /// Copies the message into memory like shared memory. The type must outlive this object.
   LocalPart(const TypeSupport& type, const Sample& whole, std::string_view selection);
   ~LocalPart();
   LocalPart(const LocalPart&) = delete;
   LocalPart& operator=(const LocalPart&) = delete;
 
-  /// Does the work of take() and of the end of the sample.
+  /// Does the work of take(), and the work at the end of the sample.
   void take_and_release();
   /// Returns a copy that is the same as for a reader on another host.
   core::SampleHandle copied() const { return copies_->of(sample_, *asked_->plan); }
-  /// The sample that is taken and kept.
+  /// Returns the sample that is taken and kept.
   const detail::SampleState& state() const { return state_; }
 
  private:

@@ -67,7 +67,7 @@ Figure time_of(const SampleState& state, std::string name, int rounds) {
   return {std::move(name), best[0] / 1000, "us", best[1] / 1000, "a loop by hand that sums x, y and z", 1.1};
 }
 
-/// Measures a reader on the publisher's host that asks for three channels: the time to take the part and to
+/// Measures a reader on the publisher's host that requests three channels: the time to take the part and to
 /// release it, and the time to read its points.
 std::vector<Figure> part_in_place(const Sample& whole, int rounds) {
   LocalPart part(type_support<PointCloud2>(), whole, "data{x,y,z}");

@@ -23,7 +23,8 @@ using sensor_msgs::msg::LaserScan;
 
 constexpr std::size_t encapsulation_bytes = 4;
 
-/// Returns the bytes of the body of an encoded message with this part of a field, and all other fields whole.
+/// Returns the bytes of the body of an encoded message that has this part of a field, and all other fields
+/// whole.
 template <class T>
 double bytes_of_part(const detail::SampleState& message, const std::string& part) {
   const TypeSupport& type = type_support<T>();
@@ -35,7 +36,8 @@ double bytes_of_part(const detail::SampleState& message, const std::string& part
   return projection.project(message, plan) ? static_cast<double>(projection.bytes()) : 0;
 }
 
-/// Counts how many samples pass the condition. They are voltages of a flight, a row of the file every 10 ms.
+/// Counts the samples that pass the condition. The samples are voltages of a flight, one row of the file
+/// for each 10 ms.
 Figure voltage_on_change(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<BatteryState>();
   const Selection selection = type.parse_selection("voltage @ changed 1%").value();
@@ -44,7 +46,7 @@ Figure voltage_on_change(const std::filesystem::path& file) {
   const test::Payload table = test::read_recording(file).value();
   std::istringstream lines(std::string(reinterpret_cast<const char*>(table.data()), table.size()));
   std::string line;
-  std::getline(lines, line);  // the names of the columns: x, y, z, voltage
+  std::getline(lines, line);  // skips the names of the columns: x, y, z, voltage
   std::int64_t samples = 0, passed = 0;
   for (BatteryState message; std::getline(lines, line); ++samples) {
     constexpr std::int64_t period_ns = 10'000'000;
@@ -58,7 +60,7 @@ Figure voltage_on_change(const std::filesystem::path& file) {
           "of a flight, for changed 1%"};
 }
 
-/// Returns the mean over all scans of a drive.
+/// Returns the figure for every fourth beam, as a mean over all scans of a drive.
 Figure every_4th_beam(const std::filesystem::path& file) {
   const TypeSupport& type = type_support<LaserScan>();
   const FieldMask full = type.full();

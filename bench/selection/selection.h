@@ -17,12 +17,13 @@ std::vector<Figure> reading_points(int rounds);
 std::vector<Figure> reading_cells(int rounds);
 /// Measures the costs of a part of a cloud on the link between two hosts, in bytes and time.
 std::vector<Figure> parts_between_hosts(std::uint64_t samples, int rounds);
-/// Measures the costs of a part of a cloud on the link of a publisher with four hosts that ask for it.
+/// Measures the costs of a part of a cloud on the link of a publisher to four hosts that request it.
 std::vector<Figure> shared_part_of_hosts(std::uint64_t samples);
 /// Measures the costs of conditions that do not hold: the publisher's time, and the wake-ups of a reader in
 /// shared memory.
 std::vector<Figure> closed_gates(int rounds, int samples);
-/// Counts what parts and conditions leave of recorded messages, if the recordings are on this machine.
+/// Counts the bytes and samples of recorded messages that remain with parts and conditions, if the
+/// recordings are on this machine.
 std::vector<Figure> parts_of_recordings();
 /// Measures the time from set_selection() to the first sample with the new window, between hosts.
 std::vector<Figure> moved_windows(std::uint64_t moves, int rounds);

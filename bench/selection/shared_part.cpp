@@ -26,11 +26,11 @@ constexpr double timeout_s = 60;
 
 struct Progress {
   std::atomic<bool> done{false};
-  std::atomic<std::size_t> read{0};  ///< samples that were read, summed over the readers
+  std::atomic<std::size_t> read{0};  ///< number of samples that were read, summed over the readers
   double bytes = 0;                  ///< bytes per sample that the publisher's host has sent
 };
 
-/// Publishes until all readers are in a multicast group, and then counts.
+/// Publishes until all readers are in a multicast group. After that, counts the bytes.
 void publish_to_all(Progress& progress, std::uint64_t samples) {
   Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();

@@ -49,20 +49,22 @@ PointCloud2 one_row() {
   return row;
 }
 
-/// When the publisher sends the next row after a move of a window.
+/// The time at which the publisher sends the next row after a move of a window.
 enum class Publishing : std::uint8_t {
   at_once,  ///< as soon as the window is in force, like a map server
   paced,    ///< some 60 us after the previous row, like a very fast sensor
 };
 
-/// Notes when the publisher has each window in force. A paced publisher sends often, so that the first row
-/// with a new window follows soon. If it sent more often, it would take the core from the thread that brings
-/// the window into force. The default slack of timers would make each pause 50 us longer.
+/// Publishes rows, and notes when the publisher has each window in force. A paced publisher sends often, so
+/// that the first row with a new window follows soon. If it sent more often, it would take the core from
+/// the thread that puts the window in force. The default slack of timers would make each pause 50 us
+/// longer.
 void publish_rows(Exchange& exchange, std::uint64_t moves, Publishing publishing) {
   ::prctl(PR_SET_TIMERSLACK, 1UL);
   const PointCloud2 row = one_row();
   std::atomic<Publisher<PointCloud2>*> at_once{nullptr};
-  std::mutex publishing_mutex;  // two threads publish here; publish() is for one at a time
+  // Needed because two threads publish here, and publish() is for one thread at a time.
+  std::mutex publishing_mutex;
   const auto publish_one = [&](Publisher<PointCloud2>& publisher) {
     const std::scoped_lock lock(publishing_mutex);
     publisher.publish(row);

@@ -1,5 +1,5 @@
-// Measures 6.3 MB from one program to another one, which sleeps until they arrive: with SFT as a cloud, and
-// with other middleware as samples in its shared memory.
+// Measures the transfer of 6.3 MB from one program to another one, which sleeps until the data arrive: with
+// SFT as a cloud, and with other middleware as samples in its shared memory.
 #include <algorithm>
 
 #include "bench/common/roudi.h"
@@ -11,9 +11,12 @@ namespace sft::bench {
 
 namespace {
 
-constexpr double loan_bound = 1. / 10;   // relative to a standard message of the others
-constexpr double fixed_bound = 1. / 3;   // relative to their loans of fixed size
-constexpr double owned_bound = 1 / 1.5;  // relative to a standard message of the others
+// Bound of a loan, relative to a standard message of the other contenders.
+constexpr double loan_bound = 1. / 10;
+// Bound of a loan, relative to the other contenders' loans of fixed size.
+constexpr double fixed_bound = 1. / 3;
+// Bound of publish(message), relative to a standard message of the other contenders.
+constexpr double owned_bound = 1 / 1.5;
 
 }  // namespace
 

@@ -1,6 +1,6 @@
-// Measures eight programs that sleep until the same message arrives. The writer has one core, and the readers
-// share the other one. The writer sleeps after publish(), so that a thread that wakes readers for it has a
-// core, too.
+// Measures eight programs that sleep until the same message arrives. The writer has one core, and the
+// readers share the other one. The writer sleeps after publish(), so that a thread that wakes readers on
+// its behalf has a core, too.
 #include <csignal>
 #include <vector>
 
@@ -16,12 +16,12 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint64_t readers = 8;
-constexpr std::int64_t asleep_us = 300;  // all readers sleep after this time
+constexpr std::int64_t asleep_us = 300;  // after this time, all readers are asleep
 constexpr std::int64_t timeout_ns = 1'000'000'000;
 
 struct Board {
   std::atomic<std::uint64_t> ready{0};  ///< the number of readers that have begun
-  std::atomic<std::uint64_t> read{0};   ///< messages that were read, summed over the readers
+  std::atomic<std::uint64_t> read{0};   ///< number of messages that were read, summed over the readers
   std::int64_t sent_at[Exchange::samples_max] = {};
   std::int64_t returned_at[Exchange::samples_max] = {};
   std::atomic<std::int64_t> last_read_at[Exchange::samples_max] = {};
@@ -58,7 +58,7 @@ bool send(Board& board, Contender contender, std::uint64_t messages) {
     board.returned_at[i] = now_ns();
     if (!board.wait_for_all(i + 1)) return false;
   }
-  writer->prepare(messages + 1);  // tells the readers to end
+  writer->prepare(messages + 1);  // a message with this number ends the readers
   writer->publish();
   return true;
 }

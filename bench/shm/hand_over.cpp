@@ -14,7 +14,8 @@ namespace sft::bench {
 
 namespace {
 
-// The least time to wake a process: with a word in shared memory and the system call.
+// The word for the measurement of the least time to wake a process: with a word in shared memory and the
+// system call.
 
 using Word = std::atomic<std::uint32_t>;
 
@@ -49,7 +50,8 @@ class FutexReader : public Reader {
   std::uint32_t seen_ = 0;
 };
 
-/// The reader always sleeps, whatever `transfer` says.
+/// Returns the times of a word in shared memory and a futex. The reader always sleeps, whatever `transfer`
+/// says.
 std::vector<double> raw_futex_times(const Transfer& transfer) {
   const Shared<Word> word;
   return run_pair({.sender =

@@ -13,7 +13,7 @@ namespace sft::bench {
 namespace {
 
 constexpr double allowed_percent = 0.5;
-constexpr std::int64_t settling_us = 2'000'000;  // the traffic of joining is over after this time
+constexpr std::int64_t settling_us = 2'000'000;  // the time after which the traffic of joining is over
 
 const Topic topic{.bulk_bytes = sent_cloud_bytes};
 

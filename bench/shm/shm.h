@@ -9,23 +9,23 @@
 namespace sft::bench {
 
 struct Scale {
-  /// Messages per round and contender; an eighth of them if whole clouds are copied.
+  /// Number of messages per round and contender. If whole clouds are copied, only an eighth of it is sent.
   std::uint64_t messages = 1600;
   int rounds = 3;      ///< rounds of each contender, in turns; the median is used
-  double idle_s = 10;  ///< how long a waiting node is observed
+  double idle_s = 10;  ///< the time for which a waiting node is observed
 };
 
-/// The time from publish() of a loan, a 6.3 MB cloud, until the reader has read height and width: for a
-/// reader that spins, and for one that sleeps.
+/// Measures the time from publish() of a loan, a 6.3 MB cloud, until the reader has read height and width:
+/// for a reader that spins, and for one that sleeps.
 std::vector<Figure> hand_over(const Scale& scale);
-/// The time with eight sleeping readers: until publish() returns, and until the last reader has read the
-/// message.
+/// Measures the time with eight sleeping readers: until publish() returns, and until the last reader has
+/// read the message.
 std::vector<Figure> fan_out(const Scale& scale);
-/// The time of the same cloud with Cyclone DDS and Fast DDS.
+/// Measures the time of the same cloud with Cyclone DDS and Fast DDS.
 std::vector<Figure> clouds(const Scale& scale);
-/// The time from before the loan is taken until the sample is read, for clouds of four sizes.
+/// Measures the time from before the loan is taken until the sample is read, for clouds of four sizes.
 std::vector<Figure> size_flatness(const Scale& scale);
-/// The processor time of a node that waits for samples while none arrive.
+/// Measures the processor time of a node that waits for samples while none arrive.
 std::vector<Figure> idle_cpu(const Scale& scale);
 
 }  // namespace sft::bench

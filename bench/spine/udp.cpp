@@ -16,7 +16,7 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-constexpr std::size_t field_bytes = 64;  // a length of 4 bytes and 60 elements
+constexpr std::size_t field_bytes = 64;  // a length of 4 bytes, and 60 elements of one byte
 
 PointCloud2 message() {
   PointCloud2 m;
@@ -57,7 +57,7 @@ void ping(Exchange& exchange, std::uint64_t messages) {
   std::uint64_t before = 0;
   while (rounds.load() < messages) {
     sleep_us(1'000'000);
-    if (rounds.load() == before) {  // a datagram was lost: send the next sample
+    if (rounds.load() == before) {  // a datagram was lost, so the next sample is sent
       exchange.failed = rounds.load() == 0;
       send();
     }

@@ -17,14 +17,15 @@ using F = PointCloud2::Field;
 constexpr int phase_seconds = 20;  // longer than the longest period of control traffic
 constexpr std::uint64_t samples = 25 * phase_seconds;
 
-/// Exchange::sent is the phase: 1: both sides are matched and quiet; 2: publishing; 3: published.
+/// Exchange::sent has the number of the phase. 1: both sides are matched and quiet; 2: publishing; 3:
+/// published.
 void publish(Exchange& exchange) {
   Node node = Node::open(udp_node_options("lidar")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
   while (publisher.status().readers.empty()) sleep_us(1000);
   PointCloud2 cloud;
   cloud.data.resize(6'291'456);
-  sleep_us(4'000'000);  // the traffic of joining ends in this time
+  sleep_us(4'000'000);  // the time in which the traffic of joining ends
   exchange.sent = 1;
   while (exchange.received.load() < 1) sleep_us(1000);
   for (std::uint64_t i = 0; i < samples; ++i) {
@@ -35,8 +36,8 @@ void publish(Exchange& exchange) {
   while (exchange.received.load() < 2) sleep_us(1000);
 }
 
-/// Writes four numbers to received_at: bytes sent and bytes received in the quiet phase, and bytes received
-/// and samples received in the other phase.
+/// Writes four numbers to received_at: the bytes sent and received in the quiet phase, and the bytes and
+/// samples received in the publishing phase.
 void subscribe(Exchange& exchange) {
   Node node = Node::open(udp_node_options("diagnostic")).value();
   std::atomic<std::int64_t> received{0};
@@ -62,7 +63,8 @@ void subscribe(Exchange& exchange) {
 
 std::vector<Figure> wire_bytes() {
   const TwoHosts hosts;
-  const auto figures = run_pair(hosts.sides(publish, subscribe), 5);  // run_pair() divides these by 1000
+  // The figures were multiplied by 1000, since run_pair() divides times by 1000.
+  const auto figures = run_pair(hosts.sides(publish, subscribe), 5);
   if (figures.size() < 5 || figures[3] == 0) return {};
   const double idle_sent = figures[0] * 1000 / phase_seconds;
   const double idle_received = figures[1] * 1000 / phase_seconds;

@@ -19,7 +19,7 @@ using namespace detail;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// Compares reading two scalars with the deserialization of the whole message in other middleware.
+/// Compares the reading of two scalars with the deserialization of the whole message in other middleware.
 std::vector<Figure> two_scalars(int rounds) {
   Sample sample(cloud(large_bytes));
   CycloneMessage cyclone(sensor_msgs_msg_PointCloud2_desc);

@@ -27,7 +27,8 @@ std::vector<Figure> gathering(int rounds) {
            {},
            "Odometry without covariances",
            300},
-          // A run is copied leaf by leaf if it moves by a distance that is not a multiple of its alignment.
+          // In a shifted gather, the runs move by a distance that is not a multiple of their alignment, so
+          // they are copied leaf by leaf.
           {"gather_17_shifted",
            projection_ns(battery(),
                          "header.stamp voltage temperature current charge capacity design_capacity "

@@ -41,7 +41,7 @@ std::string replaced(std::string text, std::string_view what, std::string_view b
   return text;
 }
 
-/// Returns code that calls all getters below `view`.
+/// Returns the text of code that calls all getters below `view`.
 std::string reads(const StructType& type, const std::string& view, int depth = 0) {
   std::string code;
   const std::string element = "e" + std::to_string(depth);
@@ -85,8 +85,8 @@ void subscribe(sft::Node& node) {
          "}\n";
 }
 
-/// Returns the processor time of the compiler, which is the waiting time on an idle core. Negative if the
-/// compiler failed.
+/// Returns the processor time of the compiler, which equals the waiting time on an idle core. Negative if
+/// the compiler failed.
 double compile_seconds(const fs::path& directory, const std::string& source) {
   const std::string from = directory / "program.cpp";
   const std::string to = directory / "program.o";

@@ -24,7 +24,7 @@ sensor_msgs::msg::BatteryState battery();
 /// The memory of a sample: its body, index and mask.
 class Sample {
  public:
-  /// Allocates memory for `value` under `mask`, which is closed, and encodes `value`.
+  /// Allocates memory for `value` under `mask`, which must be closed, and encodes `value`.
   template <class T>
   explicit Sample(const T& value, const FieldMask& mask = FieldMask(all<T>))
       : Sample(detail::TypeTable<T>::type, &value, mask) {}
@@ -32,7 +32,7 @@ class Sample {
   Sample(const Sample&) = delete;
   Sample& operator=(const Sample&) = delete;
 
-  /// Encodes a value, as a publisher does for each sample.
+  /// Encodes a value once more, like a publisher for each sample.
   void encode_again(const void* value);
 
   std::span<std::byte> body() { return {reinterpret_cast<std::byte*>(memory_.data()), bytes_}; }

@@ -7,11 +7,11 @@
 
 namespace sft::bench {
 
-/// Measures the way from owned structs to CDR, for all fields, two scalars and small messages, compared with
-/// copies, Cyclone DDS and Fast CDR.
+/// Measures the conversion from owned structs to CDR, for all fields, two scalars and small messages,
+/// compared with copies, Cyclone DDS and Fast CDR.
 std::vector<Figure> encoding(int rounds);
-/// Measures the way from CDR to the fields of a reader, for two scalars and for all fields, and the check and
-/// index of an arriving sample.
+/// Measures the conversion from CDR to the fields of a reader, for two scalars and for all fields, and the
+/// check and index of an arriving sample.
 std::vector<Figure> decoding(int rounds);
 /// Measures the time to make the payload of a smaller mask from an encoded sample.
 std::vector<Figure> gathering(int rounds);

@@ -1,6 +1,6 @@
 // Counts the work for a sample that is sent while all threads sleep, and the work of idle nodes. Counts do
-// not depend on the speed of the machine. They include the sleep of the program until its next sample: one
-// system call and one wake-up of the sender.
+// not depend on the speed of the machine. They include the sleep of the program until its next sample,
+// which costs the sender one system call and one wake-up.
 #include <fmt/format.h>
 #include <unistd.h>
 
@@ -24,7 +24,7 @@ struct Rate {
   const char* name;
   Paced paced;
 
-  /// The counts are per sample or, without samples, per second.
+  /// Returns the divisor of the counts. They are per sample or, without samples, per second.
   double divisor() const {
     return paced.messages > 0 ? static_cast<double>(paced.messages) : static_cast<double>(idle_us) / 1e6;
   }
@@ -85,10 +85,10 @@ void print(const char* contender, const Rate& rate, const PairCounts& counts) {
              "wake-ups", "preempted", "instructions", "misses", "CPU us", "system calls by name");
   print_side("publisher", counts.sender, rate.divisor());
   print_side("subscriber", counts.receiver, rate.divisor());
-  std::fflush(stdout);  // otherwise each of the next processes would have these lines, too
+  std::fflush(stdout);  // otherwise each process that is forked later would have a copy of these lines
 }
 
-/// One kind of count of one side.
+/// A count of one kind on one side, as a column of the table.
 struct Column {
   std::string name;
   std::optional<std::int64_t> (*count)(const Counts&);
@@ -110,10 +110,10 @@ class Contest {
   void run(const TwoHosts& hosts) {
     add(count(sft_peer, rate_, hosts), "SFT", &Column::ours);
     add(count(cyclone_peer, rate_, hosts), "Cyclone DDS", &Column::cyclone);
-    if (rate_.paced.messages == 0) return;  // sockets without samples do nothing
+    if (rate_.paced.messages == 0) return;  // without samples, sockets do nothing
     if (const auto raw = count(raw_udp_peer, rate_, hosts)) print("raw UDP", rate_, *raw);
   }
-  /// Adds figures, except for counts that the machine does not have.
+  /// Adds figures, except for counts that are not available on the machine.
   void figures(std::vector<Figure>& to) const {
     const char* unit = rate_.paced.messages > 0 ? "" : "/s";
     for (const Column& column : columns_) {

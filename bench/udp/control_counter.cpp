@@ -19,9 +19,9 @@ namespace {
 
 constexpr int buffer_bytes = 16 << 20;  // room for all datagrams, since none is read before the end
 
-using namespace hosts;  // offsets in a frame
+using namespace hosts;  // for the offsets in a frame
 
-// The first byte of a datagram has its version and kind (udp_transport/wire/datagram.h).
+// The first byte of a datagram, which has its version and kind (udp_transport/wire/datagram.h).
 constexpr std::uint32_t version = udp::wire_version << 4;
 constexpr std::uint32_t version_bits = 0xf0;
 constexpr std::uint32_t first_byte(udp::DatagramKind kind) {
@@ -34,8 +34,8 @@ constexpr std::uint32_t packed = first_byte(udp::DatagramKind::packed);
 constexpr std::uint32_t whole = first_byte(udp::DatagramKind::whole);
 constexpr std::uint32_t single = first_byte(udp::DatagramKind::single);
 
-/// Accepts datagrams of SFT that carry no part of a sample. The last two numbers of a jump are the numbers of
-/// lines to skip if the condition holds, and if it does not.
+/// A filter that accepts datagrams of SFT without a part of a sample. The last two numbers of a jump are
+/// the numbers of lines to skip if the condition holds, and if it does not.
 constexpr std::array control_only{
     sock_filter BPF_STMT(BPF_LD | BPF_H | BPF_ABS, ether_type),
     sock_filter BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, ETH_P_IP, 0, 15),
@@ -71,7 +71,7 @@ ControlCounter::ControlCounter() {
 ControlTraffic ControlCounter::read() const {
   ControlTraffic traffic;
   char unused = 0;
-  // MSG_TRUNC returns the length of the frame, of which only one byte is read.
+  // With MSG_TRUNC, recv() returns the length of the whole frame, of which only one byte is read.
   for (ssize_t bytes = 0; (bytes = recv(packets_.get(), &unused, 1, MSG_TRUNC)) > 0;) {
     traffic.bytes += bytes;
     ++traffic.datagrams;

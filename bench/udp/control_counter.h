@@ -1,4 +1,4 @@
-// Counts SFT's control datagrams, which have no part of a sample, on this host's interface in both
+// Counts SFT's control datagrams, which contain no part of a sample, on this host's interface in both
 // directions.
 #pragma once
 
@@ -18,7 +18,7 @@ class ControlCounter {
   /// Ends the program with a message if it cannot capture packets, for example without root's rights.
   ControlCounter();
 
-  /// Returns the traffic since the counter was made, or since the last call.
+  /// Returns the traffic since the last call; in the first call, since the counter was made.
   ControlTraffic read() const;
 
  private:

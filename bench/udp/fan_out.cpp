@@ -21,14 +21,14 @@ using F = Halves::Field;
 constexpr std::size_t hosts_max = 9;
 constexpr std::size_t half_bytes = 50'000;
 constexpr std::int64_t period_us = 20'000;
-constexpr std::uint64_t samples_before = 100;  // multicast groups form while these are sent
+constexpr std::uint64_t samples_before = 100;  // number of samples that are sent while multicast groups form
 constexpr std::uint64_t samples = 50;
 
 struct Board {
   std::atomic<std::size_t> ready{0};
-  std::atomic<std::uint64_t> received{0};  ///< samples that were received, summed over the readers
+  std::atomic<std::uint64_t> received{0};  ///< number of received samples, summed over the readers
   std::atomic<bool> over{false};
-  double bytes = std::numeric_limits<double>::quiet_NaN();  ///< bytes per sample
+  double bytes = std::numeric_limits<double>::quiet_NaN();  ///< number of bytes per sample
 };
 
 class Source {
@@ -42,7 +42,7 @@ class Source {
     const std::vector<PublisherStatus::Reader> all = publisher_.status().readers;
     return static_cast<std::size_t>(std::ranges::count_if(all, &PublisherStatus::Reader::served)) == readers;
   }
-  /// Publishes samples, and returns the bytes that the host has sent during that time.
+  /// Publishes samples. Returns the bytes that the host has sent during that time.
   double publish(std::uint64_t count) {
     const std::int64_t before = link_bytes().sent;
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -95,7 +95,7 @@ void receive_right(Board& board) {
   });
 }
 
-/// Returns the bytes per sample that leave the publisher's host. Readers share the second core.
+/// Returns the bytes per sample that leave the publisher's host. All readers share the second core.
 double bytes_for(std::size_t readers, const hosts::EmulatedNetwork& network) {
   const Shared<Board> board;
   const auto start = [&](std::size_t host, const std::function<int()>& run) {

@@ -17,7 +17,8 @@ namespace sft::bench {
 
 namespace {
 
-constexpr std::int64_t settling_us = 1'000'000;  // most of the traffic of joining is over after this time
+// The time after which most of the traffic of joining is over.
+constexpr std::int64_t settling_us = 1'000'000;
 constexpr double timeout_s = 20;
 
 struct Board {
@@ -26,8 +27,8 @@ struct Board {
   Signal matched, warm, go, over_at_sender, over_at_receiver;
 };
 
-/// Writes samples, with one system call and one sleep before each sample but the first. Returns how many
-/// samples were at least a period late, so that no thread slept before them.
+/// Writes samples, with one system call and one sleep before each sample except the first. Returns the
+/// number of samples that were at least a period late, so that no thread slept before them.
 std::uint64_t write_paced(Writer& writer, std::uint64_t first, std::uint64_t count, std::int64_t period_us) {
   std::uint64_t late = 0;
   timespec due{};

@@ -1,5 +1,5 @@
-// A publisher and a subscriber on two hosts, which sleep between samples. The benchmark does nothing else in
-// their processes, so that their work is the work for the samples.
+// A publisher and a subscriber on two hosts, which sleep between samples. The benchmark does nothing else
+// in their processes, so that all their work is for the samples.
 #pragma once
 
 #include <sys/types.h>
@@ -23,7 +23,7 @@ bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
                 const std::function<void(const PacedPair&)>& begin,
                 const std::function<void(const PacedPair&)>& end);
 
-/// Returns the processor time per sample in microseconds, of both processes, idle work included. NaN if a
+/// Returns the processor time per sample of both processes in microseconds, idle work included. NaN if a
 /// sample did not arrive.
 double paced_cpu_us(Contender contender, const Paced& paced, const TwoHosts& hosts);
 

@@ -21,13 +21,13 @@ enum class Way { callback, wait, spin };
 
 struct Game {
   Way way{};
-  std::int64_t pause_us = 0;  ///< the pause before each sample but the first
+  std::int64_t pause_us = 0;  ///< the pause before each sample except the first
   Topic topic(const char* name) const {
     return {.name = name, .reliable = false, .spinning = way == Way::spin};
   }
 };
 
-/// The side that begins. The other side returns the number of each sample.
+/// The side that sends first. The other side returns the number of each sample.
 class Rally {
  public:
   Rally(Exchange& exchange, std::uint64_t messages, bool answers_at_once)
@@ -39,11 +39,13 @@ class Rally {
     sent_at_ns_ = now_ns();
     writer.write(rounds() + 1);
   }
-  /// Handles a returned number. Ignores the number of a sample for which the sender no longer waits.
+  /// Handles a number that the other side has returned. Ignores the number of a sample for which the sender
+  /// no longer waits.
   void return_of(std::uint64_t number, Writer& writer) {
     const std::int64_t now = now_ns();
     if (number != rounds() + 1 || over()) return;
-    exchange_.received_at[number - 1] = (now - sent_at_ns_) / 2;  // a latency, since sent_at stays 0
+    // A latency instead of a time, since sent_at stays 0.
+    exchange_.received_at[number - 1] = (now - sent_at_ns_) / 2;
     exchange_.received = number;
     if (number < messages_ && answers_at_once_) serve(writer);
   }
@@ -55,8 +57,8 @@ class Rally {
   std::atomic<std::int64_t> sent_at_ns_{0};
 };
 
-/// Runs between callbacks. Sends the next sample when it is due. Sends again after a second without an
-/// answer, since a datagram was lost.
+/// Runs between callbacks. Sends the next sample when it is due. After a second without an answer, sends
+/// again, since a datagram was lost.
 void wait_for_callbacks(Exchange& exchange, Rally& rally, Writer& writer, std::int64_t pause_us) {
   std::uint64_t before = rally.rounds();
   for (std::int64_t served_at_ns = now_ns(); !rally.over();) {

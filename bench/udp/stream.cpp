@@ -17,7 +17,7 @@ namespace sft::bench {
 namespace {
 
 constexpr double warm_up_s = 0.2;
-constexpr std::int64_t quiet_us = 300'000;  // no more samples arrive after a pause of this time
+constexpr std::int64_t quiet_us = 300'000;  // if no sample arrives for this time, no more will arrive
 
 struct Moment {
   std::int64_t at_ns = 0;
@@ -29,7 +29,7 @@ struct Board {
   alignas(64) std::atomic<std::uint64_t> received{0};
   alignas(64) std::atomic<pid_t> receiver{0};
   std::atomic<bool> over{false};
-  // The beginning and the end of the measured time:
+  // The moments at which the measured time begins and ends.
   Moment begin, end;
   std::uint64_t lost = 0;
 

@@ -21,7 +21,7 @@ class StreamRounds {
  public:
   void run(Contender contender, const Load& load, const TwoHosts& hosts);
 
-  // Medians; NaN if all runs failed.
+  // The following functions return medians; NaN if all runs failed.
   double samples_per_s() const;
   double cpu_s_per_sample() const;  ///< user and system time of both processes
   /// Returns the number of samples lost in all runs.

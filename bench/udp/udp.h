@@ -12,30 +12,31 @@ namespace sft::bench {
 struct Scale {
   int rounds = 3;      ///< rounds of each contender, in turns; the median is used
   double seconds = 1;  ///< the time for which a stream of samples is measured
-  /// Messages of 64 bytes per round and contender; a fiftieth of them if they are large.
+  /// Number of messages of 64 bytes per round and contender. For large messages, a fiftieth of it is sent.
   std::uint64_t messages = 2000;
 };
 
-/// The highest rate of reliable samples of 4 MiB, and its processor time.
+/// Measures the highest rate of reliable samples of 4 MiB, and its processor time.
 std::vector<Figure> bulk(const Scale& scale);
-/// The round trip of samples of 64 bytes between hosts, for each way of waiting for samples.
+/// Measures the round trip of samples of 64 bytes between hosts, for each way of waiting for samples.
 std::vector<Figure> small(const Scale& scale);
-/// The work of each thread for samples of 64 bytes that are sent from time to time: system calls, wake-ups
-/// and, if the machine counts them, instructions and cache misses.
+/// Measures the work of each thread for samples of 64 bytes that are sent from time to time: system calls,
+/// wake-ups and, if the machine counts them, instructions and cache misses.
 std::vector<Figure> cold_path(const Scale& scale);
-/// The highest rate of reliable samples of 64 bytes, published one by one and together.
+/// Measures the highest rate of reliable samples of 64 bytes, published one by one and together.
 std::vector<Figure> rate(const Scale& scale);
-/// The time from publish to callback of large samples that are sent from time to time.
+/// Measures the time from publish to callback of large samples that are sent from time to time.
 std::vector<Figure> bulk_latency(const Scale& scale);
-/// The worst time from publish to callback of samples of 6.3 MB that are sent every 100 ms, the first one
-/// included.
+/// Measures the worst time from publish to callback of samples of 6.3 MB that are sent every 100 ms, the
+/// first one included.
 std::vector<Figure> worst(const Scale& scale);
-/// The bytes that leave the publisher's host for up to eight readers on as many hosts, each of which asks for
-/// one of two masks.
+/// Measures the bytes that leave the publisher's host for up to eight readers on as many hosts, each of
+/// which requests one of two masks.
 std::vector<Figure> fan_out(const Scale& scale);
-/// The bytes on the link in addition to those of the samples.
+/// Measures the bytes on the link in addition to those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// The control traffic of reliable delivery relative to the samples, with much and with little data.
+/// Measures the control traffic of reliable delivery relative to the samples, with much and with little
+/// data.
 std::vector<Figure> ack_overhead(const Scale& scale);
 
 }  // namespace sft::bench

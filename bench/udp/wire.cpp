@@ -22,19 +22,23 @@ struct Flow {
   std::int64_t period_us = 0;
 };
 
-/// The traffic of samples. All numbers are NaN if samples were missing.
+/// The traffic of samples. All numbers are NaN if a sample did not arrive.
 struct Passage {
   static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-  double link_bytes = unknown;         ///< bytes sent, minus those sent in the same time without samples
-  double control_bytes = unknown;      ///< bytes of SFT's datagrams without samples, in both directions
-  double control_datagrams = unknown;  ///< number of these datagrams
+  /// Bytes sent, minus the bytes that are sent in the same time without samples.
+  double link_bytes = unknown;
+  /// Bytes of SFT's datagrams that carry no part of a sample, in both directions.
+  double control_bytes = unknown;
+  /// Number of datagrams that carry no part of a sample, in both directions.
+  double control_datagrams = unknown;
   double seconds = unknown;
 };
 
 constexpr std::uint64_t samples_before = 10;
-constexpr std::int64_t settling_us = 500'000;     // the traffic of joining is over after this time
-constexpr std::int64_t quiet_us_max = 2'000'000;  // long enough: samples are far more than idle traffic
+constexpr std::int64_t settling_us = 500'000;  // the time after which the traffic of joining is over
+// The time for which idle traffic is measured at most, since it is much less than that of samples.
+constexpr std::int64_t quiet_us_max = 2'000'000;
 
 class Sender {
  public:
@@ -105,12 +109,12 @@ Passage pass(const Flow& flow, const TwoHosts& hosts) {
   return *passage;
 }
 
-// The number, the stamp, and the length of the data of a bulk sample.
+// The bytes of a bulk sample's number, stamp, and length of the data.
 constexpr std::uint32_t fixed_body_bytes = 20;
 constexpr double frame_headers = 14 + 20 + 8;  // headers of Ethernet, IPv4 and UDP
 constexpr double frame_payload_max = 1472;     // the payload at an MTU of 1500
 
-/// Returns the bytes of frames without headers of SFT, all of them full except the last one.
+/// Returns the bytes of frames without headers of SFT. All frames are full except the last one.
 double packed_perfectly(double body_bytes) {
   return body_bytes + std::ceil(body_bytes / frame_payload_max) * frame_headers;
 }
@@ -137,7 +141,7 @@ double data_bytes(const Flow& flow) {
   return static_cast<double>(flow.samples) * (flow.topic.bulk_bytes + fixed_body_bytes);
 }
 
-/// Returns the control traffic in percent of the samples.
+/// Returns the control traffic in percent of the bytes of the samples.
 Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
   return {name, 100 * pass(flow, hosts).control_bytes / data_bytes(flow), "%", {}, "of the samples' bytes",
           1};

@@ -76,8 +76,8 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options, const Daemon
     error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(), arguments.data(),
                          environ);
   };
-  // The daemon inherits the CPUs and the scheduling policy of the thread that starts it. It serves other
-  // programs, too, so a thread of its own starts it, with the usual settings.
+  // A daemon inherits the CPUs and the scheduling policy of the thread that starts it. It also serves other
+  // programs. So a separate thread with the usual settings starts it.
   Result<std::thread> spawning = core::start_thread("sft-launch", spawn);
   if (!spawning) return tl::unexpected(spawning.error());
   spawning->join();

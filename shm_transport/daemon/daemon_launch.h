@@ -1,6 +1,6 @@
 // Starts sftd from an ordinary program. The daemon outlives the program: it has a session of its own, and
-// does not inherit the descriptors, the signal settings or the directory of the program. It is no child of
-// the program any more as soon as it has started.
+// does not inherit the descriptors, the signal settings or the directory of the program. Once it has
+// started, it is no child of the program any more.
 #pragma once
 
 #include <sys/types.h>
@@ -17,21 +17,23 @@ namespace sft::shm {
 
 class DaemonLaunch {
  public:
-  /// `places`: where the file of sftd may be, if the options do not name it.
+  /// Begins to start the daemon. `places` are the possible paths of sftd's file, if the options do not name
+  /// it.
   static Result<DaemonLaunch> begin(const ShmOptions& options, const DaemonPlaces& places);
   DaemonLaunch(DaemonLaunch&& other) noexcept
       : child_(std::exchange(other.child_, 0)),
         error_output_(std::move(other.error_output_)),
         error_text_(std::move(other.error_text_)) {}
   DaemonLaunch& operator=(DaemonLaunch&&) = delete;
-  /// Kills the child that still waits for the daemon, so that no child remains. A daemon that it may have
-  /// started goes on.
+  /// Kills the child that still waits for the daemon, so that no child remains. A daemon that the child may
+  /// have started continues.
   ~DaemonLaunch();
 
   struct Outcome {
-    std::string error;  ///< empty if the daemon runs, or has found another daemon running
+    std::string error;  ///< the error text; empty if the daemon runs, or has found another daemon running
   };
-  /// Returns the outcome after the daemon has started or failed, and nothing before. Does not wait.
+  /// Returns the outcome once the daemon has started or failed; before that, returns nothing. Does not
+  /// wait.
   std::optional<Outcome> poll();
 
  private:
@@ -40,9 +42,9 @@ class DaemonLaunch {
 
   bool child_is_gone() noexcept;
 
-  pid_t child_;  ///< the process that ends as soon as its grandchild, the daemon, is ready; 0: ended
-  Descriptor error_output_;  ///< the child's standard error; the child closes it when it ends
-  std::string error_text_;   ///< what was read from it
+  pid_t child_;  ///< the process that ends as soon as its grandchild, the daemon, is ready; 0: it has ended
+  Descriptor error_output_;  ///< the child's standard error, which the child closes when it ends
+  std::string error_text_;   ///< the text that was read from `error_output_`
 };
 
 }  // namespace sft::shm

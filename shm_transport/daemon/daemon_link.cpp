@@ -17,16 +17,16 @@ namespace {
 using core::Availability;
 
 // The pause after a successful start of a daemon. The daemon may be killed, or end by itself, as soon as it
-// is ready. This pause does not grow, because nothing was in the way of the start.
+// is ready. This pause does not grow, because there was no obstacle to the start.
 constexpr std::chrono::milliseconds pause_after_a_start{500};
-// The pause after a failed start if an obstacle is gone. It limits the attempts that a process can cause by
-// creating and removing such files again and again.
+// The pause after a failed start if an obstacle has gone. It limits the number of attempts that a process
+// can cause by creating and removing such files again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
-// The longest pause between attempts to register. They cost little, and a daemon that was stopped may go on
-// at any moment.
+// The longest pause between attempts to register. Attempts cost little, and a daemon that was stopped may
+// continue at any moment.
 constexpr std::chrono::milliseconds longest_pause_of_registrations{1'000};
 
-/// Returns sft_<prefix>_<pid>_<random>_<pid namespace>. The name must be unique among the processes that a
+/// Returns sft_<prefix>_<pid>_<random>_<pid namespace>. This name must be unique among the processes that a
 /// daemon serves.
 std::string make_runtime_name(const std::string& prefix) {
   std::string name = runtime_name_stem;
@@ -42,8 +42,8 @@ bool another_daemon_serves() {
   return is_locked_at(daemon_lock_path) || socket_state_at(roudi_socket_path) == SocketState::alive;
 }
 
-/// Says why the daemon that another_daemon_serves() has found cannot be used. It has no host file in this
-/// /dev/shm.
+/// Returns a text that says why the daemon that another_daemon_serves() has found cannot be used. That
+/// daemon has no host file in this /dev/shm.
 std::string why_that_daemon_is_not_used(const core::TrustedAccounts& accepted) {
   struct stat socket {};
   if (const auto daemon = read_daemon_lock()) {
@@ -122,7 +122,8 @@ void DaemonLink::await_host_file(const ShmOptions& options, Clock::time_point no
   }
 }
 
-/// Returns whether to start a daemon: if the pause is over, or if an obstacle to the last attempt is gone.
+/// Returns whether a daemon should be started: if the pause is over, or if an obstacle to the last attempt
+/// is gone.
 bool DaemonLink::may_launch(Clock::time_point now) const {
   if (launching_.due(now)) return true;
   return launch_failed_at_ && now >= *launch_failed_at_ + shortest_pause_of_launches &&
@@ -157,8 +158,8 @@ void DaemonLink::await_launch(const ShmOptions& options, Clock::time_point now) 
   look(options, now);
 }
 
-/// What has come into the way since sftd was started counts as an obstacle, too, because it may have stopped
-/// sftd.
+/// Files and a lack of space that have appeared since sftd was started count as obstacles, too, because
+/// they may have stopped sftd.
 void DaemonLink::give_up_launch(const std::string& reason, Clock::time_point now) {
   obstacles_.add(LaunchObstacles::look(files_of_daemon_));
   launch_failed_at_ = now;
@@ -195,7 +196,7 @@ std::shared_ptr<Session> DaemonLink::await_registration(const std::shared_ptr<Ic
   } else if (!monitor_->daemon_lives()) {
     give_up(registering_, name + " ended while this process registered", now);
   } else if (!*answer && now >= *deadline_) {
-    // A daemon that was stopped answers the request when it goes on.
+    // A stopped daemon answers the request when it continues.
     deadline_ = Clock::time_point::max();
     publish(Availability::unavailable,
             name +
@@ -223,7 +224,8 @@ std::shared_ptr<Session> DaemonLink::watch_session() {
     session->collect();
     return session;
   }
-  // If there is no session, its last user has released it, and its destructor has said goodbye to the daemon.
+  // If there is no session, its last user has released it, and its destructor has sent the daemon the
+  // goodbye.
   phase_ = Phase::looking;
   if (session != nullptr) session->lose();
   publish(Availability::starting,

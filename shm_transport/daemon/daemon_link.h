@@ -27,18 +27,18 @@ class DaemonLink {
  public:
   struct State {
     core::Availability availability = core::Availability::starting;
-    std::shared_ptr<Session> session{};  ///< set exactly while shared memory is ready
+    std::shared_ptr<Session> session{};  ///< not null exactly while shared memory is ready
   };
 
-  /// Carries out the next step, and returns the state. Any thread. While another thread is in this function,
-  /// a call only returns the state after the last step. Sessions share the ownership of `runtime`, and so of
-  /// the object that owns this link.
+  /// Performs the next step, and returns the state. Any thread may call this. While another thread is in
+  /// this function, a call only returns the state after the last step. Sessions share the ownership of
+  /// `runtime`, and so of the object that owns this link.
   State advance(const ShmOptions& options, const std::shared_ptr<IceoryxRuntime>& runtime,
                 Clock::time_point now);
 
-  /// Describes the state in one sentence.
+  /// Returns a sentence that describes the state.
   std::string description() const;
-  /// Returns whether no daemon is running and the options forbid starting one. Any thread.
+  /// Returns whether no daemon is running and the options forbid starting one. Any thread may call this.
   bool lacks_daemon() const;
 
  private:
@@ -61,33 +61,36 @@ class DaemonLink {
                std::shared_ptr<Session> session = nullptr, bool lacks_daemon = false);
   State current() const;
 
-  // The thread that has set this flag uses the members up to the mutex.
+  // The members up to `mutex_` are used by the thread that has set this flag.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
-  // Found when the first node opens, because the search calls the loader, which may hold its lock for long.
-  // advance() must not wait for that.
+  // The places are searched when the first node opens, because the search calls the loader, which may hold
+  // its lock for long. advance() must not wait for that.
   const DaemonPlaces places_ = DaemonPlaces::of_this_process();
-  const bool functions_are_replaced_ = functions_are_replaced();  ///< never changes while the process runs
+  /// The result of functions_are_replaced(), which does not change while the process runs.
+  const bool functions_are_replaced_ = functions_are_replaced();
   Phase phase_ = Phase::looking;
   std::optional<DaemonLaunch> launch_;
   std::optional<HostMonitor> monitor_;
   std::unique_ptr<RoudiChannel> channel_;
   std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
   core::Retry launching_;
-  // Found when the first node opens, too: a lookup of a group's name may take long if its server is silent.
+  // The names are looked up when the first node opens, too: the lookup of a group's name may take long if
+  // its server is silent.
   const std::vector<std::string> files_of_daemon_ = files_of_own_daemon();
   LaunchObstacles obstacles_;  ///< obstacles to the last attempt to start a daemon
-  /// The time of the last failed attempt; set if obstacles may be the reason of the failure.
+  /// The time of the last failed attempt. Empty if obstacles cannot be the reason of the failure.
   std::optional<Clock::time_point> launch_failed_at_;
-  core::Retry registering_;  ///< attempts to register with the daemon of registered_with_; a new daemon is
-                             ///< tried at once
-  std::array<std::uint8_t, 16> registered_with_{};  ///< the token of that daemon
+  /// Attempts to register with the daemon of `registered_with_`; a new daemon is tried at once.
+  core::Retry registering_;
+  /// The token of the daemon that was last asked to register this process.
+  std::array<std::uint8_t, 16> registered_with_{};
 
-  // The functions for any thread read the members below.
+  // Guards the following members, which functions for any thread read.
   mutable core::Mutex mutex_;
   core::Availability availability_ SFT_GUARDED_BY(mutex_) = core::Availability::starting;
   std::string description_ SFT_GUARDED_BY(mutex_) = looking_for_daemon;
   bool lacks_daemon_ SFT_GUARDED_BY(mutex_) = false;
-  std::weak_ptr<Session> session_ SFT_GUARDED_BY(mutex_);  ///< transports and ports own it, the link does not
+  std::weak_ptr<Session> session_ SFT_GUARDED_BY(mutex_);  ///< owned by transports and ports, not by the link
 };
 
 }  // namespace sft::shm

@@ -16,16 +16,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the directory that the program was started from, also if its file was removed or replaced since
+/// Returns the directory from which the program was started, even if its file was removed or replaced since
 /// then.
 fs::path directory_of_program() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error).parent_path();
 }
 
-/// Returns the directory of the shared library that has this function. Empty if the function is linked into
-/// the program itself, and if the loader knows the library only by a path relative to the directory that was
-/// current when it was loaded.
+/// Returns the directory of the shared library that has this function. Empty in two cases: the function is
+/// linked into the program itself, or the loader knows the library only by a path relative to the directory
+/// that was current when it was loaded.
 fs::path directory_of_library() {
   Dl_info symbol{};
   void* extra = nullptr;
@@ -95,7 +95,7 @@ bool is_under_own_control(const std::string& file) {
   while (true) {
     struct stat there {};
     if (lstat(part.c_str(), &there) != 0 || !own.include_user(there.st_uid)) return false;
-    // In a sticky directory other accounts can make files, but cannot replace this one.
+    // In a sticky directory other accounts can make files, but cannot replace this file.
     const bool is_shared = S_ISDIR(there.st_mode) && (there.st_mode & S_ISVTX) != 0;
     if ((there.st_mode & S_IWOTH) != 0 && !is_shared) return false;
     if (part == part.root_path()) return true;

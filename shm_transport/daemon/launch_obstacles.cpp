@@ -15,8 +15,9 @@ namespace sft::shm {
 
 namespace {
 
-/// Other programs take and give back space all the time. Only a growth by these numbers, and by the
-/// `divisor`-th part of the former free space, is a reason for a new attempt.
+/// The least growth of free space that is a reason for a new attempt: these numbers, and the `divisor`-th
+/// part of the former free space. A smaller growth means nothing, because other programs take and release
+/// space all the time.
 struct LeastGrowth {
   std::uint64_t bytes;
   std::uint64_t files = 16;

@@ -1,6 +1,6 @@
-// Looks for what can keep sftd from starting: files with the names that sftd needs, and too little space in
-// /dev/shm or /tmp. Such a look costs a few system calls, while an attempt to start sftd costs a process. So
-// attempts are made ever more seldom, until a look shows that an obstacle is gone.
+// Looks for obstacles that can keep sftd from starting: files with the names that sftd needs, and too
+// little space in /dev/shm or /tmp. Looking costs a few system calls, while an attempt to start sftd costs
+// a process. So the pauses between attempts grow, until an obstacle is found to be gone.
 #pragma once
 
 #include <sys/types.h>
@@ -15,13 +15,13 @@ namespace sft::shm {
 /// iceoryx. The segment of the samples has the name of the group of the writers.
 std::vector<std::string> daemon_files(const std::string& segment_name);
 
-/// Returns the same paths for an sftd that this process starts without a configuration. The segment of that
-/// sftd has the name of this process's group, which is looked up in the host's table of groups.
+/// Returns the paths for an sftd that this process starts without a configuration. The segment of that sftd
+/// has the name of this process's group, which is looked up in the host's table of groups.
 std::vector<std::string> files_of_own_daemon();
 
 struct LaunchObstacles {
-  /// A file that an sftd of this account does not just replace. Another file that has taken its path since
-  /// then compares unequal.
+  /// A file that an sftd of this account cannot simply replace. It compares unequal to another file that
+  /// has taken its path since then.
   struct File {
     std::string path{};
     dev_t device = 0;
@@ -33,24 +33,24 @@ struct LaunchObstacles {
   /// The free space in a directory; 0 if it is not known.
   struct Space {
     std::uint64_t bytes = 0;
-    std::uint64_t files = 0;  ///< how many more can be created
+    std::uint64_t files = 0;  ///< number of files that can still be created
     friend bool operator==(const Space&, const Space&) = default;
   };
   std::vector<File> files{};
-  Space shm{};  ///< where the segments are
-  Space tmp{};  ///< where locks and sockets are
+  Space shm{};  ///< space in the directory of the segments
+  Space tmp{};  ///< space in the directory of locks and sockets
 
-  /// Looks for files with these names, and at the space in the directories. An ordinary file or a socket of
-  /// this account is no obstacle, because sftd replaces it, and because each attempt makes and removes such
-  /// files.
+  /// Looks for files with these names, and determines the free space in the directories. An ordinary file
+  /// or a socket of this account is no obstacle, because sftd replaces it, and because each attempt makes
+  /// and removes such files.
   static LaunchObstacles look(const std::vector<std::string>& names, const char* shm = "/dev/shm",
                               const char* tmp = "/tmp");
 
-  /// Adds obstacles that were found after the attempt had failed: further files, and less space in /tmp. The
-  /// space in /dev/shm is not updated, because a failing attempt takes much of it for a moment.
+  /// Adds obstacles that were found after the attempt had failed: further files, and less space in /tmp.
+  /// The space in /dev/shm is not updated, because a failing attempt takes much of it for a short time.
   void add(const LaunchObstacles& later);
 
-  /// Returns whether an obstacle of `before` has gone: a file is gone or was replaced, or there is
+  /// Returns whether an obstacle in `before` is gone: a file was removed or replaced, or there is
   /// considerably more space. New obstacles do not count, because with them an attempt could only fail.
   bool have_eased_since(const LaunchObstacles& before) const;
 };

@@ -14,7 +14,8 @@ namespace sft::shm {
 
 class ProcessDaemon : public std::enable_shared_from_this<ProcessDaemon> {
  public:
-  /// Returns the object of this process. Creates it if no node and no session holds it now. Any thread.
+  /// Returns the object of this process. Creates it if no node and no session holds one now. Any thread may
+  /// call this.
   static std::shared_ptr<ProcessDaemon> shared();
 
   /// Advances the link, as DaemonLink::advance() describes. A session in the result keeps this object alive.

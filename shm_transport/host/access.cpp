@@ -33,7 +33,8 @@ bool is_for(acl_entry_t entry, acl_tag_t tag, id_t id) {
   return its_id != nullptr && *its_id == id;
 }
 
-/// Finds the entry of the user or group, and adds one if there is none. Null: the entry could not be added.
+/// Returns the entry of the user or group, and adds one if there is none. Returns null if the entry could
+/// not be added.
 acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
   acl_entry_t entry{};
   for (int more = acl_get_entry(list, ACL_FIRST_ENTRY, &entry); more == 1;
@@ -47,8 +48,8 @@ acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
 
 Result<void> grant(const std::string& path, acl_tag_t tag, id_t id) {
   static_assert(std::is_same_v<id_t, uid_t> && std::is_same_v<id_t, gid_t>);
-  // Another account may put a link at this path at any moment. So the path is resolved once, and the check
-  // and the change use the same descriptor.
+  // Another account may put a link at this path at any moment. So the path is resolved only once, and both
+  // the check and the change use the same descriptor.
   const core::FileDescriptor descriptor(open(path.c_str(), O_PATH | O_NOFOLLOW | O_CLOEXEC));
   struct stat file {};
   if (!descriptor || fstat(descriptor.get(), &file) != 0) return access_failure(path);

@@ -10,8 +10,9 @@
 
 namespace sft::shm {
 
-/// Gives the right to read and write the file, whatever its mode bits say. The caller must own the file. A
-/// link at the path is not followed. Errc::unavailable if the file system has no access control lists.
+/// Gives `user` the right to read and write the file, whatever its mode bits say. The caller must own the
+/// file. A link at the path is not followed. The error is Errc::unavailable if the file system has no
+/// access control lists.
 Result<void> grant_to_user(const std::string& path, uid_t user);
 Result<void> grant_to_group(const std::string& path, gid_t group);
 

@@ -12,7 +12,7 @@ std::optional<ChunkPools::Choice> ChunkPools::choose(std::size_t bytes) const no
     if (pool.m_usedChunks + vanished_[i].count() < pool.m_numChunks) {
       return Choice{i, static_cast<std::uint32_t>(payload)};
     }
-    payload = pool.m_chunkSize - chunk_header_size + 8;  // makes iceoryx take a larger pool
+    payload = pool.m_chunkSize - chunk_header_size + 8;  // this size makes iceoryx take a larger pool
     ++tried;
   }
   return std::nullopt;
@@ -25,7 +25,7 @@ std::size_t ChunkPools::largest_bytes() const noexcept {
 
 void ChunkPools::note_empty(const Choice& choice) noexcept {
   const auto pool = pools_.getMemPoolInfo(choice.pool);
-  if (pool.m_usedChunks >= pool.m_numChunks) return;  // other writers took the last chunks
+  if (pool.m_usedChunks >= pool.m_numChunks) return;  // other writers have taken the last chunks meanwhile
   Vanished& vanished = vanished_[choice.pool];
   vanished.chunks.store(pool.m_numChunks - pool.m_usedChunks, std::memory_order_relaxed);
   vanished.until.store(Clock::now() + std::chrono::seconds(1), std::memory_order_relaxed);

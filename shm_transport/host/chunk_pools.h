@@ -1,6 +1,6 @@
-// Chooses the pool of the daemon from which a writer takes its next chunk. A writer asks iceoryx only for
-// chunks that iceoryx can give. Otherwise iceoryx would print to the terminal of the program if the pool is
-// empty, and would report an error of the whole process if the size exceeds all pools.
+// Chooses the pool of the daemon from which a writer takes its next chunk. A writer requests only chunks
+// that iceoryx can give. Otherwise iceoryx would print to the terminal of the program if the pool is empty,
+// and would report an error of the whole process if the size exceeds all pools.
 #pragma once
 
 #include <array>
@@ -16,48 +16,48 @@
 
 namespace sft::shm {
 
-/// Returns the size to ask iceoryx for, to get a chunk that holds at least `bytes`.
+/// Returns the size to request from iceoryx, to get a chunk that holds at least `bytes`.
 constexpr std::size_t payload_for(std::size_t bytes) { return (bytes + 7) / 8 * 8; }
 
-/// All writers of a session share one object. Any thread may call it.
+/// All writers of a session share one object. Any thread may call the functions.
 class ChunkPools {
  public:
-  /// `samples`, `management`, `file`: see PreparedChunks. Without them nothing is prepared.
+  /// PreparedChunks explains `samples`, `management` and `file`. Without them no chunks are prepared.
   explicit ChunkPools(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples = {},
                       std::span<const std::byte> management = {}, int file = -1)
       : pools_(pools), prepared_(pools, samples, management, file) {}
 
   struct Choice {
     std::uint32_t pool = 0;
-    std::uint32_t payload_bytes = 0;  ///< the size to ask for, with which iceoryx takes this pool
+    std::uint32_t payload_bytes = 0;  ///< the size to request, with which iceoryx takes this pool
   };
   /// Returns the smallest pool whose chunks are large enough, or the next larger pool if that one is used up.
   /// Still larger pools are never chosen, so that a flood of small samples does not use up the large chunks.
   std::optional<Choice> choose(std::size_t bytes) const noexcept;
 
-  /// Returns how many bytes a chunk of the largest pool holds.
+  /// Returns the number of bytes that a chunk of the largest pool holds.
   std::size_t largest_bytes() const noexcept;
 
   /// Notes that the chosen pool was empty although it counts free chunks. A process that is killed while it
-  /// takes a chunk leaves a chunk that counts as free but cannot be taken. Such chunks are not counted as
-  /// free for one second; by then sftd has found them.
+  /// takes a chunk can leave a chunk that counts as free but cannot be taken. Such chunks are not counted
+  /// as free for one second. By then sftd has found them.
   void note_empty(const Choice& choice) noexcept;
 
   /// Notes that a writer got a chunk from the chosen pool, for a sample of `bytes`.
   void note_taken(const Choice& choice, std::size_t bytes) noexcept {
     prepared_.note(choice.pool, bytes + sizeof(iox::mepoo::ChunkHeader));
   }
-  /// See PreparedChunks. `bytes`: as for choose().
+  /// Calls PreparedChunks::set_aside(). `bytes` is the size that choose() got.
   bool set_aside(const iox::mepoo::ChunkHeader& chunk, std::size_t bytes) noexcept {
     return prepared_.set_aside(chunk, payload_for(bytes) + sizeof(iox::mepoo::ChunkHeader));
   }
-  /// See PreparedChunks.
+  /// Calls PreparedChunks::prepare().
   void prepare() noexcept { prepared_.prepare(); }
 
  private:
   const iox::mepoo::MemoryManager& pools_;
   using Clock = std::chrono::steady_clock;
-  /// Chunks of one pool that count as free but cannot be taken.
+  /// The chunks of one pool that count as free but cannot be taken.
   struct Vanished {
     std::atomic<std::uint32_t> chunks{0};
     std::atomic<Clock::time_point> until{};  ///< the time until which `chunks` is valid

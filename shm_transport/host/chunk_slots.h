@@ -13,10 +13,10 @@
 namespace sft::shm {
 
 // iceoryx passes chunks on, and counts their references, with atomics that do not order the contents of the
-// chunks. On a CPU that reorders memory accesses, the last loads of a reader could happen after the chunk was
-// given back and written anew. So our code has a fence before each call that gives a chunk away, and a fence
-// after each call that gets one. (GCC warns that its thread sanitizer does not see fences. The sanitizer does
-// not see other processes either, so nothing is lost.)
+// chunks. On a CPU that reorders memory accesses, the last loads of a reader could happen after the chunk
+// was given back and written anew. So our code has a fence before each call that gives a chunk away, and a
+// fence after each call that gets one. (GCC warns that its thread sanitizer ignores fences. The sanitizer
+// ignores other processes, too, so the warning can be disabled.)
 #ifndef __clang__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wtsan"
@@ -30,10 +30,10 @@ inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_o
 struct ChunkSlot {
   core::SampleBuffer buffer;
   iox::mepoo::ChunkHeader* chunk = nullptr;
-  /// Refers to the chunk of a writer without being counted as a reference. Counted references are made from
+  /// Refers to the chunk of a writer, but does not count as a reference. Counted references are made from
   /// it.
   iox::mepoo::ShmSafeUnmanagedChunk name{};
-  bool sent = false;  ///< the writer has sent the chunk, which must not be written any more
+  bool sent = false;  ///< true if the writer has sent the chunk, which must not be written any more
   ChunkSlot* next_free = nullptr;
 
   static ChunkSlot& of(core::SampleBuffer& buffer) { return *static_cast<ChunkSlot*>(buffer.owner_data); }

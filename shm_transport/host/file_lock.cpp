@@ -32,13 +32,13 @@ tl::unexpected<Error> is_taken(const std::string& path) {
 }
 
 /// Makes a new file with mode 0600, so that no other account can open and lock it before this process has
-/// locked it and made it readable. (O_CREAT without O_EXCL would not do: with fs.protected_regular the kernel
-/// refuses that for a file of another user in /tmp.)
+/// locked it and made it readable. (O_CREAT without O_EXCL would not be enough: with fs.protected_regular
+/// the kernel refuses it for a file of another user in /tmp.)
 Descriptor create(const std::string& path) {
   return Descriptor(open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_CREAT | O_EXCL, 0600));
 }
 
-/// Tries to lock the file for writing, and returns whether this process has the lock now.
+/// Tries to lock the file for writing. Returns whether this process has the lock now.
 bool lock(const Descriptor& file) {
   struct flock lock = whole_file(F_WRLCK);
   return fcntl(file.get(), F_OFD_SETLK, &lock) == 0;
@@ -62,8 +62,8 @@ Result<void> clear_path(const std::string& path, const Error& why) {
 
 }  // namespace
 
-/// Asks for a read lock, which only a write lock excludes. Everybody may read the file and so may lock it for
-/// reading. Only its holder may write it, and has locked it for writing.
+/// Requests a read lock, which only a write lock excludes. Every account may read the file, and so may lock
+/// it for reading. Only its holder may write it, and has locked it for writing.
 bool is_locked(int descriptor) noexcept {
   struct flock lock = whole_file(F_RDLCK);
   return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
@@ -74,14 +74,14 @@ bool is_locked_at(const char* path) noexcept {
   return file && is_locked(file->get());
 }
 
-/// Makes the file readable for everybody, so that other processes see the lock from now on.
+/// Makes the file readable for every account, so that other processes see the lock from now on.
 Result<FileLock> FileLock::publish(FileLock lock) {
   if (fchmod(lock.descriptor(), 0644) != 0) return lock_failure(lock.path_);
   return lock;
 }
 
 Result<FileLock> FileLock::take(const std::string& path) {
-  constexpr int attempts = 20;  // one fails if another process takes or leaves the path meanwhile
+  constexpr int attempts = 20;  // an attempt fails if another process creates or removes the file meanwhile
   for (int i = 0; i < attempts; ++i) {
     if (Descriptor file = create(path)) {
       if (!lock(file) || !core::still_names(path, file.get())) continue;
@@ -97,13 +97,13 @@ Result<FileLock> FileLock::take(const std::string& path) {
       if (auto cleared = clear_path(path, leftover.error()); !cleared) return tl::unexpected(cleared.error());
       continue;
     }
-    // If several processes come here at the same time, only the one that gets the lock removes the file. No
-    // process gets the lock while another account has locked the file for reading. Then the file is removed
-    // without the lock, if the path still names it.
+    // If several processes get here at the same time, only the one that gets the lock removes the file. No
+    // process gets the lock while another account has locked the file for reading. In that case the file is
+    // removed without the lock, if the path still names it.
     const bool locked = lock(*leftover);
     if (!locked && is_locked(leftover->get())) return is_taken(path);
     if (!core::still_names(path, leftover->get())) continue;
-    // A new file was made a moment ago by another process that starts. This process locked it first and keeps
+    // Another process that starts has just made a new file. This process locked the file first and keeps
     // it.
     if (locked && is_new(*leftover)) return publish(FileLock(path, std::move(*leftover)));
     if (unlink(path.c_str()) != 0 && errno != ENOENT) return lock_failure(path);

@@ -1,12 +1,12 @@
 // An exclusive lock on a file, which its holder keeps as long as it lives. By such locks, an sftd detects
 // another sftd, and nodes notice that their sftd is gone.
 //
-// The lock is an open-file-description lock of fcntl. Unlike a lock of flock, it can be queried without being
-// taken, so that a query never gets in the way of a daemon that starts. Unlike a POSIX lock, it is not lost
-// when another descriptor of the file is closed.
+// The lock is an open-file-description lock of fcntl. Unlike a lock of flock, it can be queried without
+// being taken, so that a query never gets in the way of a daemon that starts. Unlike a POSIX lock, it is
+// not lost when another descriptor of the file is closed.
 //
-// A holder has locked its file for writing. A lock for reading means nothing: everybody who may read the file
-// can have one, also on the file of a dead holder.
+// A holder has locked its file for writing. A lock for reading means nothing: any account that may read the
+// file can take one, even on the file of a dead holder.
 #pragma once
 
 #include <string>
@@ -23,8 +23,8 @@ class FileLock {
  public:
   /// Makes a new, empty file at `path` and locks it. A file that a dead process left there is replaced and
   /// never reused, because a process that still has it open must not take this holder for the former one.
-  /// Anything else at the path is replaced as well, if this account may remove it. Errc::address_in_use: a
-  /// living process holds the lock. Errc::no_permission: the message names what is in the way, and its owner.
+  /// Any other object at the path is replaced as well, if this account may remove it. Errc::address_in_use:
+  /// a living process holds the lock. Errc::no_permission: the message names the obstacle and its owner.
   static Result<FileLock> take(const std::string& path);
 
   FileLock(FileLock&&) noexcept = default;

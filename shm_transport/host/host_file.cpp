@@ -52,7 +52,7 @@ bool take_line(HostFile& file, std::string_view key, std::string_view value) {
     file.segment = value;
     return value.find('/') == std::string_view::npos;
   }
-  return true;  // a key of a later version
+  return true;  // an unknown key, from a later version
 }
 
 }  // namespace

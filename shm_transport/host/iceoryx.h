@@ -36,7 +36,7 @@ inline constexpr std::uint32_t readers_max = iox::MAX_SUBSCRIBERS;
 
 }  // namespace sft::shm
 
-// These functions are defined in replaced_functions.cpp. The declarations keep the compiler from
+// The following functions are defined in replaced_functions.cpp. The declarations keep the compiler from
 // instantiating iceoryx's templates.
 namespace iox::concurrent {
 
@@ -47,7 +47,7 @@ bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::pop(std::uint64_t& p
 template <>
 bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::popIfSizeIsAtLeast(std::uint64_t size,
                                                                                std::uint64_t& place) noexcept;
-template <>  // This one is not replaced, since no queue of SFT calls it.
+template <>  // This function is not replaced, since no queue of SFT calls it.
 bool IndexQueue<sft::shm::queue_places_max, std::uint64_t>::popIfFull(std::uint64_t& place) noexcept = delete;
 
 }  // namespace iox::concurrent

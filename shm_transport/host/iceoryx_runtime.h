@@ -1,5 +1,5 @@
-// Owns what iceoryx keeps once for each process: its error handler, its logger, and the table from segment
-// ids to addresses. A process can therefore have only one session with a daemon at a time
+// Owns the objects that iceoryx has once for each process: its error handler, its logger, and the table
+// from segment ids to addresses. A process can therefore have only one session with a daemon at a time
 // (daemon/process_daemon.h).
 #pragma once
 
@@ -18,7 +18,7 @@ class IceoryxRuntime {
   IceoryxRuntime(const IceoryxRuntime&) = delete;
   IceoryxRuntime& operator=(const IceoryxRuntime&) = delete;
 
-  /// Enters a segment into iceoryx's table; false if its id is taken.
+  /// Enters a segment into iceoryx's table. Returns false if its id is taken.
   bool announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept;
   void withdraw_segment(std::uint64_t id) noexcept;
 

@@ -13,13 +13,14 @@
 
 namespace sft::shm {
 
-/// Returns whether these bytes lie within the memory.
+/// Returns whether these bytes are within the memory.
 bool contains(std::span<const std::byte> memory, const void* data, std::size_t size);
 
 class Mapping {
  public:
-  /// Maps the first `bytes` of /dev/shm/NAME. The file must belong to `owner`, the account of the daemon,
-  /// because the owner of a file can make it shorter, which ends every process that reads beyond the new end.
+  /// Maps the first `bytes` of /dev/shm/NAME. The file must belong to `owner`, the account of the daemon.
+  /// The reason is that the owner of a file can truncate it, which ends every process that reads beyond the
+  /// new end.
   static Result<Mapping> open(const std::string& name, std::size_t bytes, bool writable, uid_t owner);
   Mapping(Mapping&& other) noexcept
       : memory_(std::exchange(other.memory_, {})), group_(other.group_), file_(std::move(other.file_)) {}
@@ -29,7 +30,7 @@ class Mapping {
   std::span<std::byte> bytes() const { return memory_; }
   /// Returns the group of the file.
   gid_t group() const { return group_; }
-  /// Returns the file; -1 if it is mapped for reading only.
+  /// Returns the file; -1 if the segment is mapped for reading only.
   int file() const { return file_.get(); }
   bool contains(const void* data, std::size_t size) const { return shm::contains(memory_, data, size); }
 

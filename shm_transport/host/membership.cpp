@@ -25,7 +25,7 @@ std::string name_of_group(gid_t id) {
 bool is_listed_in(gid_t group, const passwd& user) {
   std::vector<gid_t> groups(16);
   int count = static_cast<int>(groups.size());
-  // If `groups` is too small, the call returns how many groups there are.
+  // If `groups` is too small, the call returns the number of groups.
   while (getgrouplist(user.pw_name, user.pw_gid, groups.data(), &count) < 0)
     groups.resize(std::max(groups.size() + 1, static_cast<std::size_t>(count)));
   groups.resize(static_cast<std::size_t>(count));

@@ -13,9 +13,9 @@ using iox::mepoo::MemPool;
 
 struct FreeList {
   std::uint32_t chunk_count;
-  std::uint32_t taken;  ///< the value in `next` for a chunk that is not in the list
+  std::uint32_t taken;  ///< the value in the list `next` for a chunk that is not in the list
   struct alignas(8) Head {
-    std::uint32_t first;  ///< an index; `chunk_count` if the list is empty
+    std::uint32_t first;  ///< index of the first free chunk; `chunk_count` if the list is empty
     std::uint32_t changes;
   };
   std::atomic<Head> head;

@@ -1,5 +1,5 @@
-// Reads the pools of iceoryx as they lie in shared memory: which chunks of a pool are free. It also frees a
-// chunk that its last user could not free. In iceoryx these members are private.
+// Reads the pools of iceoryx from shared memory to find the free chunks of a pool. It also frees a chunk
+// that its last user could not free. The members of iceoryx that it reads are private.
 #pragma once
 
 #include <cstddef>
@@ -12,35 +12,36 @@
 
 namespace sft::shm {
 
-/// One pool. Its chunks are numbered from 0 on. Programs can write into the pool, so what is read there is
-/// checked. What the constructor reads is checked by is_within() only.
+/// One pool. Its chunks are numbered from 0 on. Programs can write into the pool, so every value that is
+/// read there is checked. Only is_within() checks the values that the constructor reads.
 class PoolLayout {
  public:
-  /// `pool` outlives this object. In the daemon, no program can write into the pool yet.
+  /// `pool` must outlive this object. When the daemon constructs it, no program can write into the pool
+  /// yet.
   explicit PoolLayout(iox::mepoo::MemPool& pool);
 
   std::uint32_t chunk_count() const { return chunk_count_; }
   std::uint32_t chunk_bytes() const { return chunk_bytes_; }
   std::byte* at(std::uint32_t index) const { return begin_ + std::size_t{index} * chunk_bytes_; }
-  /// Returns whether the chunks lie within `samples`, and the list of those that are free within
-  /// `management`.
+  /// Returns whether the chunks are within `samples`, and the list of the free chunks within `management`.
   bool is_within(std::span<const std::byte> samples, std::span<const std::byte> management) const;
   std::optional<std::uint32_t> index_of(const void* address) const;
 
-  /// Returns for each index whether the chunk is free, or nothing if the list of free chunks is damaged: if
-  /// it leads to a chunk that does not exist or is taken, or twice to the same one. Both results are valid
-  /// only if no process takes or frees a chunk meanwhile.
+  /// Returns for each index whether the chunk is free. Returns nothing if the list of free chunks is
+  /// damaged: if it leads to a chunk that does not exist or is taken, or twice to the same chunk. Both
+  /// results are valid only if no process takes or frees a chunk meanwhile.
   std::optional<std::vector<bool>> free_chunks() const;
-  /// Writes the indices of the chunks that are lent next into `chunks`, in order, and returns how many there
-  /// are. If a process takes or frees a chunk meanwhile, the chunks may be others, but they exist in any
-  /// case.
+  /// Writes the indices of the chunks that are lent next into `chunks`, in order, and returns their number.
+  /// If a process takes or frees a chunk meanwhile, other chunks may be lent next, but the chunks in the
+  /// result exist.
   std::size_t next_free(std::span<std::uint32_t> chunks) const;
-  /// Returns by how much the pool's count of taken chunks exceeds the chunks that are really taken.
+  /// Returns the difference between the pool's count of taken chunks and the number of chunks that are
+  /// really taken.
   std::int64_t overcount(const std::vector<bool>& free) const;
 
   /// Lowers the pool's count of taken chunks. Programs may use the pool meanwhile.
   void correct_count(std::int64_t too_many);
-  /// Frees a chunk that is taken, but that no process has.
+  /// Frees a chunk that counts as taken, but that no process has.
   void free(std::uint32_t index);
 
  private:
@@ -48,7 +49,7 @@ class PoolLayout {
   std::byte* const begin_;
   const std::uint32_t chunk_bytes_;
   const std::uint32_t chunk_count_;
-  std::uint32_t* const next_free_;  ///< the next free chunk of each chunk, by index
+  std::uint32_t* const next_free_;  ///< by index: the free chunk that follows each free chunk
 };
 
 /// Returns the pools of chunks, and behind them the pool of the headers of chunks

@@ -1,8 +1,8 @@
 // Reads the state of the mutex in a port of iceoryx without taking the mutex.
 //
 // A process that is killed while it holds such a mutex leaves it closed. sftd opens the mutexes that killed
-// writers left closed (sftd/lock_recovery.h). It relies on the rule that only writers and sftd ever hold one.
-// So all other code uses the functions here, which only read the state.
+// writers left closed (sftd/lock_recovery.h). It relies on the rule that only writers and sftd ever hold
+// such a mutex. So all other code uses the functions here, which only read the state.
 #pragma once
 
 #include <pthread.h>
@@ -24,8 +24,8 @@ inline bool is_closed(const PortLock& lock) noexcept {
   return __atomic_load_n(&mutex_of(lock).__data.__lock, __ATOMIC_ACQUIRE) != 0;
 }
 
-/// Returns the thread id of the holder, in the holder's pid namespace. 0 if there is no holder, and also for
-/// an instant while a thread takes or releases the mutex.
+/// Returns the thread id of the holder, in the holder's pid namespace. Returns 0 if there is no holder, and
+/// also for an instant while a thread takes or releases the mutex.
 inline int holder_of(const PortLock& lock) noexcept {
   return __atomic_load_n(&mutex_of(lock).__data.__owner, __ATOMIC_ACQUIRE);
 }

@@ -1,11 +1,11 @@
 // Lets a writer sleep until its reader has made room in the queue. Writer and reader use one word in the
-// reader's port, next to the count of chunk_hand.h. The writer stores in the word that it waits, looks at the
-// queue once more, and sleeps on the word (a futex). The reader looks at the word after it has taken a
+// reader's port, next to the count of chunk_hand.h. The writer stores in the word that it waits, checks the
+// queue once more, and sleeps on the word (a futex). The reader checks the word after it has taken a
 // sample, and wakes the writer. Both sides use a full fence between their two steps, so that at least one
-// side sees what the other did.
+// side notices the action of the other.
 //
-// A reader that is killed wakes nobody. So a writer never sleeps long without looking whether the queue still
-// exists.
+// A reader that is killed wakes no writer. So a writer never sleeps long before it checks whether the queue
+// still exists.
 #pragma once
 
 #include <linux/futex.h>
@@ -29,21 +29,22 @@ inline void full_fence() noexcept { std::atomic_thread_fence(std::memory_order_s
 #pragma GCC diagnostic pop
 #endif
 
-/// Refers to the word of a port. The memory of the port must stay mapped.
+/// The word of a port. The memory of the port must stay mapped.
 class QueueRoom {
  public:
   static constexpr std::size_t offset = 88;  ///< the word's position in the field for the node's name
 
   explicit QueueRoom(const iox::popo::BasePortData& port) noexcept : word_(word_of(port)) {}
 
-  // The thread of the writer calls these functions.
+  // The following functions are for the thread of the writer.
 
-  /// The writer looks at the queue once more after this call, and then sleeps.
+  /// Notes that the writer waits. The writer must check the queue once more after this call before it
+  /// sleeps.
   void begin_waiting() noexcept {
     word_->store(writer_waits, std::memory_order_seq_cst);
     full_fence();
   }
-  /// Returns when the reader has taken a sample, or after `at_most`. May also return without either.
+  /// Sleeps until the reader has taken a sample, for `at_most` at most. May also return without a reason.
   void sleep(std::chrono::nanoseconds at_most) noexcept {
     timespec timeout{};
     timeout.tv_sec = at_most.count() / 1'000'000'000;
@@ -52,9 +53,9 @@ class QueueRoom {
   }
   void end_waiting() noexcept { word_->store(nobody_waits, std::memory_order_relaxed); }
 
-  // The threads of the reader call these functions.
+  // The following functions are for the threads of the reader.
 
-  /// Returns whether the writer waits. The reader calls it after it has taken a sample.
+  /// Returns whether the writer waits. Called by the reader after it has taken a sample.
   bool is_waited_for() const noexcept {
     full_fence();
     return word_->load(std::memory_order_relaxed) == writer_waits;

@@ -11,14 +11,14 @@ namespace sft::shm {
 
 namespace {
 
-// One of these marks stands between the label of a port and the id of its reader, and says what the reader
-// requests. The name has room for one id only, because words of our own lie behind it (chunk_hand.h and
-// queue_room.h).
+// The marks that stand between the label of a port and the id of its reader. The mark encodes the reader's
+// requests. The name has room for one id only, because words of our own are stored behind it (chunk_hand.h
+// and queue_room.h).
 constexpr std::string_view marks = "=@!*-+~^";
 
-constexpr std::size_t late_bit = 1, awaited_bit = 2, deepest_bit = 4;  // of the position in the list of marks
+constexpr std::size_t late_bit = 1, awaited_bit = 2, deepest_bit = 4;  // bits of a mark's position in `marks`
 
-// A letter behind the digits of the id stands for the limit of bytes: for one of these powers of two.
+// The letters behind the digits of the id. Each stands for a limit of bytes, which is a power of two.
 constexpr char first_letter = 'g', last_letter = 'z';
 constexpr int least_power = 16, greatest_power = least_power + (last_letter - first_letter);
 

@@ -9,8 +9,8 @@
 
 #include "shm_transport/host/iceoryx.h"
 
-// An exchange counts on from the head that it replaces. A thread that gets a chunk sees what was written
-// about it before it was given back.
+// An exchange increments the count of the head that it replaces. A thread that gets a chunk sees all writes
+// to the list that were made before the chunk was given back.
 namespace iox::concurrent {
 
 bool LoFFLi::pop(Index_t& index) noexcept {
@@ -19,7 +19,7 @@ bool LoFFLi::pop(Index_t& index) noexcept {
   Node next{};
   do {
     if (head.indexToNextFreeIndex >= m_size) return false;
-    // Other threads may take this chunk and give it back meanwhile. Then the count has changed, and the
+    // Other threads may meanwhile take this chunk and give it back. Then the count has changed, and the
     // exchange fails.
     next.indexToNextFreeIndex = __atomic_load_n(&next_free[head.indexToNextFreeIndex], __ATOMIC_RELAXED);
     next.abaCounter = head.abaCounter + 1;
@@ -45,7 +45,7 @@ bool LoFFLi::push(const Index_t index) noexcept {
 
 using Places = IndexQueue<sft::shm::queue_places_max, std::uint64_t>;
 
-/// A thread that pops this place sees what was written before, such as the element in the place.
+/// A thread that pops this place sees all earlier writes, such as the element in the place.
 template <>
 void Places::push(const std::uint64_t place) noexcept {
   Index at = m_writePosition.load(std::memory_order_relaxed);
@@ -58,7 +58,7 @@ void Places::push(const std::uint64_t place) noexcept {
       break;
     if (former.getCycle() != at.getCycle()) {
       at = m_writePosition.load(std::memory_order_relaxed);
-    } else if (const Index next = at + 1;  // the cell is filled, and the position not moved yet
+    } else if (const Index next = at + 1;  // the cell is filled, but the position not moved yet
                m_writePosition.compare_exchange_strong(at, next, std::memory_order_release,
                                                        std::memory_order_relaxed)) {
       at = next;
@@ -90,10 +90,10 @@ bool Places::pop(std::uint64_t& place) noexcept {
 template <>
 bool Places::popIfSizeIsAtLeast(const std::uint64_t size, std::uint64_t& place) noexcept {
   if (size == 0) return pop(place);
-  // Acquired, because this function does not see by the cell whether the cell was filled.
+  // Loaded with acquire, because this function does not check in the cell whether the cell was filled.
   const Index end = m_writePosition.load(std::memory_order_acquire);
   Index at = m_readPosition.load(std::memory_order_relaxed);
-  const std::int64_t waiting = end - at;  // negative if other threads have gone on meanwhile
+  const std::int64_t waiting = end - at;  // negative if other threads have moved on meanwhile
   if (waiting < 0 || static_cast<std::uint64_t>(waiting) < size) return false;
   const Index value = m_cells[at.getIndex()].load(std::memory_order_acquire);
   if (!m_readPosition.compare_exchange_strong(at, at + 1, std::memory_order_relaxed,
@@ -117,7 +117,7 @@ constexpr std::array<std::string_view, 5> replaced{
     "_ZN3iox10concurrent10IndexQueueILm256EmE18popIfSizeIsAtLeastEmRm",
 };
 
-/// Returns the file whose code has this address; null if none has.
+/// Returns the loaded file whose code has this address; null if there is none.
 const void* file_of(const void* code) {
   Dl_info info{};
   return dladdr(code, &info) != 0 ? info.dli_fbase : nullptr;
@@ -131,7 +131,7 @@ class CallTable {
       if (header->p_type == PT_DYNAMIC) read(at<const ElfW(Dyn)>(header->p_vaddr));
     }
   }
-  /// Returns how many of the replaced functions the table has, if their code is in the file that has `code`.
+  /// Returns the number of replaced functions in the table whose code is in the same file as `code`.
   std::size_t count_replaced(const void* code) const {
     std::size_t count = 0;
     for (std::size_t i = 0; i < calls_; ++i) {

@@ -31,9 +31,9 @@ std::string path_of(const std::string& runtime_name) {
   return iox::platform::IOX_UDS_SOCKET_PATH_PREFIX + runtime_name;
 }
 
-/// Lets the daemon write to the socket of this process, also if the daemon runs as another user. If the file
-/// system cannot give rights to a single user, the daemon's group gets them; this works if this process is in
-/// that group.
+/// Allows the daemon to write to the socket of this process, even if the daemon runs as another user. If
+/// the file system cannot give rights to a single user, the daemon's group gets them. That works only if
+/// this process is in that group.
 void let_daemon_answer(const std::string& path, const struct stat& daemon) {
   if (daemon.st_uid == geteuid()) return;
   if (grant_to_user(path, daemon.st_uid)) return;
@@ -52,9 +52,9 @@ Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon)
   return socket;
 }
 
-/// Connects to the socket of the daemon. The socket must belong to the account of the daemon: another account
-/// that has put a socket there would get the messages for the daemon. The path is resolved once, so that the
-/// socket that was checked is the one that is connected.
+/// Connects to the socket of the daemon. The socket must belong to the account of the daemon. Otherwise
+/// another account that has put a socket there would get the messages for the daemon. The path is resolved
+/// once, so that the checked socket is the one that is connected.
 Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& daemon) {
   const Descriptor resolved(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
   const bool there = resolved && fstat(resolved.get(), &daemon) == 0;
@@ -118,7 +118,7 @@ std::string reason_of(IpcMessageErrorType error) {
   }
 }
 
-/// The time for which an answer that came late is kept for the next call.
+/// The time for which a late answer is kept for the next call.
 constexpr std::chrono::seconds kept_for{2};
 
 tl::unexpected<Error> not_yet() { return fail(Errc::unavailable, "sftd has not answered yet"); }
@@ -127,7 +127,7 @@ tl::unexpected<Error> too_late() {
   return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
 }
 
-/// The daemon writes the name of the node into the port, so the label of the request is that name.
+/// The daemon writes the name of the node into the port, so the request passes its label as that name.
 template <class Options>
 IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name,
                             const iox::capro::ServiceDescription& service, Options options,
@@ -141,8 +141,8 @@ IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name
 
 }  // namespace
 
-/// The right to have a request under way. It is not a mutex, because threads wait for it with a deadline and
-/// keep it over system calls.
+/// The right to have a request under way. A mutex would not do, because threads wait for this right with a
+/// deadline and keep it over system calls.
 class RoudiChannel::Turn {
  public:
   Turn(RoudiChannel& channel, Clock::time_point deadline) : channel_(channel) {
@@ -260,8 +260,9 @@ Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDe
                       make, take_port, timeouts);
 }
 
-/// Asks the daemon one question at a time, because an error names no port: so it is known which question an
-/// error answers. `next.label` is a remark at first. The number of the request is put before it.
+/// Asks the daemon one question at a time. An error names no port, so this is the only way to know which
+/// question an error answers. `next.label` is a remark at first. The number of the request is put before
+/// it.
 Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make,
                                                 const TakePort& take_port, const Timeouts& timeouts) {
   const auto begun = Clock::now();
@@ -305,9 +306,9 @@ Result<void> RoudiChannel::take_answers(const TakePort& take_port, Clock::time_p
   }
 }
 
-/// The daemon answers in the order of the questions. A port also has the label of its question. An error has
-/// no label: while answers are overdue, it counts as one of these. A port whose answer came too late is given
-/// back.
+/// The daemon answers in the order of the questions. A port also has the label of its question. An error
+/// has no label. While answers are overdue, an error counts as one of these. A port whose answer came too
+/// late is given back.
 void RoudiChannel::note(const IpcMessage& message, const TakePort& take_port) {
   const std::optional<Question> asked = question();
   const auto answer = [&](Result<PortLocation> location) {

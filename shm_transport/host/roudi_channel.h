@@ -1,9 +1,9 @@
-// Asks the daemon for ports, with the messages of iceoryx's own protocol.
+// Requests ports from the daemon, with the messages of iceoryx's own protocol.
 //
-// The client of iceoryx (PoshRuntimeImpl) waits for answers without a limit, and aborts the process if there
-// is an error. This class sends the same messages, but each call waits for a moment only. An answer that
-// comes later is kept for the call that asks for the same port again. If the answer is overdue, or if no call
-// asks for the port again, the port is given back.
+// The client of iceoryx (PoshRuntimeImpl) waits for answers without a limit, and aborts the process if
+// there is an error. This class sends the same messages, but each call waits only for a short time. An
+// answer that comes later is kept for the next call that requests the same port. If the answer is overdue,
+// or if no call requests the port again, the port is given back.
 #pragma once
 
 #include <atomic>
@@ -24,14 +24,15 @@ namespace sft::shm {
 
 using Clock = std::chrono::steady_clock;
 
-/// The answer of the daemon to a process that has registered: the segment that manages all others.
+/// The daemon's answer to a process that has registered: the location of the segment that manages all other
+/// segments.
 struct Registration {
   std::uint64_t management_bytes = 0;
   std::uint64_t management_id = 0;  ///< the segment's number in iceoryx's relative pointers
   std::uint64_t segment_manager_offset = 0;
 };
 
-/// The location of a port in shared memory, as the daemon answered it. The caller must check the bounds.
+/// The location of a port in shared memory, from the daemon's answer. The caller must check the bounds.
 struct PortLocation {
   std::uint64_t segment_id = 0;
   std::uint64_t offset = 0;
@@ -39,13 +40,13 @@ struct PortLocation {
 
 class RoudiChannel {
  public:
-  /// Returns whether the port at this location was requested with this label (in m_nodeName), and gives the
-  /// port back if it was not. So an answer that missed its deadline is not taken for the answer to a later
-  /// request.
+  /// Returns whether the port at this location was requested with this label (in m_nodeName). If it was
+  /// not, the function gives the port back. So an answer that missed its deadline is not taken for the
+  /// answer to a later request.
   using TakePort = std::function<bool(const PortLocation& location, const std::string& label)>;
 
-  /// Asks the daemon to register this process under `runtime_name`, and does not wait for the answer.
-  /// `daemon_user`: the account of the daemon.
+  /// Sends the daemon a request to register this process under `runtime_name`, and does not wait for the
+  /// answer. `daemon_user` is the account of the daemon.
   static Result<std::unique_ptr<RoudiChannel>> open(const std::string& runtime_name, uid_t daemon_user);
   ~RoudiChannel();
 
@@ -53,11 +54,12 @@ class RoudiChannel {
   Result<std::optional<Registration>> poll_registration();
 
   struct Timeouts {
-    std::chrono::milliseconds wait{};     ///< a call waits for its answer at most this long
+    std::chrono::milliseconds wait{};     ///< the longest time for which a call waits for its answer
     std::chrono::milliseconds overdue{};  ///< an answer that takes longer is overdue
   };
-  /// `remark`: a text behind the label, which other processes can read. Any thread. Requests take turns.
-  /// The error is Errc::unavailable if the daemon has not answered yet, see awaits_answer().
+  /// Requests a port. `remark` is a text behind the label, which other processes can read. Any thread may
+  /// call this; requests take turns. The error is Errc::unavailable if the daemon has not answered yet; see
+  /// awaits_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
                                         const iox::popo::PublisherOptions& options, const TakePort& take_port,
                                         const Timeouts& timeouts);
@@ -65,20 +67,21 @@ class RoudiChannel {
                                          const iox::popo::SubscriberOptions& options,
                                          const TakePort& take_port, const Timeouts& timeouts,
                                          const std::string& remark = {});
-  /// Returns whether the daemon was asked for a port, and its answer is neither there nor overdue. A call
-  /// that has failed may succeed soon then. Any thread.
+  /// Returns whether the daemon was asked for a port, and its answer has not come and is not overdue yet.
+  /// In that case a failed call may succeed soon. Any thread may call this.
   bool awaits_answer() const;
-  /// Gives ports back that were answered late, and that no call has asked for again. Any thread.
+  /// Gives back the ports whose answers came late, and that no call has requested again. Any thread may
+  /// call this.
   void give_back_untaken(const TakePort& take_port);
 
-  /// Tells the daemon to remove everything that this process has there. Does not wait.
+  /// Sends the daemon a request to remove everything that belongs to this process. Does not wait.
   void say_goodbye() noexcept;
 
  private:
   class Turn;
   struct Question {
-    std::string port;     ///< distinguishes the port from all others of this process
-    std::string label{};  ///< identifies the answer
+    std::string port;     ///< distinguishes the port from all other ports of this process
+    std::string label{};  ///< identifies the answer to this question
     iox::runtime::IpcMessageType wanted{};
     Clock::time_point overdue_at{};
   };
@@ -100,19 +103,19 @@ class RoudiChannel {
   void set_question(std::optional<Question> question);
 
   std::string runtime_name_;
-  Descriptor from_daemon_;  ///< bound to /tmp/<runtime name>, where the daemon answers
-  Descriptor to_daemon_;    ///< connected, so that no message can reach a later daemon
+  Descriptor from_daemon_;  ///< socket at /tmp/<runtime name>, to which the daemon sends its answers
+  Descriptor to_daemon_;    ///< a connected socket, so that no message can reach a later daemon
   std::int64_t registration_stamp_ = 0;
 
   mutable core::Mutex turn_mutex_;
   core::Condition turn_ends_;
-  bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;           ///< a request is under way
+  bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;           ///< true while a request is under way
   std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< the question that is not answered yet
-  // Only the thread that has the turn uses these.
+  // The following members are used only by the thread that has the turn.
   std::uint64_t requests_ = 0;
-  std::size_t overdue_ = 0;  ///< questions that were given up, and whose answers come before all others
-  std::map<std::string, Answer> answers_;  ///< the answers that no call has taken yet, by the port
-  /// The number of questions whose port was neither taken nor given back. Any thread reads it.
+  std::size_t overdue_ = 0;  ///< number of questions that were given up; their answers come before all others
+  std::map<std::string, Answer> answers_;  ///< by port: the answers that no call has taken yet
+  /// The number of questions whose port was neither taken nor given back. Any thread may read it.
   std::atomic<std::size_t> unsettled_{0};
 };
 

@@ -10,8 +10,8 @@ std::optional<CheckedSample> check_sample(const std::byte* data, std::size_t siz
                                           core::EndpointId writer) noexcept {
   const std::size_t body_offset = detail::SampleLayout(type.index_slots()).body_offset;
   if (size < body_offset) return std::nullopt;
-  // A copy, because the writer could change the header in the chunk after the check. The empty instruction
-  // keeps the compiler from reading the chunk in place of the copy.
+  // A copy of the header, because the writer could change the header in the chunk after the check. The
+  // empty instruction keeps the compiler from reading the chunk in place of the copy.
   detail::SampleHeader header;
   std::memcpy(&header, data, sizeof header);
   asm("" : "+m"(header));

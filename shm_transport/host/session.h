@@ -1,15 +1,16 @@
-// One registration of this process with one daemon. A session has the mappings of the daemon's memory and the
-// channel to ask the daemon for ports. It also undoes what depends on the daemon when the daemon is gone.
+// One registration of this process with one daemon. A session has the mappings of the daemon's memory and
+// the channel for requests to the daemon. It also undoes everything that depends on the daemon when the
+// daemon is gone.
 //
-// Lifetime: everything that uses a session shares it, down to the single sample. The mappings end with the
-// last user. So a sample can be read until its last handle is gone, whatever happened to the daemon, the node
-// or the transport.
+// Lifetime: every object that uses a session shares its ownership, down to the single sample. The mappings
+// end with the last owner. So a sample can be read until its last handle is gone, even if the daemon, the
+// node or the transport is gone.
 //
 // Loss of the daemon: iceoryx resolves the relative pointers inside its segments by one table for each
 // process, from segment ids to addresses, and the next daemon uses the same ids. So lose() must be called
-// before another session can begin. It tells every port of this session never to use iceoryx again: from then
-// on the ports only give out and take back what is already mapped. Then it takes the segments of this session
-// out of the table.
+// before another session can begin. lose() notifies every port of this session that it must not use iceoryx
+// any more. From then on the ports only give out and take back samples that are already mapped. Then it
+// removes the segments of this session from the table.
 #pragma once
 
 #include <atomic>
@@ -48,46 +49,48 @@ class Session : public std::enable_shared_from_this<Session> {
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer,
                                                          const RoudiChannel::Timeouts& timeouts);
-  /// `depth` 0: the port is not subscribed. It is only a list of held chunks, which the daemon frees when
-  /// this process dies. `wishes`: the requests of the reader to the writer.
+  /// Makes a subscriber port. With `depth` 0 the port is not subscribed. It is only a list of held chunks,
+  /// which the daemon frees when this process dies. `wishes` are the requests of the reader to the writer.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
                                                            const RoudiChannel::Timeouts& timeouts,
                                                            const QueueWishes& wishes = {});
-  /// See RoudiChannel::awaits_answer().
+  /// Returns the result of RoudiChannel::awaits_answer().
   bool awaits_answer() const { return channel_->awaits_answer(); }
-  /// Returns the port that has this queue, or null. Looks at all queues of the host.
+  /// Returns the port that has this queue, or null. Searches all queues of the host.
   const iox::popo::SubscriberPortData* port_of(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
-  /// Lets every process that may write samples ring the doorbells in a page of this process
-  /// (core/platform/doorbell.h). The group of the page shows the writers that the daemon serves its owner.
+  /// Allows every process that may write samples to ring the doorbells in a page of this process
+  /// (core/platform/doorbell.h). The group of the page shows writers that the daemon serves the owner of
+  /// the page.
   void admit_writers(std::uint64_t doorbell_page) const;
-  /// Returns the accounts that the daemon serves; a writer rings the doorbells of these accounts. Each of
-  /// these accounts can also make the daemon's own memory shorter, so a page of theirs needs no more trust
-  /// than that.
+  /// Returns the accounts that the daemon serves. A writer rings only the doorbells of these accounts. Each
+  /// of them could also truncate the daemon's own memory, so opening their pages adds no risk.
   core::TrustedAccounts reader_accounts() const;
-  /// Returns the pools from which the writers of this process take chunks. There is one set of pools in a
-  /// session.
+  /// Returns the pools from which the writers of this process take chunks. A session has one such set of
+  /// pools.
   ChunkPools& pools(const iox::mepoo::MemoryManager& pools);
   /// Maps chunks that writers of this process will probably take next (prepared_chunks.h). Called at each
   /// poll.
   void prepare_chunks() noexcept;
-  /// Returns the port of the writer that delivers into the queue of this port, or null. Looks at all writers
-  /// of the host.
+  /// Returns the port of the writer that delivers into the queue of this port, or null. Searches all
+  /// writers of the host.
   const iox::popo::PublisherPortData* feeder_of(const iox::popo::SubscriberPortData& port) const noexcept;
-  /// Returns whether the port that feeder_of() returned still delivers into this queue. Looks only at that
-  /// one place in the table, where by now there may be no port or another one.
+  /// Returns whether `feeder`, an earlier result of feeder_of(), still delivers into this queue. Reads only
+  /// that place of the table, which may have no port, or another port, by now.
   static bool feeds(const iox::popo::PublisherPortData& feeder,
                     const iox::popo::SubscriberPortData& port) noexcept;
-  /// Takes over a port that nobody uses any more, to give it back. The port must have been told to
+  /// Takes over a port that is not used any more, to give it back later. The port must have been told to
   /// unsubscribe.
   void retire(iox::popo::SubscriberPortData* port);
-  /// Gives back the retired ports that no writer feeds any more. Returns at once, and is called at each poll.
+  /// Gives back the retired ports to which no writer delivers any more. Returns at once. Called at each
+  /// poll.
   void collect();
 
-  /// Returns whether these bytes lie within the segments of samples.
+  /// Returns whether these bytes are within the segments of samples.
   bool holds(const void* data, std::size_t size) const;
 
-  /// Adds a member, whose lose() is called when the session is lost, or at once if it is lost already.
+  /// Adds a member. Its lose() is called when the session is lost, or at once if the session is lost
+  /// already.
   void enlist(const std::shared_ptr<SessionMember>& member);
   void lose() noexcept;
 
@@ -113,7 +116,7 @@ class Session : public std::enable_shared_from_this<Session> {
   HostMonitor monitor_;
   std::unique_ptr<RoudiChannel> channel_;
   core::HostToken token_;
-  std::vector<Segment> segments_;  ///< the management segment is the first
+  std::vector<Segment> segments_;  ///< the management segment comes first
   bool can_write_ = true;
 
   core::Mutex mutex_;

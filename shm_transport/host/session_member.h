@@ -5,17 +5,17 @@
 
 namespace sft::shm {
 
-/// The state of a port. It must not use iceoryx any more after the session is lost.
+/// The state of a port, which must not use iceoryx any more after the session is lost.
 class SessionMember {
  public:
   enum class Loss : std::uint8_t {
     now,    ///< iceoryx may be used until lose() returns
-    before  ///< the session was lost before it had this member: iceoryx must not be used
+    before  ///< the session was lost before the member joined it: iceoryx must not be used
   };
-  /// Returns when no other thread is using iceoryx through this member any more.
+  /// Handles the loss. Returns when no other thread is using iceoryx through this member any more.
   virtual void lose(Loss loss) noexcept = 0;
-  /// Returns whether other members of this process may get samples from this one. Its lose() is called first,
-  /// so that the others then know what has arrived.
+  /// Returns whether other members of this process may get samples from this one. lose() of such members is
+  /// called first, so that the other members then know which samples have arrived.
   virtual bool sends() const noexcept = 0;
 
  protected:

@@ -1,4 +1,4 @@
-// The address of a Unix domain socket that has a path.
+// Makes the address of a Unix domain socket that has a path.
 #pragma once
 
 #include <sys/socket.h>
@@ -9,7 +9,7 @@
 
 namespace sft::shm {
 
-/// A path that is too long for an address is cut off.
+/// Returns the address of the path. A path that is too long for an address is cut off.
 inline sockaddr_un socket_address(const std::string& path) noexcept {
   sockaddr_un address{};
   address.sun_family = AF_UNIX;

@@ -1,6 +1,6 @@
-// The limit of bytes that wait in the queue of one reader. The writer keeps the sizes of the samples that it
-// has put there. The reader takes the oldest sample first. So the samples that wait are always the newest
-// ones, and the writer computes their bytes from their number alone.
+// The limit of bytes that wait in the queue of one reader. The writer stores the sizes of the samples that
+// it has put into the queue. The reader takes the oldest sample first. So the waiting samples are always
+// the newest ones, and the writer can compute their bytes from their number alone.
 #pragma once
 
 #include <algorithm>
@@ -17,25 +17,25 @@ class WaitingBytes {
   static constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
   WaitingBytes() noexcept = default;
-  /// `bytes_max` 0: there is no limit. `samples_max`: no more samples can wait.
+  /// `bytes_max` 0: there is no limit. `samples_max` is the number of samples that can wait at most.
   WaitingBytes(std::uint64_t bytes_max, std::size_t samples_max)
       : bytes_max_(bytes_max), sent_before_(bytes_max == 0 ? 0 : samples_max) {}
 
-  /// A sample was put into the queue.
+  /// Notes that a sample was put into the queue.
   void pushed(std::uint64_t bytes) noexcept {
     if (sent_before_.empty()) return;
     sent_before_[samples_++ % sent_before_.size()] = sent_;
     sent_ += bytes;
   }
 
-  /// Returns how many samples may wait beside a next one of `bytes`. 0: that sample may wait alone, even if
-  /// it is larger than the limit.
+  /// Returns the number of samples that may wait beside a next one of `bytes`. 0: that sample may only wait
+  /// alone, even if it is larger than the limit.
   std::uint64_t beside(std::uint64_t bytes) const noexcept {
     if (sent_before_.empty()) return any_number;
     const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes);
     std::uint64_t most = std::min<std::uint64_t>(samples_, sent_before_.size());
     if (of_newest(most) <= left) return any_number;
-    std::uint64_t fit = 0;  // this number fits, and `most` does not
+    std::uint64_t fit = 0;  // `fit` samples are within the limit, and `most` samples are not
     while (fit + 1 < most) {
       const std::uint64_t middle = fit + (most - fit) / 2;
       (of_newest(middle) <= left ? fit : most) = middle;
@@ -49,9 +49,9 @@ class WaitingBytes {
   }
 
   std::uint64_t bytes_max_ = 0;
-  /// A ring: the bytes of all samples before each of the last ones. Empty: there is no limit.
+  /// A ring: for each of the last samples, the bytes of all samples before it. Empty: there is no limit.
   std::vector<std::uint64_t> sent_before_;
-  std::uint64_t samples_ = 0, sent_ = 0;  ///< samples and bytes that were sent
+  std::uint64_t samples_ = 0, sent_ = 0;  ///< number of samples, and of their bytes, that were sent
 };
 
 }  // namespace sft::shm

@@ -81,8 +81,8 @@ void AttachedQueues::owe_nothing(std::set<core::EndpointId> readers) {
 
 void AttachedQueues::deliver(Port& port, const Listener& listener, iox::mepoo::SharedChunk chunk,
                              std::uint64_t bytes) {
-  const auto index =
-      static_cast<std::uint32_t>(&listener - listeners_.data());  // where iceoryx looks for the queue first
+  // iceoryx searches for the queue at this index first.
+  const auto index = static_cast<std::uint32_t>(&listener - listeners_.data());
   listeners_[index].places.make_room(listener.bytes.beside(bytes));
   listeners_[index].bytes.pushed(bytes);
   iox::popo::ChunkDistributor<iox::popo::PublisherPortData::ChunkDistributorData_t> distributor(&port);

@@ -24,12 +24,13 @@ ChunkQueue::Taken ChunkQueue::take() noexcept {
   return {.slot = slot, .overflowed = std::exchange(overflow_is_unreported_, false), .popped = ++popped_};
 }
 
-/// Returns how many samples wait. Other programs can write the number that iceoryx keeps.
+/// Returns the number of waiting samples. The result is checked, because other programs can write the
+/// number that iceoryx keeps.
 std::uint64_t ChunkQueue::waiting() const noexcept {
   return std::min<std::uint64_t>(data_.m_chunkReceiverData.m_queue.size(), kept_.capacity());
 }
 
-/// Returns how many samples can be taken from a queue that is not open.
+/// Returns the number of samples that can still be taken from a queue that is not open.
 std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() - kept_taken_ : arrived_; }
 
 /// Takes the oldest chunk out of the queue; null if there is none.
@@ -59,8 +60,8 @@ bool ChunkQueue::some_wait() const noexcept {
   return open_ ? port_.hasNewChunks() : remaining() > 0;
 }
 
-/// Counts the samples that were taken and those that wait. When the queue is full, this sum does not change
-/// any more, so overflows are counted, too.
+/// Returns the number of samples that were taken and that wait. When the queue is full, this sum does not
+/// change any more, so overflows are added, too.
 std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
   if (lost_) return popped_ + overflows_ + remaining();
@@ -84,8 +85,8 @@ bool ChunkQueue::drained() const noexcept {
 void ChunkQueue::close() noexcept {
   const core::Lock lock(mutex_);
   if (!std::exchange(open_, false)) return;
-  // The writer goes on delivering until the daemon has disconnected it, so only the samples that wait now are
-  // counted.
+  // The writer continues to deliver until the daemon has disconnected it, so only the samples that wait now
+  // are counted.
   arrived_ = waiting();
   port_.unsubscribe();
 }
@@ -104,7 +105,7 @@ bool ChunkQueue::drop_oldest() noexcept {
   }
   --arrived_;
   const ChunkInHand hand(data_);
-  // If too many chunks are held already, iceoryx gives this one back itself.
+  // If too many chunks are held already, iceoryx itself gives this chunk back.
   if (auto chunk = port_.tryGetChunk(); !chunk.has_error()) port_.releaseChunk(chunk.value());
   return true;
 }
@@ -119,7 +120,8 @@ void ChunkQueue::lose(SessionMember::Loss loss) noexcept {
   iox::popo::ChunkQueuePopper<iox::popo::SubscriberPortData::ChunkQueueData_t> popper(
       &data_.m_chunkReceiverData);
   for (; arrived > 0; --arrived) {
-    // The reference is never given back: a writer that has not noticed the loss must not lend the chunk anew.
+    // The reference is never given back: a writer that has not noticed the loss of the session must not
+    // lend the chunk anew.
     if (auto chunk = popper.tryPop())
       kept_.push_back(ShmSafeUnmanagedChunk(std::move(*chunk)).getChunkHeader());
   }

@@ -19,10 +19,10 @@ namespace sft::shm {
 /// All functions may be called by any thread, but only one at a time may take or drop chunks.
 class ChunkQueue {
  public:
-  /// `port` outlives the queue. `most`: chunks that may be borrowed at a time.
+  /// `port` must outlive the queue. `most` is the number of chunks that may be borrowed at a time.
   ChunkQueue(iox::popo::SubscriberPortData& port, std::uint32_t most, const FieldMask& mask)
       : data_(port), port_(&port), slots_(most, mask) {
-    // The capacity lies in shared memory, where other programs can write.
+    // The capacity is limited, because it is in shared memory, where other programs can write.
     kept_.reserve(std::min<std::size_t>(capacity(), iox::MAX_SUBSCRIBER_QUEUE_CAPACITY));
   }
 
@@ -30,30 +30,31 @@ class ChunkQueue {
   std::uint64_t capacity() const noexcept { return data_.m_chunkReceiverData.m_queue.capacity(); }
 
   struct Taken {
-    ChunkSlot* slot = nullptr;   ///< null: there is no chunk, or the limit is reached
-    bool overflowed = false;     ///< samples before this one were lost since the last one was taken
-    bool limit_reached = false;  ///< a chunk waits, but none can be borrowed; reported once until one is back
-    std::uint64_t popped = 0;    ///< chunks taken so far
+    ChunkSlot* slot = nullptr;  ///< the slot with the chunk; null: there is no chunk, or the limit is reached
+    bool overflowed = false;    ///< true if samples before this one were lost since the last one was taken
+    /// True if a chunk waits, but none can be borrowed; reported once until a chunk is given back.
+    bool limit_reached = false;
+    std::uint64_t popped = 0;  ///< number of chunks taken so far
   };
   /// Borrows the oldest chunk if a slot is free for it. Otherwise the chunk stays in the queue, which may
   /// overflow. iceoryx itself would drop a chunk that exceeds its limit of held chunks.
   Taken take() noexcept;
   void give_back(ChunkSlot& slot) noexcept;
 
-  /// Returns whether a chunk waits, also one for which no slot is free.
+  /// Returns whether a chunk waits, even if no slot is free for it.
   bool some_wait() const noexcept;
   /// Returns a number that changes whenever a sample has arrived.
   std::uint64_t arrivals() noexcept;
 
-  bool open() const noexcept;     ///< neither closed nor lost
-  bool drained() const noexcept;  ///< not open, and no sample remains to be taken
+  bool open() const noexcept;     ///< true if the queue is neither closed nor lost
+  bool drained() const noexcept;  ///< true if the queue is not open, and no sample remains to be taken
   void close() noexcept;
-  /// Returns how many samples remain to be taken after close() or lose(); 0 before.
+  /// Returns the number of samples that remain to be taken after close() or lose(); 0 before.
   std::uint64_t left() const noexcept;
   /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
   bool drop_oldest() noexcept;
-  /// The session is lost. The samples that have arrived stay mapped, and their memory is not lent anew,
-  /// because this reader never gives it back.
+  /// Notes that the session is lost. The samples that have arrived stay mapped, and their memory is not
+  /// lent anew, because this reader never gives it back.
   void lose(SessionMember::Loss loss) noexcept;
 
  private:
@@ -65,19 +66,19 @@ class ChunkQueue {
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  ///< never held over a system call
   iox::popo::SubscriberPortUser port_ SFT_GUARDED_BY(mutex_);
   ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
-  bool open_ SFT_GUARDED_BY(mutex_) = true;  ///< neither closed nor lost
-  /// The session is lost, and iceoryx must not be used any more.
+  bool open_ SFT_GUARDED_BY(mutex_) = true;  ///< true if the queue is neither closed nor lost
+  /// True if the session is lost, and iceoryx must not be used any more.
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
-  /// The samples that had arrived at close() and are not yet taken.
+  /// The number of samples that had arrived at close() and are not yet taken.
   std::uint64_t arrived_ SFT_GUARDED_BY(mutex_) = 0;
   /// The chunks that had arrived at lose(), of which the first `kept_taken_` are taken.
   std::vector<iox::mepoo::ChunkHeader*> kept_ SFT_GUARDED_BY(mutex_);
   std::size_t kept_taken_ SFT_GUARDED_BY(mutex_) = 0;
-  std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< chunks taken out of the queue
-  std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< overflows that arrivals() has noticed
-  /// An overflow was noticed, and take() has not reported it.
+  std::uint64_t popped_ SFT_GUARDED_BY(mutex_) = 0;     ///< number of chunks taken out of the queue
+  std::uint64_t overflows_ SFT_GUARDED_BY(mutex_) = 0;  ///< number of overflows that arrivals() has noticed
+  /// True if an overflow was noticed, and take() has not reported it.
   bool overflow_is_unreported_ SFT_GUARDED_BY(mutex_) = false;
-  /// The limit of borrowed chunks is reached, and take() has reported it.
+  /// True if the limit of borrowed chunks is reached, and take() has reported it.
   bool at_limit_ SFT_GUARDED_BY(mutex_) = false;
 };
 

@@ -34,8 +34,8 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
       is_deepest_(wishes.deepest),
       queue_(port, held_limit, type.full()) {}
 
-/// All samples are back when this runs. The session gives the port back as soon as no writer delivers to it
-/// any more.
+/// When this runs, all samples are back. The session gives the port back as soon as no writer delivers to
+/// it any more.
 ChunkBorrower::~ChunkBorrower() {
   close();
   session_->retire(&queue_.port());
@@ -72,15 +72,15 @@ void ChunkBorrower::wake_writer() noexcept {
   if (owes_wake_.exchange(false, std::memory_order_relaxed)) QueueRoom(queue_.port()).wake();
 }
 
-/// Counts that a chunk waits, but the limit of held samples is reached.
+/// Counts the case that a chunk waits, but the limit of held samples is reached.
 void ChunkBorrower::count_held_too_many() noexcept {
   held_too_many_.fetch_add(1, std::memory_order_relaxed);
   statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
 }
 
-/// Checks the sample, and copies the checked values into the buffer, which lies in the memory of this
+/// Checks the sample, and copies the checked values into the buffer, which is in the memory of this
 /// process. The header in the chunk must not be read again, because a hostile writer can still change it.
-/// `popped`: the number of chunks taken out of the queue so far.
+/// `popped` is the number of chunks taken out of the queue so far.
 bool ChunkBorrower::check(ChunkSlot& slot, std::uint64_t popped) noexcept {
   SampleBuffer& buffer = slot.buffer;
   buffer.data = static_cast<std::byte*>(slot.chunk->userPayload());
@@ -177,7 +177,7 @@ void ShmReaderPort::drop_excess() noexcept {
   }
 }
 
-/// Removes the departed writers whose samples were all taken or dropped, and returns these writers.
+/// Removes the departed writers whose samples were all taken or dropped. Returns these writers.
 ShmReaderPort::Writers ShmReaderPort::forget_drained() noexcept {
   Writers drained;
   std::erase_if(departed_, [&drained](const auto& writer) {

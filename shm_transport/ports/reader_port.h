@@ -4,8 +4,9 @@
 // Samples that had come before the session was lost can still be taken.
 //
 // Samples of a writer from which the reader was disconnected can still be taken, and come first. At most
-// `depth` of them are kept in all, because a publisher that is restarted again and again while nobody takes
-// must not use up the chunks and ports of the daemon. The oldest samples are dropped, and are counted.
+// `depth` of them are kept in all, because a publisher that is restarted again and again while no thread
+// takes samples must not use up the chunks and ports of the daemon. The oldest samples are dropped, and are
+// counted.
 #pragma once
 
 #include <algorithm>
@@ -26,8 +27,8 @@
 
 namespace sft::shm {
 
-/// The connection of a reader to one writer: finds the samples in the chunks of its queue, and lends them
-/// out. It outlives the port of the reader for as long as any of its samples is held.
+/// The connection of a reader to one writer. It finds the samples in the chunks of its queue, and lends
+/// them out. It outlives the port of the reader for as long as any of its samples is held.
 class ChunkBorrower final : public core::BufferOwner,
                             public SessionMember,
                             public std::enable_shared_from_this<ChunkBorrower> {
@@ -39,10 +40,12 @@ class ChunkBorrower final : public core::BufferOwner,
   ~ChunkBorrower() override;
 
   core::EndpointId writer() const { return writer_; }
-  bool open() const noexcept { return queue_.open(); }        ///< neither closed nor lost
-  bool drained() const noexcept { return queue_.drained(); }  ///< not open, and no sample remains to be taken
-  bool connected() noexcept;                                  ///< only one thread at a time may call it
-  /// Returns whether the retained samples of the writer come first and nothing has come yet.
+  /// True if the queue is neither closed nor lost.
+  bool open() const noexcept { return queue_.open(); }
+  /// True if the queue is not open, and no sample remains to be taken.
+  bool drained() const noexcept { return queue_.drained(); }
+  bool connected() noexcept;  ///< must be called by one thread at a time
+  /// Returns whether the retained samples of the writer come first and no sample has come yet.
   bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
   bool some_wait() const noexcept { return queue_.some_wait(); }
   /// Returns a number that changes whenever a sample has arrived.
@@ -50,20 +53,20 @@ class ChunkBorrower final : public core::BufferOwner,
   std::uint64_t discarded() const noexcept { return discarded_.load(std::memory_order_relaxed); }
   std::uint64_t held_too_many() const noexcept { return held_too_many_.load(std::memory_order_relaxed); }
 
-  /// Takes the oldest valid sample. Malformed samples are counted and skipped. Only one thread at a time may
-  /// call it.
+  /// Takes the oldest valid sample. Malformed samples are counted and skipped. Must be called by one thread
+  /// at a time.
   core::SampleHandle take() noexcept;
-  /// Returns whether a sample was taken while the writer waited for room. Any thread.
+  /// Returns whether a sample was taken while the writer waited for room. Any thread may call this.
   bool owes_wake() const noexcept { return owes_wake_.load(std::memory_order_relaxed); }
-  /// Wakes the writer if owes_wake() is true. Any thread; the caller holds no lock.
+  /// Wakes the writer if owes_wake() is true. Any thread may call this, but must hold no lock.
   void wake_writer() noexcept;
   /// Ends the connection. The samples that have arrived before can still be taken.
   void close() noexcept { queue_.close(); }
-  /// Returns how many samples remain to be taken once open() is false; 0 until then.
+  /// Returns the number of samples that remain to be taken once open() is false; 0 until then.
   std::uint64_t left() const noexcept { return queue_.left(); }
-  /// Drops the oldest of the samples that remain once open() is false. Does nothing until then.
+  /// Drops the oldest remaining sample once open() is false. Does nothing until then.
   void drop_oldest() noexcept;
-  /// Returns how many samples are missing without a gap in the sequence numbers that shows them.
+  /// Returns the number of missing samples that no gap in the sequence numbers shows.
   std::uint64_t lost_unnoticed() const noexcept { return losses_.lost_unnoticed(); }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
@@ -83,16 +86,16 @@ class ChunkBorrower final : public core::BufferOwner,
   const TypeSupport& type_;
   const std::shared_ptr<Statistics> statistics_;
   const bool retained_first_;
-  const bool is_awaited_;  ///< the writer waits for room in the queue
-  const bool is_deepest_;  ///< the queue has no place to spare
+  const bool is_awaited_;  ///< true if the writer waits for room in the queue
+  const bool is_deepest_;  ///< true if the queue has no spare place
   std::atomic<bool> owes_wake_{false};
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};
 
-  /// The port of the writer where it was last found. Only the thread that calls connected() uses it.
+  /// The port of the writer where it was last found. Used only by the thread that calls connected().
   const iox::popo::PublisherPortData* feeder_ = nullptr;
 
-  LossAccount losses_;  ///< only the thread that takes or drops samples uses it
+  LossAccount losses_;  ///< used only by the thread that takes or drops samples
   ChunkQueue queue_;
 };
 
@@ -134,7 +137,7 @@ class ShmReaderPort final : public core::BorrowingReader {
   /// The writers that were disconnected and are not yet drained, in the order of disconnection.
   Writers departed_ SFT_GUARDED_BY(mutex_);
   std::size_t next_writer_ SFT_GUARDED_BY(mutex_) = 0;
-  // The sums of the counters of writers that were drained and forgotten.
+  // The sums of the counters of writers that were drained and removed.
   std::uint64_t discarded_before_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t held_too_many_before_ SFT_GUARDED_BY(mutex_) = 0;
   std::uint64_t lost_unnoticed_ SFT_GUARDED_BY(mutex_) = 0;

@@ -21,11 +21,11 @@ using iox::mepoo::ShmSafeUnmanagedChunk;
 
 namespace {
 
-// This size is far above any pool. It keeps sums of sizes below 2^32.
+// The limit of a sample's size, far above any pool. It keeps sums of sizes below 2^32.
 constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 
 // The number and the length of the pauses in which a send waits for the lock of its port while the daemon
-// holds it.
+// holds the lock.
 constexpr int lock_attempts = 20;
 constexpr std::chrono::microseconds lock_pause{50};
 
@@ -59,8 +59,8 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
       pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
       slots_(held_limit, full_mask_) {}
 
-/// All samples are back when this runs. Marking the ports only writes to mapped memory, so it is allowed even
-/// if the daemon is gone.
+/// When this runs, all samples are back. Marking the ports only writes to mapped memory, so it is allowed
+/// even if the daemon is gone.
 ChunkLender::~ChunkLender() {
   if (session_ == nullptr) return;
   port_.destroy();
@@ -70,7 +70,7 @@ ChunkLender::~ChunkLender() {
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
-  ChunkPools* pools = nullptr;  // of the session, which stays as long as the slot is in use
+  ChunkPools* pools = nullptr;  // the pools of the session, which stays as long as the slot is in use
   {
     const core::Lock lock(mutex_);
     pools = &pools_;
@@ -88,7 +88,8 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
     return {};
   }
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
-  buffer.capacity = bytes;  // not the size in the chunk's header, which every client can overwrite
+  // The size in the chunk's header is not used, because every client can overwrite it.
+  buffer.capacity = bytes;
   buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
   new (buffer.data) detail::SampleHeader{};
@@ -96,7 +97,8 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
 }
 
 ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
-  // If nobody else holds the last chunk of a publisher, iceoryx lends it again, even if all pools are empty.
+  // If no other process holds the last chunk of a publisher, iceoryx lends that chunk again, even if all
+  // pools are empty.
   auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
   if (last.isNotLogicalNullptrAndHasNoOtherOwners() &&
       last.getChunkHeader()->chunkSize() >= payload_for(bytes) + chunk_header_size) {
@@ -132,8 +134,9 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
   if (lost_) return Commit::lost;
   bool full = false;
   if (to_readers) {
-    // The lock is recursive. sendChunk() takes it, too, and cannot block any more when this thread already
-    // holds it. It could block otherwise, if the daemon was stopped while it held the lock.
+    // The lock is recursive. sendChunk() takes it, too, and cannot block on it any more when this thread
+    // already holds it. Otherwise sendChunk() could block, if the daemon was stopped while it held the
+    // lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     attached_.look(port.m_queues, *session_);
@@ -151,7 +154,8 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
   if (attached_.all_want_all()) {
-    // The chunk goes back into iceoryx's own list of loans, because only a chunk in this list can be sent.
+    // The chunk is put back into iceoryx's own list of loans, because only a chunk in this list can be
+    // sent.
     port.m_chunksInUse.insert(slot.name.cloneToSharedChunk());
     before_chunk_leaves();
     attached_.make_room(slot.buffer.capacity);
@@ -176,8 +180,8 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue(std::uint64_t byte
   return FullQueue{full->places, full->bytes.beside(bytes), session_};
 }
 
-/// Waits without a lock. If the reader goes meanwhile, the memory of its port stays mapped, and only words in
-/// that memory are read and written.
+/// Waits without a lock. If the reader is removed meanwhile, the memory of its port stays mapped, and only
+/// words in that memory are read and written.
 void ChunkLender::await_room(const ChunkSlot& slot, Clock::time_point until) noexcept {
   std::optional<FullQueue> full = full_queue(slot.buffer.capacity);
   if (!full) return;
@@ -237,7 +241,8 @@ void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
-  std::shared_ptr<Session> gone;  // its destructor unmaps memory, so it must run after the lock is released
+  // May be the last reference: the destructor unmaps memory, so it must run after the lock is released.
+  std::shared_ptr<Session> gone;
   const core::Lock lock(mutex_);
   if (!lost_) {
     const ChunkInHand hand(publisher_);
@@ -255,14 +260,13 @@ void ChunkLender::lose(Loss) noexcept {
   gone = let_go();
 }
 
-/// Returns the session if this writer does not need its memory any more.
+/// Returns the session if this writer does not need the session's memory any more.
 std::shared_ptr<Session> ChunkLender::let_go() noexcept {
   return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
 }
 
 bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
-  // The flag needs no lock, because the thread that calls this is also the one that calls commit(), which
-  // sets it.
+  // The flag needs no lock: the same thread calls this function and commit(), which sets the flag.
   return sample.owner.get() == this && !static_cast<const ChunkSlot*>(sample.owner_data)->sent;
 }
 
@@ -288,10 +292,10 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
 }
 
-/// Rings for the list of doorbells that send() has loaded, and for a new list if there is one: readers may
-/// have changed their conditions meanwhile, and got the sample by new ones. set_routes() ensures that one of
-/// the two lists has the gate that let the sample into a queue. A reader that is woken twice finds nothing
-/// the second time.
+/// Rings the doorbells of the list that send() has loaded. If there is a new list, rings those, too:
+/// readers may have changed their conditions meanwhile, and got the sample by the new ones. set_routes()
+/// ensures that one of the two lists has the gate that let the sample into a queue. A reader that is woken
+/// twice finds no sample the second time.
 void ShmWriterPort::ring() noexcept {
   const Doorbells* before = doorbells_.loaded().get();
   pages_->ring(doorbells_.loaded());
@@ -308,7 +312,7 @@ ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool
   return committed;
 }
 
-/// Waits until all readers for which this writer waits have room. If the timeout ends before, the readers
+/// Waits until all readers for which this writer waits have room. If the timeout ends first, the readers
 /// without room lose their oldest sample.
 ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
   const Clock::time_point until = Clock::now() + timeout_;

@@ -3,18 +3,18 @@
 //
 // Chunks: iceoryx itself keeps account of at most 8 chunks on loan. As soon as all readers have released a
 // sent chunk, iceoryx uses it for the next loan. But other parts of this process may have a handle to the
-// chunk and still read it: the history, or a transmission to another host. So each chunk is in a list of held
-// chunks from the loan until its last handle is gone. The list is that of a subscriber port that belongs to
-// this writer alone and is never subscribed (the keeper). If this process is killed, the daemon finds the
-// chunks there and frees them. (A keeper that is subscribed would do as well, but costs a push, a pop and a
-// release for each sample.)
+// chunk and still read it: the history, or a transmission to another host. So each chunk is in a list of
+// held chunks from the loan until its last handle is gone. The list is that of a subscriber port that
+// belongs to this writer alone and is never subscribed (the keeper). If this process is killed, the daemon
+// finds the chunks there and frees them. (A subscribed keeper would work as well, but costs a push, a pop
+// and a release for each sample.)
 //
-// If the process is killed while it takes, delivers or gives back a chunk, that chunk has references that are
-// in no list (chunk_hand.h).
+// If the process is killed while it takes, delivers or gives back a chunk, that chunk has references that
+// are in no list (chunk_hand.h).
 //
 // Late readers get the retained samples before all others (attached_queues.h). A writer with `max_blocking`
-// waits for room in the queues of the reliable readers that it serves (queue_room.h). All other readers lose
-// their oldest sample when their queue is full.
+// waits for room in the queues of the reliable readers that it serves (queue_room.h). All other readers
+// lose their oldest sample when their queue is full.
 #pragma once
 
 #include <chrono>
@@ -37,8 +37,8 @@
 namespace sft::shm {
 
 /// The memory of one writer. It outlives the port for as long as any of its samples is held. After its
-/// session is lost and all samples are back, it releases that memory at once, because a publisher that
-/// publishes nothing may keep its port for long.
+/// session is lost and all samples are back, it releases the session's memory at once, because a publisher
+/// that publishes nothing may keep its port for long.
 class ChunkLender final : public core::BufferOwner,
                           public SessionMember,
                           public std::enable_shared_from_this<ChunkLender> {
@@ -49,18 +49,19 @@ class ChunkLender final : public core::BufferOwner,
                                            const core::WriterSpec& spec, std::uint32_t held_limit);
   ~ChunkLender() override;
 
-  /// Returns a chunk with a new header; empty if no chunk is free, or none is large enough. Any thread.
+  /// Returns a chunk with a new header; empty if no chunk is free, or none is large enough. Any thread may
+  /// call this.
   core::SampleHandle lend(std::size_t bytes) noexcept;
-  /// Returns how many bytes the largest chunk holds. Any thread.
+  /// Returns the number of bytes that the largest chunk holds. Any thread may call this.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
 
   enum class Commit { done, displaced, busy, full, lost };
-  /// Delivers a lent sample to all readers that are served and want it, or to none. `busy`: the daemon holds
-  /// the lock of the port. The daemon holds it for microseconds, unless it was stopped or killed meanwhile.
-  /// `full`: `may_wait` is true, and a reader for which the writer waits has no room. `displaced`: `may_wait`
-  /// is false, and such a reader has lost its oldest sample.
+  /// Delivers a lent sample to all readers that are served and want it, or to no reader if `to_readers` is
+  /// false. `busy`: the daemon holds the lock of the port. The daemon holds it for microseconds, unless it
+  /// was stopped or killed meanwhile. `full`: `may_wait` is true, and a reader for which the writer waits
+  /// has no room. `displaced`: `may_wait` is false, and such a reader has lost its oldest sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Sleeps until the reader whose queue made commit() of the sample return `full` has room, but at most
+  /// Called after commit() has returned `full`. Sleeps until the reader without room has room, but at most
   /// until `until`, and never long. The caller then tries commit() again.
   void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
 
@@ -69,13 +70,14 @@ class ChunkLender final : public core::BufferOwner,
   /// Returns whether the sample was lent here.
   bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
 
-  // The functions for late readers, which wait for retained samples (attached_queues.h). They do not wait for
-  // the daemon: if it holds the lock of the port, the result is the same as if no reader waited.
+  // The following functions are for late readers, which wait for retained samples (attached_queues.h). They
+  // do not wait for the daemon: if it holds the lock of the port, the result is the same as if no reader
+  // waited.
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
   bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
              std::uint64_t held_back) noexcept;
   void owe_nothing(std::set<core::EndpointId> readers) noexcept;
-  /// Sets the readers for which commit() waits, if they ask for it.
+  /// Sets the readers for which commit() waits, if they request it.
   void wait_for(std::set<core::EndpointId> readers) noexcept;
   /// Sets the readers that get samples (attached_queues.h).
   void serve(AttachedQueues::Served readers) noexcept;
@@ -92,7 +94,7 @@ class ChunkLender final : public core::BufferOwner,
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     QueuePlaces places;
-    std::uint64_t beside = 0;          ///< the samples that may wait beside the next one
+    std::uint64_t beside = 0;          ///< number of samples that may wait beside the next one
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue(std::uint64_t bytes) noexcept;
@@ -101,12 +103,12 @@ class ChunkLender final : public core::BufferOwner,
   const FieldMask full_mask_;
   const std::size_t largest_bytes_;
   const bool retains_;
-  const bool waits_;  ///< the writer waits for reliable readers
+  const bool waits_;  ///< true if the writer waits for reliable readers
 
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  // never held over a system call
-  /// The session is lost, and iceoryx must not be used any more.
+  /// True if the session is lost, and iceoryx must not be used any more.
   bool lost_ SFT_GUARDED_BY(mutex_) = false;
-  /// Keeps the memory of the ports mapped; null: do not use them.
+  /// Keeps the memory of the ports mapped; null: the ports must not be used.
   std::shared_ptr<Session> session_ SFT_GUARDED_BY(mutex_);
   iox::popo::PublisherPortData& publisher_ SFT_GUARDED_BY(mutex_);
   iox::popo::PublisherPortUser port_ SFT_GUARDED_BY(mutex_);
@@ -154,15 +156,17 @@ class ShmWriterPort final : public core::LendingWriter {
   const std::shared_ptr<DoorbellPages> pages_;
   const std::shared_ptr<Statistics> statistics_;
   const std::chrono::nanoseconds max_blocking_;
-  const core::TrustedAccounts reader_accounts_;               ///< the accounts whose doorbells are rung
-  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;  ///< kept open until routes are set
-  std::vector<core::Route> routes_;                           ///< the routes that are in force
+  /// The accounts whose doorbells this writer rings.
+  const core::TrustedAccounts reader_accounts_;
+  /// Pages that are kept open until routes are set.
+  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;
+  std::vector<core::Route> routes_;  ///< the routes in force
 
-  // The thread of the publisher uses these two members.
+  // The next two members are used by the thread of the publisher.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
-  std::chrono::nanoseconds timeout_{0};  ///< how long the current sample may still wait
+  std::chrono::nanoseconds timeout_{0};  ///< the remaining time for which the present sample may wait
 
-  core::Published<Doorbells> doorbells_;  ///< null if there are no routes
+  core::Published<Doorbells> doorbells_;  ///< the doorbells of the routes; null if there are no routes
 };
 
 }  // namespace sft::shm

@@ -16,7 +16,7 @@ using iox::mepoo::ChunkManagement;
 
 namespace {
 
-constexpr int looks_max = 10;  // a look takes about 0.1 ms
+constexpr int looks_max = 10;  // number of attempts; each takes about 0.1 ms
 
 std::uint64_t id_of(const iox::popo::UniquePortId& id) {
   return static_cast<iox::popo::UniquePortId::value_type>(id);
@@ -52,7 +52,8 @@ ChunkAuditor::Audit ChunkAuditor::audit() {
   return {Finding::busy};
 }
 
-/// Programs go on during a look. If one of them has had a chunk in hand meanwhile, the result is invalid.
+/// Programs continue during a look. If one of them has had a chunk in hand meanwhile, the result is
+/// invalid.
 ChunkAuditor::Look ChunkAuditor::look() const {
   const InHandCounts before = in_hand_counts();
   if (std::ranges::any_of(before, is_odd)) return {Finding::busy};
@@ -61,8 +62,8 @@ ChunkAuditor::Look ChunkAuditor::look() const {
 }
 
 /// Reads each count by adding zero to it. Unlike a load, this keeps earlier reads of the memory before it:
-/// the store that the addition makes is a release, and comes before the mark of a program that takes a chunk
-/// in hand after it. The processors that SFT runs on guarantee this, C++ does not, because that program
+/// the store of the addition is a release, and comes before the mark of a program that takes a chunk in
+/// hand later. The processors that SFT runs on guarantee this order. C++ does not, because that program
 /// acquires nothing.
 ChunkAuditor::InHandCounts ChunkAuditor::in_hand_counts() const {
   InHandCounts counts;
@@ -93,8 +94,8 @@ ChunkAuditor::Look ChunkAuditor::find_lost() const {
   return {Finding::audited, std::move(lost)};
 }
 
-/// Marks each header that counts references, and its chunk, if a known writer took the chunk. The free chunks
-/// are marked already.
+/// Marks each header that counts references. Also marks its chunk, if a known writer took the chunk. The
+/// free chunks are marked already.
 void ChunkAuditor::mark_owned(ChunkMarks& accounted) const {
   for (std::uint32_t i = 0; i < pools_.back().chunk_count(); ++i) {
     const auto& header = *reinterpret_cast<const ChunkManagement*>(pools_.back().at(i));

@@ -1,11 +1,11 @@
 // Finds the chunks that killed programs left taken, and frees them.
 //
-// A program that is killed while it has a chunk in hand (chunk_hand.h) can leave references that are counted
-// but that no process has, a chunk without a header, or a wrong count of free chunks. No single place tells
-// which chunks are lost. So the auditor looks at the whole memory, at a moment at which no living program has
-// a chunk in hand. A chunk that is rightly taken then has a header with references, and the writer that took
-// it still exists or still has readers, because only these can have references to it. Every other chunk that
-// is taken is lost.
+// A program that is killed while it has a chunk in hand (chunk_hand.h) can leave references that are
+// counted but that no process has, a chunk without a header, or a wrong count of free chunks. No single
+// place shows which chunks are lost. So the auditor examines the whole memory, at a moment at which no
+// living program has a chunk in hand. At that moment, a chunk that is rightly taken has a header with
+// references, and the writer that took it still exists or still has readers, because only these can have
+// references to it. Every other chunk that is taken is lost.
 #pragma once
 
 #include <cstddef>
@@ -23,35 +23,36 @@ class PortPool;
 
 namespace sft::shm {
 
-/// One thread at a time uses it. That thread keeps ports from being created or destroyed meanwhile.
+/// Used by one thread at a time. That thread must keep ports from being created or destroyed meanwhile.
 class ChunkAuditor {
  public:
-  /// Both arguments outlive this object. `memory` is configured already.
+  /// Both arguments must outlive this object. `memory` must be configured already.
   ChunkAuditor(iox::roudi::PortPool& ports, iox::mepoo::MemoryManager& memory);
 
-  /// Notes which writers exist. It must be called before any of them is gone.
+  /// Notes which writers exist. Must be called before any of them is gone.
   void note_ports();
 
   enum class Finding {
-    busy,     ///< some program had a chunk in hand at each look; nothing is known
-    damaged,  ///< a list of free chunks is damaged, so that it does not tell which chunks are lost
+    busy,     ///< in each attempt, some program had a chunk in hand; nothing is known about lost chunks
+    damaged,  ///< a list of free chunks is damaged, so that it does not show which chunks are lost
     audited,
   };
   struct Audit {
     Finding finding;
-    std::size_t freed = 0;  ///< chunks that were lost
+    std::size_t freed = 0;  ///< number of lost chunks that were freed
     bool operator==(const Audit&) const = default;
   };
-  /// Frees the chunks that are lost by now.
+  /// Frees the chunks that are lost at present.
   Audit audit();
 
  private:
   struct Lost {
-    std::vector<std::vector<std::uint32_t>> chunks;  ///< indices by pool; the headers come last
-    std::vector<std::int64_t> overcount;             ///< PoolLayout::overcount(), by pool
+    /// By pool: the indices of its chunks; the pool of headers comes last.
+    std::vector<std::vector<std::uint32_t>> chunks;
+    std::vector<std::int64_t> overcount;  ///< by pool: the result of PoolLayout::overcount()
   };
   using InHandCounts = std::vector<std::uint32_t>;
-  using ChunkMarks = std::vector<std::vector<bool>>;  ///< by pool and index
+  using ChunkMarks = std::vector<std::vector<bool>>;  ///< true or false, by pool and index
   struct Look {
     Finding finding;
     Lost lost{};

@@ -14,7 +14,7 @@ using iox::popo::SubscriberPortData;
 
 namespace {
 
-/// The layout of iceoryx's list of chunks in use. In iceoryx these members are private.
+/// The layout of iceoryx's list of chunks in use, whose members are private in iceoryx.
 template <std::uint32_t capacity>
 struct ListLayout {
   std::atomic_flag synchronizer;
@@ -80,7 +80,7 @@ std::uint64_t ChunkHoldings::bytes_of(const Chunk& chunk) const {
   struct {
     std::uint64_t segment_id;
     std::uint64_t offset;
-  } header{};  // iceoryx's management of a chunk begins with this relative pointer to the chunk
+  } header{};  // iceoryx's object for a chunk begins with this relative pointer to the chunk
   static_assert(sizeof header == sizeof(iox::rp::RelativePointer<iox::mepoo::ChunkHeader>));
   if (at > management_.size() || management_.size() - at < sizeof header) return 0;
   std::memcpy(&header, management_.data() + at, sizeof header);

@@ -3,9 +3,9 @@
 // A process is known by its runtime name, which is also the name of its socket in /tmp. If the name shows
 // that the process is in the daemon's pid namespace, it is dead when the process with its pid is dead: a
 // forked copy of it may still have the socket. The pid of a process in another container can belong to
-// another process here, so it only shows when to check the socket: the process is dead when no process
-// listens there any more. The pid then decides only if this user lacks the right to query the socket, or if
-// another process has removed the socket.
+// another process here, so that pid only shows when to check the socket: the process is dead when no
+// process listens there any more. The pid is decisive only if this user lacks the right to query the
+// socket, or if another process has removed the socket.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@ class ClientTable {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Any thread may call these functions; find_dead() one thread at a time.
+  // Any thread may call the following functions, but only one at a time may call find_dead().
   void add(const std::string& name, pid_t pid);
   void remove(const std::string& name);
   bool empty() const;
@@ -32,20 +32,20 @@ class ClientTable {
 
   struct Client {
     std::string name;
-    pid_t pid;  ///< as the process gave it, in its own pid namespace
+    pid_t pid;  ///< the process id that the process reported, in its own pid namespace
   };
   std::vector<Client> all() const;
 
-  /// Returns the registered processes that are dead. A call costs one system call while no process dies, and
-  /// once in a second one more for each process.
+  /// Returns the registered processes that are dead. A call makes one system call while no process dies,
+  /// and once per second one more for each process.
   std::vector<std::string> find_dead(Clock::time_point now);
 
   /// Returns whether the process is dead, or is not registered.
   bool is_gone(const std::string& name) const;
 
  private:
-  /// `life`: a pidfd, which becomes readable when the process is gone; invalid if no process here has that
-  /// pid. `has_own_pids`: its pid is one of the daemon's pid namespace.
+  /// A registered process. `life` is a pidfd, which becomes readable when the process is gone; invalid if
+  /// no process here has that pid. `has_own_pids` is true if its pid is one of the daemon's pid namespace.
   struct Process {
     pid_t pid = 0;
     bool has_own_pids = false;
@@ -56,7 +56,7 @@ class ClientTable {
   const std::string own_mark_ = pid_namespace_mark();
   mutable core::Mutex mutex_;
   std::map<std::string, Process> clients_ SFT_GUARDED_BY(mutex_);
-  Clock::time_point next_round_{};  ///< when find_dead() looks at all sockets again; only find_dead() uses it
+  Clock::time_point next_round_{};  ///< time of the next check of all sockets; used only by find_dead()
 };
 
 }  // namespace sft::shm

@@ -18,8 +18,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The daemon writes its status twice a second. If the status is older than this, the daemon does not answer,
-// because even a busy machine delays it less.
+// The daemon writes its status twice a second. If the status is older than this, the daemon counts as not
+// answering, because even a busy machine delays it less.
 constexpr std::chrono::nanoseconds silence_max = 3s;
 
 ExitCode print_error(ExitCode code, const std::string& text) {
@@ -27,7 +27,7 @@ ExitCode print_error(ExitCode code, const std::string& text) {
   return code;
 }
 
-/// Says why the daemon does not answer; empty if it does.
+/// Returns the reason why the daemon does not answer; empty if it answers.
 std::string why_it_does_not_answer(const RunningDaemon& daemon, const std::optional<Status>& status) {
   const std::string name = fmt::format("the daemon (pid {}) ", daemon.pid());
   if (daemon.is_stopped()) return name + "is stopped, by a signal or a debugger; continue it: kill -CONT";

@@ -7,10 +7,10 @@
 
 namespace sft::shm {
 
-/// Prints the last status of the daemon. If the daemon does not answer, the command prints that as well.
+/// Prints the last status of the daemon. If the daemon does not answer, the command also prints that.
 ExitCode print_status(bool as_json);
 
-/// Asks the daemon to end, waits until it has ended, and names the programs that still used it.
+/// Requests that the daemon ends, waits until it has ended, and names the programs that still used it.
 ExitCode stop_daemon(std::chrono::milliseconds timeout);
 
 }  // namespace sft::shm

@@ -11,12 +11,12 @@ namespace sft::shm {
 namespace {
 
 constexpr std::int64_t largest_mib = 1 << 20;
-constexpr std::int64_t largest_pool_kib = 1 << 20;  // iceoryx was tried up to here
+constexpr std::int64_t largest_pool_kib = 1 << 20;  // iceoryx was tested up to this size
 constexpr std::int64_t most_chunks = 1 << 20;
 constexpr std::int64_t longest_idle_s = 1 << 30;
 constexpr std::size_t most_pools = 32;
 
-/// The first error in the configuration file. Later ones are left out.
+/// The first error in the configuration file. Later errors are ignored.
 class FirstError {
  public:
   explicit FirstError(std::string file) : file_(std::move(file)) {}
@@ -32,7 +32,8 @@ class FirstError {
   std::string text_;
 };
 
-/// A table of the file. Each of its keys must be read by a caller; refuse_the_rest() refuses the others.
+/// A table of the file. Each of its keys must be read by a caller. refuse_the_rest() refuses all other
+/// keys.
 class Section {
  public:
   Section(const toml::table& table, std::string name, FirstError& first_error)

@@ -17,8 +17,8 @@
 //   writers = "sft_writers"
 //   readers = "sft_readers"
 //
-// Every entry may be left out. An unknown key or a wrong value is refused, because a setting that is silently
-// ignored costs more than a daemon that does not start.
+// Every entry may be left out. An unknown key or a wrong value is refused, because a setting that is
+// silently ignored does more harm than a daemon that does not start.
 #pragma once
 
 #include <optional>

@@ -31,17 +31,18 @@ using namespace std::chrono_literals;
 
 constexpr auto tick = 500ms;
 constexpr auto sweep_interval = 10s;
-// How long the daemon waits without clients before it starts afresh. In this time a service manager can start
-// a program again that has crashed.
+// The time without clients after which the daemon starts afresh, if it has a reason to. In this time a
+// service manager can restart a program that has crashed.
 constexpr auto renewal_delay = 2s;
-// A daemon that is younger than this does not start afresh.
+// The age below which a daemon does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// Nodes look for their daemon, and release its memory when it is gone. A node that gets samples from that
-// memory does so at once. This time is enough for all nodes.
+// The time that is enough for all nodes to release the memory of a daemon that is gone. Nodes look for
+// their daemon regularly, and release its memory when it is gone. A node that gets samples from that memory
+// does so at once.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
-/// For each process sftd has one descriptor to watch it, and another one to answer it. For itself it has
-/// fewer than `own_descriptors`.
+/// The number of descriptors that sftd needs. For each process it has one descriptor to watch the process,
+/// and another one to answer it. For itself it has fewer than `own_descriptors`.
 constexpr std::size_t descriptors_per_process = 2, own_descriptors = 40;
 
 ExitCode exit_code_of_start(const Error& error) {
@@ -58,9 +59,9 @@ Daemon::Daemon(const DaemonSettings& settings, const Log& log, OwnFiles files, G
       since_ns_(core::realtime_ns()),
       errors_(log) {}
 
-/// The order matters: this daemon takes its locks before it touches anything of iceoryx, because iceoryx
-/// aborts if it finds another daemon. Only locks and sockets show whether a daemon lives. All other files are
-/// leftovers.
+/// The order matters: this daemon takes its locks before it touches any file of iceoryx, because iceoryx
+/// aborts if it finds another daemon. Only locks and sockets show whether a daemon lives. All other files
+/// are leftovers.
 Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, EndProcess end) {
   if (!functions_are_replaced()) return refuse(ExitCode::failed, not_replaced);
   if (const std::string lacking = Surroundings{}.lacking(); !lacking.empty())
@@ -111,9 +112,9 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   return daemon;
 }
 
-/// Ends iceoryx before the files are removed. Another daemon may start once they are gone. If iceoryx were
-/// ended only then, it would remove the socket and the memory of that daemon, because they have the same
-/// names. No program knows this daemon yet.
+/// Ends iceoryx before the files are removed. Another daemon may start once the files are gone. If iceoryx
+/// were ended only then, it would remove the socket and the memory of that daemon, because they have the
+/// same names. No program knows this daemon yet.
 void Daemon::end_hosting() {
   roudi_.reset();
   ports_.reset();
@@ -238,8 +239,9 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
 }
 
 /// Programs release the memory of this daemon when they notice that it is gone. Then the next daemon finds
-/// that memory free. A program that has released it has closed the socket for this daemon's answers. If the
-/// name of a socket was removed, that cannot be seen, and the daemon waits for the whole time.
+/// that memory free. A program that has released the memory has closed the socket for this daemon's
+/// answers. If the name of a socket was removed, its end is not visible, and the daemon waits for the whole
+/// time.
 void Daemon::let_users_notice() {
   using enum SocketState;
   std::vector<std::string> sockets;

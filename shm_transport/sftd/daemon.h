@@ -1,5 +1,5 @@
-// The daemon sftd as a whole. It makes sure that there is only one daemon, makes the shared memory, announces
-// itself by the host file in /dev/shm, serves, and ends.
+// The daemon sftd as a whole. It ensures that there is only one daemon, makes the shared memory, announces
+// itself by the host file in /dev/shm, serves programs, and ends.
 #pragma once
 
 #include <chrono>
@@ -24,30 +24,31 @@ namespace sft::shm {
 class Daemon {
  public:
   using Started = tl::expected<std::unique_ptr<Daemon>, StartFailure>;
-  /// Ends this process. It is called from any thread if iceoryx reports, before the daemon has started, that
-  /// it cannot go on; iceoryx would crash otherwise.
+  /// Ends this process. Any thread calls it if iceoryx reports, before the daemon has started, that it
+  /// cannot continue. iceoryx would crash otherwise.
   using EndProcess = std::function<void(const StartFailure& why)>;
   static Started start(const DaemonSettings& settings, const Log& log, EndProcess end);
 
   enum class End {
     stopped,  ///< a signal stopped the daemon
-    idle,     ///< the daemon had no clients for as long as the settings say
-    /// The daemon must start afresh: no program can join, because the daemon's files have been removed; or it
-    /// has no clients, and the lost chunks of killed clients cannot be found.
+    idle,     ///< the daemon had no clients for the time in the settings
+    /// The daemon must start afresh for one of two reasons. No program can join, because the daemon's files
+    /// have been removed. Or the daemon has no clients, and the lost chunks of killed clients cannot be
+    /// found.
     renew,
   };
-  /// Describes in one sentence how much memory the daemon has taken.
+  /// Returns a sentence about the memory that the daemon has taken.
   std::string description() const;
 
-  /// Serves until one of these reasons to end. The signals that stop the daemon must be blocked in all
-  /// threads.
+  /// Serves until there is a reason to end, and returns that reason. The signals that stop the daemon must
+  /// be blocked in all threads.
   End serve();
 
   /// Removes the files of this daemon (OwnFiles::remove_all()). The memory itself stays for the processes
-  /// that still have it mapped, and is freed with the last of them. After this call the process must exit
-  /// without destroying anything.
+  /// that still have it mapped, and is freed with the last mapping. After this call the process must exit
+  /// without destroying any object.
   void remove_files(bool starts_again) { files_.remove_all(starts_again); }
-  /// Waits until the programs that still use this daemon have noticed that it is gone. It is called after
+  /// Waits until the programs that still use this daemon have noticed that it is gone. Called after
   /// remove_files(), if the daemon starts afresh.
   void let_users_notice();
 
@@ -68,11 +69,12 @@ class Daemon {
   const std::int64_t since_ns_;
   const std::chrono::steady_clock::time_point began_ = std::chrono::steady_clock::now();
   PoolPlan plan_;
-  bool status_was_written_ = true;  ///< at the last attempt
-  bool files_removed_ = false;      ///< files of this daemon were removed, so no program can join
+  bool status_was_written_ = true;  ///< true if the last attempt to write the status succeeded
+  bool files_removed_ = false;      ///< true if files of this daemon were removed, so no program can join
 
   IceoryxErrors errors_;
-  std::optional<iox::posix::FileLock> roudi_lock_;  ///< keeps an iox-roudi from replacing the segments
+  /// A lock that keeps an iox-roudi from replacing the segments.
+  std::optional<iox::posix::FileLock> roudi_lock_;
   std::unique_ptr<HostMemory> memory_;
   PageClearer clearer_;
   std::unique_ptr<iox::roudi::PortManager> ports_;

@@ -30,8 +30,8 @@ void print(ExitCode code, const std::string& message) {
   _exit(static_cast<int>(code));
 }
 
-/// Moves this descriptor behind the standard ones, and closes all others that the shell or a parent left
-/// open.
+/// Moves this descriptor behind the standard ones, and closes all other descriptors that the shell or a
+/// parent left open.
 int keep_only(int descriptor) {
   constexpr int first_free = 3;
   if (descriptor != first_free) dup3(descriptor, first_free, O_CLOEXEC);
@@ -67,7 +67,7 @@ Starter Starter::detach() {
 void Starter::report(ExitCode code, const std::string& message) {
   if (!channel_) return print(code, message);
   const std::string text = static_cast<char>(code) + message;
-  if (write(channel_.get(), text.data(), text.size()) < 0) return;  // the process that waits was killed
+  if (write(channel_.get(), text.data(), text.size()) < 0) return;  // fails if the waiting process was killed
   channel_ = Descriptor();
 }
 

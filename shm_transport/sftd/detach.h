@@ -1,5 +1,5 @@
-// Turns the process that a shell has started into a daemon. The command returns to the shell when the daemon
-// is ready, or says why it is not.
+// Turns the process that a shell has started into a daemon. The command returns to the shell when the
+// daemon is ready or has failed. In the second case, it prints the reason.
 #pragma once
 
 #include <string>
@@ -12,7 +12,8 @@ namespace sft::shm {
 /// The process that the shell has started. It waits in the foreground for the result of the start.
 class Starter {
  public:
-  /// The daemon stays in the foreground: no process waits, and messages go to the standard streams.
+  /// Returns a starter for a daemon that stays in the foreground: no process waits, and messages go to the
+  /// standard streams.
   static Starter in_foreground() { return Starter(Descriptor()); }
   /// Returns in a new process without a terminal, whose standard streams are /dev/null. The old process exits
   /// when the result is reported, with the reported code.

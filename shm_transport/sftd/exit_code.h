@@ -4,14 +4,15 @@
 namespace sft::shm {
 
 enum class ExitCode : unsigned char {
-  done = 0,      ///< the daemon is ready, or another one already was; the command status or stop is done
-  no_space = 1,  ///< /dev/shm has too little space
+  /// The daemon is ready, or another one already was; the command `status` or `stop` has succeeded.
+  done = 0,
+  no_space = 1,        ///< there is too little space in /dev/shm
   foreign_daemon = 2,  ///< another iceoryx daemon runs
-  failed = 3,          ///< any other failure; the message says which
+  failed = 3,          ///< any other failure, which the message names
   not_running = 4,     ///< status and stop: no sftd is running
   no_answer = 5,       ///< status and stop: the daemon does not answer, or does not end
-  not_permitted = 6,   ///< stop: the daemon is another user's
-  bad_config = 7,      ///< the configuration file is wrong, or names something that does not exist
+  not_permitted = 6,   ///< stop: the daemon belongs to another user
+  bad_config = 7,      ///< the configuration file is wrong, or names an object that does not exist
 };
 
 inline constexpr const char* exit_codes_help =

@@ -1,6 +1,6 @@
 // The shared memory of the daemon: iceoryx's management segment, and one segment with the pools of samples.
 // The class does the same as IceOryxRouDiMemoryManager, but returns failures as values, creates the files
-// quickly, and knows the position of the table of ports. Readers look in that table whether they are
+// quickly, and knows the position of the table of ports. From that table, readers learn whether they are
 // connected.
 #pragma once
 
@@ -39,7 +39,7 @@ struct SampleSegment {
 
 class HostMemory final : public iox::roudi::RouDiMemoryInterface {
  public:
-  /// Returns the size of the management segment for these pools.
+  /// Returns the size of the management segment for these pools, in bytes.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
   /// Creates the segments, whose files must not exist yet. Their memory is set aside in /dev/shm, except that
@@ -49,7 +49,7 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
 
   const SampleSegment& samples() const { return samples_; }
   std::span<const std::byte> management() const;
-  /// Returns the files of both segments, once.
+  /// Returns the files of both segments. Must be called only once.
   std::vector<SegmentFile> take_files() { return std::exchange(files_, {}); }
 
   std::uint64_t port_pool_offset() const;

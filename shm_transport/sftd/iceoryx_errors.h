@@ -1,8 +1,8 @@
 // Receives the errors that iceoryx reports in the daemon.
 //
-// While the daemon starts, an error must end the process: iceoryx would go on without the memory, files or
-// sockets that it could not get, and crash. Later each error concerns one client, which gets an answer, and
-// the error is only logged.
+// While the daemon starts, an error must end the process: iceoryx would continue without the memory, files
+// or sockets that it could not get, and crash. Later each error concerns one client, which gets an answer,
+// and the error is only logged.
 #pragma once
 
 #include <functional>
@@ -19,13 +19,13 @@ class IceoryxErrors {
  public:
   using EndProcess = std::function<void(const std::string& error)>;
 
-  /// `log` outlives this object.
+  /// `log` must outlive this object.
   explicit IceoryxErrors(const Log& log);
   IceoryxErrors(const IceoryxErrors&) = delete;
   IceoryxErrors& operator=(const IceoryxErrors&) = delete;
 
-  /// Sets the function that ends the process at an error; empty: errors are only logged. Any thread may call
-  /// it.
+  /// Sets the function that ends the process at an error; empty: errors are only logged. Any thread may
+  /// call this.
   void end_process_with(EndProcess end);
 
  private:

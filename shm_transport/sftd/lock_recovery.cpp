@@ -44,8 +44,8 @@ void LockRecovery::note_ports() {
   known_.swap(ports);
 }
 
-/// Opens the locks of queues before those of publishers. As soon as the lock of a publisher is open, a thread
-/// of the daemon that waits for it goes on, and may destroy a port whose queue is still locked.
+/// Opens the locks of queues before those of publishers. As soon as the lock of a publisher is open, a
+/// thread of the daemon that waits for it continues, and may destroy a port whose queue is still locked.
 bool LockRecovery::recover() {
   const auto now = Clock::now();
   const core::Lock lock(mutex_);
@@ -74,13 +74,13 @@ LockRecovery::Finding LockRecovery::look_at(const KnownPort& known, Clock::time_
   return Finding::opened;
 }
 
-/// Returns whether enough looks have found the same holder, so that the lock can be opened. One look is not
-/// enough in three cases. First, a closed lock has no holder between two instructions that take or release
-/// it. Either the holder was killed right there, or a living thread of the daemon is there and has moved on a
-/// moment later. Second, the id of a holder that died in another pid namespace can be the id of a thread of
-/// the daemon here. Third, a queue has a writer that was not noted yet if the writer's port was created only
-/// just now. But a living holder releases the lock after microseconds. Looks are counted instead of time,
-/// because the daemon may have been stopped meanwhile.
+/// Returns whether enough checks have found the same holder, so that the lock can be opened. One check is
+/// not enough in three cases. First, a closed lock has no holder between two instructions that take or
+/// release it. Either the holder was killed right there, or a living thread of the daemon is there and has
+/// moved on a moment later. Second, the id of a holder that died in another pid namespace can be the id of
+/// a thread of the daemon here. Third, a queue has a writer that was not noted yet if the writer's port was
+/// created only just now. But a living holder releases the lock after microseconds. Checks are counted
+/// instead of time, because the daemon may have been stopped meanwhile.
 bool LockRecovery::is_confirmed(const KnownPort& known, Clock::time_point now) {
   const int holder = holder_of(*known.lock);
   const int looks_needed = is_own_thread(holder) || !has_known_writer(known) ? 6 : holder == 0 ? 2 : 1;
@@ -99,7 +99,7 @@ bool LockRecovery::feeds(const KnownPort& writer, const KnownPort& queue) {
 }
 
 bool LockRecovery::holder_is_dead(const KnownPort& known) const {
-  // If the owner has changed, this is not the port that was noted, but another one at its place.
+  // If the owner has changed, this is not the port that was noted, but another port at the same address.
   if (known.port->m_runtimeName != known.owner) return false;
   if (known.is_publisher) return clients_.is_gone(known.owner.c_str());
   return std::ranges::all_of(known_, [&](const KnownPort& other) {

@@ -1,15 +1,15 @@
 // Opens locks in shared memory that a dead process left closed.
 //
-// iceoryx has a mutex in each port. While a publisher delivers, it holds its own mutex and that of each queue
-// that it puts a chunk into. If the publisher is killed then, the daemon blocks on that mutex for ever when
-// it next changes the connections of the port, and no program can register any more. The daemon would also
-// abort when it destroys a port whose mutex is locked.
+// iceoryx has a mutex in each port. While a publisher delivers, it holds its own mutex and that of each
+// queue that it puts a chunk into. If the publisher is killed then, the daemon blocks on that mutex for
+// ever when it next changes the connections of the port, and no program can register any more. The daemon
+// would also abort when it destroys a port whose mutex is locked.
 //
-// It is safe to open such a lock by force. First, only a dead process can hold it: a publisher holds its own
-// lock and those of the queues that it feeds, while readers only look (port_lock.h). The healer checks that
-// no thread of the daemon is the holder. Second, the dead holder left no half-done change: only the daemon
-// writes what these mutexes guard (the list of queues of a publisher, the condition variable of a queue), and
-// chunks lie in lock-free queues.
+// It is safe to open such a lock by force, for two reasons. First, only a dead process can hold it: a
+// publisher holds its own lock and those of the queues that it feeds, while readers only read the state
+// (port_lock.h). LockRecovery checks that no thread of the daemon is the holder. Second, the dead holder
+// left no incomplete change: only the daemon writes the data that these mutexes guard (the list of queues
+// of a publisher, the condition variable of a queue), and chunks are in lock-free queues.
 #pragma once
 
 #include <atomic>
@@ -35,12 +35,12 @@ class LockRecovery {
   LockRecovery(iox::roudi::PortPool& ports, const ClientTable& clients, const Log& log)
       : ports_(ports), clients_(clients), log_(log) {}
 
-  /// Notes which ports exist. The caller keeps the threads of the daemon from changing them meanwhile.
+  /// Notes which ports exist. The caller must keep the threads of the daemon from changing them meanwhile.
   void note_ports();
 
-  /// Opens the locks that dead processes left closed. Returns false if it must look again before it can open
-  /// a lock; the next look can be in 20 ms. Any thread may call it, also while a thread of the daemon blocks
-  /// on such a lock.
+  /// Opens the locks that dead processes left closed. Returns false if another call is needed before a lock
+  /// can be opened; that call can come after 20 ms. Any thread may call this, even while a thread of the
+  /// daemon blocks on such a lock.
   bool recover();
 
   std::uint64_t opened() const { return opened_.load(std::memory_order_relaxed); }
@@ -51,13 +51,13 @@ class LockRecovery {
   struct KnownPort {
     const iox::popo::BasePortData* port;
     const Lock* lock;
-    iox::RuntimeName_t owner;  ///< a copy: the port may be destroyed, and its memory used again
+    iox::RuntimeName_t owner;  ///< a copy, because the port may be destroyed and its memory used again
     iox::capro::ServiceDescription service;
     bool is_publisher;
   };
   struct Suspect {
     int holder = 0;
-    int looks = 0;  ///< how many looks have found this holder
+    int looks = 0;  ///< number of checks that have found this holder
     Clock::time_point last_look{};
   };
   enum class Finding { in_order, opened, unclear };
@@ -73,10 +73,10 @@ class LockRecovery {
 
   std::atomic<std::uint64_t> opened_{0};
 
-  // Held for a whole recover(), in which no call blocks.
+  // Held during the whole of recover(), in which no call blocks.
   core::Mutex mutex_;
-  std::vector<KnownPort> known_ SFT_GUARDED_BY(mutex_);  ///< subscribers come first
-  /// Closed locks that dead processes seem to hold, but that a thread of the daemon may hold.
+  std::vector<KnownPort> known_ SFT_GUARDED_BY(mutex_);  ///< noted ports; subscribers come first
+  /// Closed locks whose holder seems to be a dead process, but may be a thread of the daemon.
   std::map<const Lock*, Suspect> suspects_ SFT_GUARDED_BY(mutex_);
 };
 

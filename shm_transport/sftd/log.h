@@ -17,7 +17,7 @@ class Log {
   enum class Target { standard_error, system_log };
   Log(LogLevel most_detailed, Target target);
 
-  /// Any thread.
+  /// Writes a message. Any thread may call this.
   void write(LogLevel level, const std::string& text) const;
   void warning(const std::string& text) const { write(LogLevel::warning, text); }
   void info(const std::string& text) const { write(LogLevel::info, text); }

@@ -54,7 +54,7 @@ void declare_daemon(CLI::App& app, Arguments& arguments) {
   app.add_option("--log-level", arguments.log_level,
                  "Log messages up to this level: error, warning, info (the default) or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}));
-  // The daemon gives itself this option when it starts afresh: it is detached already.
+  // The daemon passes this option to itself when it starts afresh: it is detached already.
   app.add_flag("--renewed", arguments.renewed)->group("");
 }
 
@@ -128,7 +128,7 @@ int run(const Arguments& arguments, const ServiceManager& manager, Starter start
   const Log log(log_level, arguments.foreground ? Log::Target::standard_error : Log::Target::system_log);
   set_up_iceoryx_output(log_level);
   block_signals();
-  umask(022);  // every account may read the files by which programs find the daemon
+  umask(022);  // lets every account read the files by which programs find the daemon
 
   const auto give_up = [&starter](const StartFailure& why) {
     starter.report(why.code, why.message);

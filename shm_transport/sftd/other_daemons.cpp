@@ -11,8 +11,8 @@
 
 namespace sft::shm {
 
-/// The host file of a daemon in /dev/shm comes a moment after its lock, so this function waits for it. The
-/// programs of this account do not accept the daemon of another user's account.
+/// The host file of a daemon appears in /dev/shm a moment after its lock, so this function waits for the
+/// file. The programs of this account do not accept the daemon of another user's account.
 tl::unexpected<StartFailure> refuse_beside_another() {
   const auto other = read_daemon_lock();
   if (other && !accepted_daemons({}).include_user(other->user)) {

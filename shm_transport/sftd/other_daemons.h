@@ -1,4 +1,4 @@
-// Says why this daemon must not start beside another one.
+// Gives the reasons why this daemon must not start beside another daemon.
 #pragma once
 
 #include <optional>
@@ -8,13 +8,14 @@
 
 namespace sft::shm {
 
-/// Returns nothing if no daemon lives in this /tmp, as far as this account may ask.
+/// Returns the reason not to start beside a living daemon. Returns nothing if no daemon lives in this /tmp,
+/// as far as this account may find out.
 std::optional<StartFailure> refuse_beside_the_living();
 
-/// Says which other daemon has the lock in /tmp.
+/// Returns an error that names the other daemon that has the lock in /tmp.
 tl::unexpected<StartFailure> refuse_beside_another();
 
-/// Says why the host file in /dev/shm could not be locked.
+/// Returns an error that says why the host file in /dev/shm could not be locked.
 tl::unexpected<StartFailure> refuse_host_file(const Error& error);
 
 }  // namespace sft::shm

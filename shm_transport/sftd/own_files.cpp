@@ -51,7 +51,7 @@ void OwnFiles::remove_all(bool keep_lock) {
   struct stat other {};
   const bool names_are_ours =
       daemon_lock_.is_named() && (host_file_.is_named() || lstat(host_file_path, &other) != 0);
-  std::ignore = ftruncate(daemon_lock_.descriptor(), 0);  // the contents of the lock are no longer true
+  std::ignore = ftruncate(daemon_lock_.descriptor(), 0);  // the contents of the lock file are no longer true
   host_file_.remove();
   if (names_are_ours) remove_daemon_files(segment_);
   if (!keep_lock) daemon_lock_.remove();

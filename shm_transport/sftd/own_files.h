@@ -1,5 +1,6 @@
-// The files by which programs find a daemon and its memory: the lock in /tmp, the host file in /dev/shm, and
-// the segments. Another process may remove them while the daemon runs. Then no program can join it any more.
+// The files by which programs find a daemon and its memory: the lock in /tmp, the host file in /dev/shm,
+// and the segments. Another process may remove them while the daemon runs. Then no program can join the
+// daemon any more.
 #pragma once
 
 #include <sys/types.h>
@@ -15,34 +16,35 @@ namespace sft::shm {
 
 class OwnFiles {
  public:
-  /// `segment`: the name of the segment of samples.
+  /// `segment` is the name of the segment of samples.
   OwnFiles(FileLock daemon_lock, FileLock host_file, std::string segment)
       : daemon_lock_(std::move(daemon_lock)),
         host_file_(std::move(host_file)),
         segment_(std::move(segment)) {}
 
-  /// Notes the segments after they were made, to see later whether they were removed.
+  /// Notes the segments after they were made, to find out later whether they were removed.
   void note_segments();
-  /// Writes the host file, and says in the lock which daemon this is. Returns false if there is no space.
+  /// Writes the host file, and writes into the lock file which daemon this is. Returns false if there is no
+  /// space.
   bool announce(const HostFile& file);
 
-  /// Returns whether any of the files was removed. If another file system was mounted over /dev/shm, nothing
-  /// was removed. Then new programs say that they have another /dev/shm than this daemon, and the daemon goes
-  /// on to serve the old ones.
+  /// Returns whether any of the files was removed. If another file system was mounted over /dev/shm, the
+  /// files were not removed. Then new programs report that they have another /dev/shm than this daemon, and
+  /// the daemon continues to serve the old programs.
   bool are_removed() const;
 
   /// Removes all files of this daemon. If the files were removed while this daemon ran, files with these
-  /// names can belong to another daemon by now, and stay. `keep_lock`: programs do not start another daemon
-  /// while the lock exists.
+  /// names can belong to another daemon by now; such files stay. With `keep_lock` the lock stays, because
+  /// programs do not start another daemon while it exists.
   void remove_all(bool keep_lock);
   /// Releases the lock of the host file, so that programs notice that the daemon is gone.
   void unlock_host_file() { host_file_.unlock(); }
 
  private:
-  FileLock daemon_lock_;  ///< keeps other daemons out of this /tmp
-  FileLock host_file_;    ///< keeps other daemons out of this /dev/shm
+  FileLock daemon_lock_;  ///< the lock that keeps other daemons out of this /tmp
+  FileLock host_file_;    ///< the lock that keeps other daemons out of this /dev/shm
   const std::string segment_;
-  dev_t shm_device_ = 0;                              ///< the file system of the segments
+  dev_t shm_device_ = 0;                              ///< the device of the file system with the segments
   std::vector<std::pair<std::string, ino_t>> noted_;  ///< the path and the inode of each segment
 };
 

@@ -1,6 +1,6 @@
-// Clears the pages of the daemon's segments while the daemon already serves. Otherwise the system would clear
-// a page of a new file when it is used for the first time, and the first samples of each size would wait for
-// that.
+// Clears the pages of the daemon's segments while the daemon already serves programs. Otherwise the system
+// would clear a page of a new file when the page is used for the first time, and the first samples of each
+// size would wait for that.
 #pragma once
 
 #include <atomic>
@@ -12,15 +12,15 @@
 
 namespace sft::shm {
 
-/// A thread that yields to all others. It changes no byte, so programs may use the memory meanwhile.
+/// A thread with low priority. It changes no byte, so programs may use the memory meanwhile.
 class PageClearer {
  public:
-  /// Clears the segments in this order, except the parts that have memory only on demand. Returns an error if
-  /// the system gives no thread; then pages are cleared when they are used.
+  /// Starts to clear the segments in this order, except the parts that have memory only on demand. Returns
+  /// an error if the system gives no thread. In that case pages are cleared when they are used.
   Result<void> start(std::vector<SegmentFile> segments);
 
   PageClearer() = default;
-  /// Stops the thread, even before it has cleared all pages.
+  /// Stops the thread, even if it has not cleared all pages.
   ~PageClearer();
   PageClearer(const PageClearer&) = delete;
   PageClearer& operator=(const PageClearer&) = delete;

@@ -8,8 +8,8 @@ namespace {
 
 using Introspection = iox::roudi::PortIntrospectionType;
 
-/// Gives access to a member that is private in iceoryx: such a member may be named where a template is
-/// instantiated explicitly.
+/// Gives access to a private member of iceoryx's classes. This is possible because an explicit
+/// instantiation of a template may name such a member.
 template <class Name, auto member>
 struct Opened {
   friend auto opened(Name) { return member; }

@@ -1,4 +1,5 @@
-// Chooses the pools of samples for the free space in /dev/shm, or says that there is too little space.
+// Chooses the pools of samples for the free space in /dev/shm, or returns an error if there is too little
+// space.
 #pragma once
 
 #include "shm_transport/sftd/groups.h"
@@ -11,18 +12,19 @@ namespace sft::shm {
 inline constexpr std::size_t smallest_shm_bytes = std::size_t{128} << 20;
 inline constexpr std::size_t default_pool_bytes = std::size_t{1} << 30;
 
-/// The memory of the host: the free bytes of /dev/shm, less those that manage the samples, and its RAM.
+/// The memory of the host in bytes: the free space of /dev/shm, without the part that manages the samples,
+/// and the RAM.
 struct HostBytes {
   std::size_t free_shm = 0;
   std::size_t ram = 0;
 };
 
-/// Returns the memory for samples if the settings do not name it: half of the free space or a quarter of the
-/// RAM, whichever is less, up to default_pool_bytes.
+/// Returns the memory for samples if the settings do not give it: half of the free space or a quarter of
+/// the RAM, whichever is less, up to default_pool_bytes.
 std::size_t default_budget(const HostBytes& host);
 
-/// Returns the pools. Their memory for samples is as large as the settings say, or else default_budget().
-/// Memory that the settings name is set aside at once.
+/// Returns the pools. Their memory for samples has the size in the settings, or else default_budget().
+/// Memory whose size is in the settings is set aside at once.
 tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups);
 
 }  // namespace sft::shm

@@ -11,15 +11,15 @@ namespace {
 
 struct SizeClass {
   std::size_t bytes;
-  double share;        ///< the part of the budget for this size
-  std::uint32_t most;  ///< the most chunks of this size that are of use
+  double share;        ///< the part of the budget for chunks of this size
+  std::uint32_t most;  ///< the largest useful number of chunks of this size
 };
 
 constexpr std::size_t KiB = 1024;
 constexpr std::size_t MiB = 1024 * KiB;
 
 // Each size is a little larger than a round number. So a body of that round size fits together with its
-// header and index, and does not need the next larger size.
+// header and index, without the next larger size.
 constexpr std::size_t of_4_mib = 4 * MiB + 8 * KiB, of_8_mib = 8 * MiB + 8 * KiB, of_16_mib = 17 * MiB,
                       of_32_mib = 33 * MiB;
 
@@ -29,7 +29,7 @@ constexpr std::array common_sizes{
     SizeClass{MiB + 4 * KiB, 0.16, 256},   SizeClass{of_4_mib, 0.20, 128},
     SizeClass{of_8_mib, 0.20, 64},         SizeClass{of_16_mib, 0.22, 32},
 };
-// Clouds of several lidars (8 MiB), images of 4K cameras and large clouds (32 MiB).
+// Sizes for clouds of several lidars (8 MiB), and for images of 4K cameras and large clouds (32 MiB).
 constexpr std::array large_sizes{
     SizeClass{of_8_mib, 0.30, 512},
     SizeClass{of_16_mib, 0.10, 256},
@@ -38,10 +38,11 @@ constexpr std::array large_sizes{
 };
 
 constexpr std::uint32_t fewest = 2;
-// A large size may take more than its share for its two chunks, but not more than this part of what remains.
+// The limit for a large size that takes more than its share to have two chunks: this part of the remaining
+// budget.
 constexpr double largest_part = 0.4, largest_part_of_large = 0.6;
-// Of a budget far beyond common_budget_bytes, this part is divided among the common sizes, and the rest among
-// the large ones.
+// If the budget is far beyond common_budget_bytes, this part is divided among the common sizes, and the
+// rest among the large ones.
 constexpr double common_part = 0.3;
 
 std::size_t chunk_bytes(std::size_t bytes) { return bytes + chunk_header_bytes; }
@@ -53,12 +54,12 @@ std::uint32_t count_for(const SizeClass& size, double share_bytes, double part_b
   return fewest * chunk <= part_bytes ? fewest : 0;
 }
 
-/// The pools are sorted by size, the smallest first.
+/// Divides the budget among the sizes. The pools are sorted by size, the smallest first.
 std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> sizes,
                          double largest_part_of_rest) {
   std::vector<Pool> pools;
   std::size_t remaining = budget_bytes;
-  double remaining_shares = 1.0;  // the sum of the shares of the sizes that have not had their turn
+  double remaining_shares = 1.0;  // the sum of the shares of the sizes that are still to come
   for (auto size = sizes.rbegin(); size != sizes.rend(); ++size) {
     const auto rest = static_cast<double>(remaining);
     const std::uint32_t count =
@@ -71,7 +72,7 @@ std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> si
   return pools;
 }
 
-/// Adds the chunks to the plan's pool of the same size, or as a new pool if it has none.
+/// Adds the chunks to the plan's pool of the same size, or as a new pool if there is none.
 void add(PoolPlan& plan, const Pool& more, Memory memory) {
   const auto at = std::ranges::lower_bound(plan.pools, more.bytes, {}, &Pool::bytes);
   const auto pool = at != plan.pools.end() && at->bytes == more.bytes

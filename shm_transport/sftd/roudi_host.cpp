@@ -55,7 +55,7 @@ RoudiHost::RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const G
       lock_recovery_(port_pool_, clients_, log),
       auditor_(port_pool_, *memory.samples().pools),
       monitor_(port_pool_, *memory.samples().pools, memory.management()) {
-  note_usage();  // usage() has a result from the first moment on
+  note_usage();  // so that usage() has a result from the beginning
   hooks_may_run_ = true;
   healing_ = std::thread([this] { heal_until_stopped(); });
   startProcessRuntimeMessagesThread();
@@ -73,9 +73,9 @@ RoudiHost::~RoudiHost() {
 
 void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& type,
                                const iox::RuntimeName_t& name) noexcept {
-  // Every process that may write to the socket can send a message. The name in it becomes the path of a
-  // socket: iceoryx writes to it, and the daemon removes it when no process listens there any more. So the
-  // name must be checked.
+  // Every process that may write to the socket can send a message. The name in the message becomes the path
+  // of a socket. iceoryx writes to that path, and the daemon removes it when no process listens there any
+  // more. So the name must be checked.
   if (!is_runtime_name(name.c_str()))
     return log_.debug("ignored a message with a name that no program of SFT has");
   if (refuse_over_limit(type, name)) return;
@@ -92,8 +92,8 @@ void RoudiHost::processMessage(const IpcMessage& message, const IpcMessageType& 
   note_ports();
 }
 
-/// Registers the process as a member of the group of writers. The kernel decides which segments a process can
-/// map. iceoryx would look up the groups of the user in files, which do not have all of them.
+/// Registers the process as a member of the group of writers. The kernel decides which segments a process
+/// can map. iceoryx would look up the groups of the user in files, which do not have all groups.
 void RoudiHost::register_client(const IpcMessage& registration, const iox::RuntimeName_t& name) {
   if (registration.getNumberOfElements() != 6) return log_.debug("ignored a malformed registration");
   clients_.add(name.c_str(), pid_in(registration));
@@ -104,7 +104,7 @@ void RoudiHost::register_client(const IpcMessage& registration, const iox::Runti
   RouDi::processMessage(as_member, IpcMessageType::REG, name);
 }
 
-/// Refuses a request beyond the limits, with the answer that iceoryx gives if it has no room itself.
+/// Refuses a request beyond the limits, with the same answer that iceoryx gives if it has no room itself.
 bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const std::string reason = over_limit(type, name);
   if (reason.empty()) return false;
@@ -115,7 +115,7 @@ bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::Runtime
   return true;
 }
 
-/// Returns the error to answer, or nothing if the request is within the limits.
+/// Returns the error for the answer, or nothing if the request is within the limits.
 std::string RoudiHost::over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const auto its_ports = [&name](const auto& ports) {
     return std::count_if(ports.begin(), ports.end(),
@@ -146,7 +146,7 @@ void RoudiHost::cyclicUpdateHook() noexcept {
 }
 
 /// No chunk is lost as long as no process has died. After a process has died, the chunks are checked again
-/// and again, because a chunk that a reader had in hand is only found when its writer is gone.
+/// and again, because a chunk that a reader had in hand can be found only when its writer is gone.
 void RoudiHost::audit_chunks() {
   const auto now = std::chrono::steady_clock::now();
   if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;
@@ -160,8 +160,8 @@ void RoudiHost::audit_chunks() {
   if (freed > 0) log_.info("freed " + std::to_string(freed) + " chunks that killed programs had in hand");
 }
 
-/// A damaged list cannot be repaired. The daemon starts afresh once no program uses its memory, as after a
-/// death whose lost chunks it cannot find.
+/// A damaged list cannot be repaired. The daemon starts afresh once no program uses its memory, as it does
+/// after a death whose lost chunks it cannot find.
 void RoudiHost::log_damage() {
   if (std::exchange(damage_reported_, true)) return;
   if (unaudited() == 0) ++unaudited_;
@@ -172,7 +172,7 @@ void RoudiHost::log_damage() {
 
 bool RoudiHost::remove_dead(const std::string& name) {
   if (!lock_recovery_.recover())
-    return false;  // a lock of a dead process may still be closed; the next attempt is in 100 ms
+    return false;  // a dead process's lock may still be closed; the next attempt is in 100 ms
   clients_.remove(name);
   {
     const iox::RuntimeName_t runtime_name(iox::cxx::TruncateToCapacity, name);

@@ -1,12 +1,13 @@
-// Runs RouDi, the daemon of iceoryx, in this process. It differs from iceoryx's own daemon where that is not
-// safe if programs are killed or paused:
+// Runs RouDi, the daemon of iceoryx, in this process. It differs from iceoryx's own daemon where that
+// daemon is not safe if programs are killed or paused:
 // - A process counts as dead when it has ended, and not when it was silent for 1.5 s. A debugger may have
 //   stopped it.
 // - Locks that killed publishers left closed are opened (lock_recovery.h).
 // - Chunks that killed programs had in hand are freed (chunk_auditor.h).
 // - The daemon never kills a process, and errors of one client do not end the daemon.
 //
-// Threads: the two threads of RouDi (discovery every 100 ms, messages of clients), and one that opens locks.
+// Threads: the two threads of RouDi (discovery every 100 ms, messages of clients), and one that opens
+// locks.
 #pragma once
 
 #include <atomic>
@@ -38,7 +39,7 @@ class HookGate {
 
 class RoudiHost final : private HookGate, public iox::roudi::RouDi {
  public:
-  /// `memory`, `ports` and `log` outlive this object.
+  /// `memory`, `ports` and `log` must outlive this object.
   RoudiHost(HostMemory& memory, iox::roudi::PortManager& ports, const Groups& groups, const Limits& limits,
             const Log& log);
   ~RoudiHost() override;
@@ -48,11 +49,12 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   /// Returns the processes that are registered.
   std::vector<ClientTable::Client> clients() const { return clients_.all(); }
 
-  /// Returns how many processes died without a goodbye since the last audit of the chunks. Each of them may
-  /// have lost a chunk that it had in hand.
+  /// Returns the number of processes that died without a goodbye since the last audit of the chunks. Each
+  /// of them may have lost a chunk that it had in hand.
   std::uint64_t unaudited() const { return unaudited_.load(std::memory_order_relaxed); }
 
-  /// Returns the usage that RouDi's thread has last seen, which it looks at every 100 ms. Any thread.
+  /// Returns the usage at the last measurement by RouDi's thread, which measures every 100 ms. Any thread
+  /// may call this.
   Usage usage() const;
 
  private:
@@ -76,9 +78,10 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   iox::roudi::PortPool& port_pool_;
   ClientTable clients_;
   LockRecovery lock_recovery_;
-  ChunkAuditor auditor_;  ///< used with RouDi's lock on its processes held
-  UsageMonitor monitor_;  ///< used with RouDi's lock on its processes held
-  // The discovery thread of RouDi uses these members. Other threads read the atomic one.
+  ChunkAuditor auditor_;  ///< used while RouDi's lock on its processes is held
+  UsageMonitor monitor_;  ///< used while RouDi's lock on its processes is held
+  // The following members are used by the discovery thread of RouDi. Other threads read only the atomic
+  // one.
   std::uint64_t deaths_ = 0;
   std::atomic<std::uint64_t> unaudited_{0};
   std::uint64_t leaks_healed_ = 0;

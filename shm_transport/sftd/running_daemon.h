@@ -19,14 +19,14 @@ class RunningDaemon {
 
   pid_t pid() const { return pid_; }
   uid_t user() const { return user_; }
-  /// Says what is wrong with the daemon, and what to do; empty if nothing is wrong.
+  /// Returns a text that says what is wrong with the daemon, and what to do; empty if nothing is wrong.
   const std::string& problem() const { return problem_; }
 
-  /// Returns a pidfd of the daemon, to send it a signal and to wait for its end. The daemon's pid may belong
-  /// to another process here, if the daemon has another pid namespace. So the function checks that the
-  /// process holds the daemon's lock. Errc::no_permission: the daemon is another user's.
+  /// Returns a pidfd of the daemon, to send it a signal and to wait for its end. If the daemon has another
+  /// pid namespace, its pid may belong to another process here. So the function checks that the process
+  /// holds the daemon's lock. Errc::no_permission: the daemon belongs to another user.
   Result<Descriptor> process() const;
-  /// Returns whether a signal or a debugger has stopped the daemon; false if that cannot be seen from here.
+  /// Returns whether a signal or a debugger has stopped the daemon; false if that is not visible from here.
   bool is_stopped() const;
 
  private:
@@ -35,7 +35,7 @@ class RunningDaemon {
 
   pid_t pid_;
   uid_t user_;
-  const char* lock_;  ///< a file that the daemon has locked
+  const char* lock_;  ///< path of a file that the daemon has locked
   std::string problem_;
 };
 

@@ -43,8 +43,8 @@ void SampleBlock::destroy() noexcept {
   manager_ = nullptr;
 }
 
-/// Casts the manager, because iceoryx only knows one of its own class of segments. Both classes have the same
-/// members.
+/// Casts the manager, because iceoryx only knows a manager of its own class of segments. Both classes have
+/// the same members.
 iox::cxx::optional<iox::mepoo::SegmentManager<>*> SampleBlock::manager() const noexcept {
   static_assert(sizeof(OpenedSegment) == sizeof(iox::posix::SharedMemoryObject));
   static_assert(sizeof(Segment) == sizeof(iox::mepoo::MePooSegment<>));

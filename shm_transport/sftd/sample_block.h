@@ -10,14 +10,14 @@ namespace sft::shm {
 
 class SampleBlock final : public iox::roudi::MemPoolSegmentManagerMemoryBlock {
  public:
-  /// `config` has one segment. When the memory becomes available, the file of the segment must exist, and be
-  /// as large as SampleBlock::file_bytes() says.
+  /// `config` must have one segment. When the memory becomes available, the file of the segment must exist,
+  /// and have the size that SampleBlock::file_bytes() returns.
   explicit SampleBlock(const iox::mepoo::SegmentConfig& config);
   ~SampleBlock() override;
 
   static std::size_t file_bytes(const iox::mepoo::SegmentConfig& config);
 
-  /// Returns nothing while the memory is not available.
+  /// Returns the manager; nothing while the memory is not available.
   iox::cxx::optional<iox::mepoo::SegmentManager<>*> manager() const noexcept;
 
  private:

@@ -68,8 +68,8 @@ Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes
   return tl::unexpected(done.error());
 }
 
-/// A page that was set aside before is cleared when it is set aside again (shmem_get_folio_gfp() in Linux).
-/// The size is checked, because pages behind the end of a file that was made shorter would be set aside in
+/// Sets the pages aside once more, which clears a page that was set aside before (shmem_get_folio_gfp() in
+/// Linux). The size is checked, because pages behind the end of a truncated file would be set aside in
 /// vain.
 bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes) {
   struct stat now {};

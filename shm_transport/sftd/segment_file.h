@@ -18,26 +18,28 @@ struct FilePart {
 struct SegmentFile {
   core::FileDescriptor file;
   std::size_t bytes = 0;
-  /// Whole pages, in the order of the file, that have no memory before a program asks the system for it.
+  /// Parts of whole pages, in the order of the file, that have no memory until a program requests it from
+  /// the system.
   std::vector<FilePart> on_demand{};
 
   /// Returns all other parts of the file.
   std::vector<FilePart> at_once() const;
 };
 
-/// Makes /dev/shm/NAME with `bytes` zeros, for this account and the group of the file. When the call returns,
-/// the system has set the memory aside, so a process that maps the file does not run out of it. But a page is
-/// cleared only when it is used for the first time: writing zeros to all pages would take most of the time in
-/// which the daemon starts. Errc::address_in_use if anything has this name, Errc::out_of_memory if there is
-/// no space; then no file remains.
+/// Makes /dev/shm/NAME with `bytes` zeros, for this account and the group of the file. When the call
+/// returns, the system has set the memory aside, so a process that maps the file does not run out of it.
+/// But a page is cleared only when it is used for the first time: writing zeros to all pages would take
+/// most of the time in which the daemon starts. Errc::address_in_use: the name is taken.
+/// Errc::out_of_memory: there is no space, and no file remains.
 Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes);
-/// Makes such a file without memory. The caller then sets aside at_once().
+/// Makes a segment file like make_segment_file(), but without memory. The caller then has to set aside
+/// SegmentFile::at_once().
 Result<SegmentFile> make_segment_file_without_memory(const std::string& name, std::size_t bytes);
 /// Sets aside SegmentFile::at_once(). Errc::out_of_memory if there is no space.
 Result<void> set_aside(const SegmentFile& segment, const std::string& name);
 
 /// Clears those of these pages that were not used yet, and changes no byte. Returns false if the system
-/// refuses it. No mapping is touched, so threads that map memory meanwhile do not wait.
+/// refuses to clear. No mapping is touched, so threads that map memory meanwhile do not wait.
 bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes);
 
 }  // namespace sft::shm

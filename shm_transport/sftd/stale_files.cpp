@@ -22,8 +22,8 @@ namespace sft::shm {
 
 namespace {
 
-/// Removes the file or directory, or moves it aside if root runs this. Returns whether nothing is at the path
-/// any more.
+/// Removes the file or directory, or moves it aside if root runs this. Returns whether the path is free
+/// now.
 bool remove(const std::string& path) {
   if (unlink(path.c_str()) == 0 || errno == ENOENT || rmdir(path.c_str()) == 0) return true;
   const std::string aside = path + "." + core::in_hex(core::random_id());
@@ -54,7 +54,7 @@ void remove_segment_of_the_dead() {
   const ssize_t bytes = read(host_file->get(), text, sizeof text);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file || file->segment.empty() || file->segment.find('/') != std::string::npos) return;
-  // Everybody can write into /dev/shm. So a host file is trusted only about a segment of the same user.
+  // Every account can write into /dev/shm. So a host file is trusted only about a segment of the same user.
   struct stat written {};
   struct stat named {};
   const bool same_user = fstat(host_file->get(), &written) == 0 &&

@@ -8,26 +8,27 @@
 
 namespace sft::shm {
 
-/// Removes the file at this path if it is a socket. Any other file, and a link to a socket, stays: a process
-/// chose the name, and may have chosen that of another file.
+/// Removes the file at this path if it is a socket. Any other file, and a link to a socket, stays: a
+/// process chose the name, and may have chosen the name of another file.
 bool remove_socket(const std::string& path);
 
 /// Removes the sockets of dead processes.
 void remove_dead_sockets();
 
-/// Removes the segment that the host file of a dead daemon names. Its name can be another one than this
-/// daemon's.
+/// Removes the segment that the host file of a dead daemon names. This name can differ from that of this
+/// daemon's segment.
 void remove_segment_of_the_dead();
 
-/// Returns the files that belong to another account, and that this account may not remove. Empty for root.
+/// Returns those of the files that belong to another account, and that this account may not remove. Empty
+/// for root.
 std::vector<std::string> files_of_others(const std::vector<std::string>& files);
 
-/// Removes the segments, the socket and the lock files of iceoryx's daemon, and returns those that could not
-/// be removed. It is called before a daemon starts and when it ends, and never while another daemon lives. If
+/// Removes the segments, the socket and the lock files of iceoryx's daemon, and returns those that could
+/// not be removed. Called before a daemon starts and when it ends, and never while another daemon lives. If
 /// root runs it, a directory that is not empty is moved aside.
 std::vector<std::string> remove_daemon_files(const std::string& segment_name);
 
-/// Says which files are in the way, who owns them, and how to remove all of them.
+/// Returns a text that names the files in the way and their owners, and says how to remove all of them.
 std::string in_the_way(const std::vector<std::string>& files);
 
 }  // namespace sft::shm

@@ -1,4 +1,4 @@
-// The result of a daemon that cannot start.
+// The reason why a daemon cannot start.
 #pragma once
 
 #include <string>

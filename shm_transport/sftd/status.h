@@ -1,5 +1,5 @@
-// The status of sftd, which `sftd status` prints: which programs use the memory, and how much of it each of
-// them has. The members have the names of the keys in JSON.
+// The status of sftd, which `sftd status` prints: the programs that use the memory, and the amount that
+// each of them has. The members have the names of the keys in JSON.
 #pragma once
 
 #include <cstdint>
@@ -13,43 +13,44 @@ namespace sft::shm {
 struct Versions {
   std::string sftd{};
   std::string iceoryx{};
-  std::uint32_t protocol = 0;  ///< host_protocol (host_file.h)
+  std::uint32_t protocol = 0;  ///< host_protocol of the daemon (host_file.h)
 };
 
 struct PoolUse {
   std::uint64_t bytes = 0;   ///< the largest sample in a chunk: header, index and body
   std::uint32_t chunks = 0;  ///< the number of chunks
   std::uint32_t in_use = 0;
-  std::uint32_t peak = 0;  ///< the most chunks ever in use since the daemon started; exact
+  std::uint32_t peak = 0;  ///< the largest number of chunks in use since the daemon started; exact
 };
 
 /// A program that uses the daemon.
 struct UserUse {
-  std::int64_t pid = 0;  ///< in the program's own pid namespace
+  std::int64_t pid = 0;  ///< pid in the program's own pid namespace
   std::string name{};
   std::uint32_t publishers = 0;
   std::uint32_t subscribers = 0;
 };
 
-/// The chunks that one port has.
+/// The chunks that one port holds.
 struct Holding {
   std::uint32_t chunks = 0;
-  std::uint32_t peak = 0;   ///< the most chunks that were seen; the daemon looks ten times a second
+  /// The largest number of chunks that was measured; the daemon measures ten times a second.
+  std::uint32_t peak = 0;
   std::uint64_t bytes = 0;  ///< the memory of these chunks; the samples in them may be smaller
 };
 
 struct PublisherUse {
-  std::string user{};       ///< the name of its program
-  std::string publisher{};  ///< its id, in hex
+  std::string user{};       ///< the name of the publisher's program
+  std::string publisher{};  ///< the id of the publisher, in hex
   std::uint32_t subscribers = 0;
-  Holding held{};  ///< loans, history, sends to other hosts, and the last sample
+  Holding held{};  ///< chunks of loans, the history, sends to other hosts, and the last sample
 };
 
 /// The connection of one subscriber to one publisher.
 struct SubscriberUse {
   std::string user{};         ///< the name of the subscriber's program
   std::string publisher{};    ///< the id of the publisher, in hex
-  std::uint32_t waiting = 0;  ///< samples in its queue; they occupy chunks, too
+  std::uint32_t waiting = 0;  ///< number of samples in its queue; they occupy chunks, too
   Holding held{};             ///< samples that were taken and not yet released
 };
 
@@ -58,18 +59,19 @@ struct Usage {
   std::vector<UserUse> users{};
   std::vector<PublisherUse> publishers{};
   std::vector<SubscriberUse> subscribers{};
-  std::uint64_t leaks_healed = 0;  ///< chunks freed that killed programs had in hand
-  std::uint64_t locks_healed = 0;  ///< locks opened that killed programs had left closed
-  std::uint64_t deaths = 0;        ///< programs that ended without a goodbye
-  std::uint64_t unaudited = 0;     ///< deaths since the last search for lost chunks
-  std::int64_t stamp_ns = 0;       ///< the time of this status, by CLOCK_REALTIME
+  std::uint64_t leaks_healed = 0;  ///< number of chunks that killed programs had in hand, and that were freed
+  /// Number of locks that killed programs had left closed, and that were opened.
+  std::uint64_t locks_healed = 0;
+  std::uint64_t deaths = 0;     ///< number of programs that ended without a goodbye
+  std::uint64_t unaudited = 0;  ///< number of deaths since the last search for lost chunks
+  std::int64_t stamp_ns = 0;    ///< the time of this status, by CLOCK_REALTIME
 };
 
 struct Status {
   std::int64_t pid = 0;
   Versions versions{};
-  std::int64_t since_ns = 0;     ///< when the daemon started, by CLOCK_REALTIME
-  std::int64_t idle_exit_s = 0;  ///< 0: never
+  std::int64_t since_ns = 0;     ///< the time when the daemon started, by CLOCK_REALTIME
+  std::int64_t idle_exit_s = 0;  ///< time without clients after which the daemon ends, in seconds; 0: never
   std::string writers{};         ///< the group that may publish
   std::string readers{};         ///< the group that may only subscribe; empty: there is none
   std::uint64_t sample_bytes = 0;
@@ -79,7 +81,7 @@ struct Status {
 
 std::string to_json(const Status& status);
 std::optional<Status> parse_status(std::string_view json);
-/// Returns a table for people. `now_ns` is the current time by CLOCK_REALTIME.
+/// Returns a table as text. `now_ns` is the current time by CLOCK_REALTIME.
 std::string to_table(const Status& status, std::int64_t now_ns);
 
 }  // namespace sft::shm

@@ -57,8 +57,8 @@ std::optional<Status> read_status_file(uid_t daemon_user) {
   return bytes == written.st_size ? parse_status(text) : std::nullopt;
 }
 
-/// Removes also the unfinished file that a killed daemon may have left. /dev/shm is sticky, so files of other
-/// accounts stay.
+/// Removes the status file, and the unfinished file that a killed daemon may have left. /dev/shm is sticky,
+/// so files of other accounts stay.
 void remove_status_file() noexcept try {
   unlink(path);
   for (const auto& entry : std::filesystem::directory_iterator("/dev/shm")) {

@@ -1,6 +1,6 @@
-// The status file /dev/shm/sft_status, in which the daemon writes its status as JSON. Everybody may read it.
-// It can also be read when the daemon does not answer; then it shows the usage at the moment at which the
-// daemon stopped.
+// The status file /dev/shm/sft_status, in which the daemon writes its status as JSON. Every account may
+// read it. It can also be read when the daemon does not answer. Then it shows the usage at the moment at
+// which the daemon stopped.
 #pragma once
 
 #include <optional>
@@ -11,7 +11,7 @@
 
 namespace sft::shm {
 
-/// Replaces the file as a whole. A process that reads meanwhile gets the old status or the new one.
+/// Replaces the whole file. A process that reads meanwhile gets either the old status or the new one.
 Result<void> write_status_file(const Status& status);
 /// Returns nothing if there is no status file of a daemon of this user.
 std::optional<Status> read_status_file(uid_t daemon_user);

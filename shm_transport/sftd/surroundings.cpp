@@ -8,7 +8,7 @@ namespace sft::shm {
 
 namespace {
 
-/// `mount` is what the user can type, in a shell and with docker.
+/// `mount` is a command option for the user, in a shell and with docker.
 std::string trouble_with(const std::string& directory, const std::string& mount) {
   struct stat there {};
   if (stat(directory.c_str(), &there) != 0 || !S_ISDIR(there.st_mode))

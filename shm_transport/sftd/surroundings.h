@@ -1,5 +1,5 @@
-// Looks at what sftd needs of the system and may lack, above all in containers. iceoryx would only say that
-// some condition of its own does not hold.
+// Checks the system for what sftd needs and may lack, above all in containers. iceoryx would only report
+// that some condition of its own does not hold.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ struct Surroundings {
   std::string shm = "/dev/shm";
   std::string tmp = "/tmp";
 
-  /// Returns a sentence about what is missing first, and what to do; empty if all is there.
+  /// Returns a sentence about the first thing that is missing, and what to do; empty if nothing is missing.
   std::string lacking() const;
 };
 

@@ -12,7 +12,7 @@ namespace {
 
 using Subscribers = iox::cxx::vector<iox::popo::SubscriberPortData*, iox::MAX_SUBSCRIBERS>;
 
-/// Returns whether the port is a program's, and not one of iceoryx itself.
+/// Returns whether the port belongs to a program, and not to iceoryx itself.
 bool is_ours(const iox::popo::BasePortData& port) { return is_runtime_name(port.m_runtimeName.c_str()); }
 
 /// Returns whether the port is never subscribed, and only lists the chunks that a writer holds.
@@ -45,7 +45,8 @@ Usage UsageMonitor::look() {
     const auto readers = static_cast<std::uint32_t>(port->m_chunkSenderData.m_queues.size());
     usage.publishers.push_back({port->m_runtimeName.c_str(), publisher_id(*port), readers, held});
   }
-  for (auto* port : subscribers) {  // not const, because iceoryx's size() of a queue is not const
+  // Not a pointer to const, because iceoryx's size() of a queue is not const.
+  for (auto* port : subscribers) {
     if (!is_ours(*port) || is_keeper(*port)) continue;
     Holding held = holdings_.of(*port);
     note_peak(*port, held, peaks);

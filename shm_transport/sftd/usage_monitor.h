@@ -1,4 +1,4 @@
-// Measures which ports use how much of the memory. It also notes the peak of each port, because iceoryx only
+// Measures how much of the memory each port uses. It also notes the peak of each port, because iceoryx only
 // notes the peaks of pools.
 #pragma once
 
@@ -14,10 +14,10 @@ class PortPool;
 
 namespace sft::shm {
 
-/// One thread at a time uses it. That thread keeps ports from being created or destroyed meanwhile.
+/// Used by one thread at a time. That thread must keep ports from being created or destroyed meanwhile.
 class UsageMonitor {
  public:
-  /// All arguments outlive this object.
+  /// All arguments must outlive this object.
   UsageMonitor(iox::roudi::PortPool& ports, const iox::mepoo::MemoryManager& pools,
                std::span<const std::byte> management)
       : ports_(ports), pools_(pools), holdings_(management, pools) {}
@@ -26,7 +26,8 @@ class UsageMonitor {
   Usage look();
 
  private:
-  using Peaks = std::map<std::uint64_t, std::uint32_t>;  ///< of ports, by iceoryx's id
+  /// By iceoryx's id of a port: its peak number of chunks.
+  using Peaks = std::map<std::uint64_t, std::uint32_t>;
   void note_peak(const iox::popo::BasePortData& port, Holding& held, Peaks& peaks) const;
   void look_at_pools(Usage& usage) const;
 

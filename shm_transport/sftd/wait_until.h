@@ -6,7 +6,7 @@
 
 namespace sft::shm {
 
-/// Looks at the condition again after each pause. Returns whether it came true before `timeout`.
+/// Checks the condition, again after each pause. Returns whether it became true before `timeout`.
 template <class Condition>
 bool wait_until(std::chrono::milliseconds timeout, Condition condition,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {

@@ -41,7 +41,7 @@ std::size_t Doorbells::announce() const noexcept {
 
 void Doorbells::run() const noexcept {
   for (const Bell& bell : bells_) {
-    // A reader that has woken up meanwhile looks for samples before it sleeps again, and needs no wake-up.
+    // A reader that has woken up meanwhile checks for samples before it sleeps again, and needs no wake-up.
     if (bell.wake_due.exchange(false, std::memory_order_acq_rel) && bell.bell->has_sleepers())
       bell.bell->wake();
   }
@@ -50,7 +50,8 @@ void Doorbells::run() const noexcept {
 void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
   const std::size_t sleepers = bells->announce();
   if (sleepers == 0) return;
-  // The waker has to be woken, too. For a single sleeper that would save nothing and delay the sleeper.
+  // The waker thread has to be woken, too. For a single sleeper that would save no time and delay the
+  // sleeper.
   if (sleepers == 1 || !waker_.submit(bells)) bells->run();
 }
 
@@ -74,8 +75,8 @@ std::shared_ptr<const Doorbells> DoorbellPages::doorbells_of(const std::vector<c
   return doorbells;
 }
 
-/// Returns the link to a page that has no path, or an empty text. The search goes through all processes, so
-/// it is done at most once in `search_interval`, however many pages that do not exist other nodes announce.
+/// Returns the link to a page that has no path, or an empty text. The search goes through all processes. So
+/// it is done at most once in `search_interval`, however many nonexistent pages other nodes announce.
 std::string DoorbellPages::nameless_link(std::uint64_t id) {
   const auto now = std::chrono::steady_clock::now();
   if (now >= next_search_) {

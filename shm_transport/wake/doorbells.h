@@ -19,52 +19,53 @@
 
 namespace sft::shm {
 
-/// The doorbells of a writer's readers. Each doorbell is in the list once, however many readers share it. The
-/// list does not change after the first ring, so that it can be rung while a new list replaces it.
+/// The doorbells of a writer's readers. Each doorbell is in the list once, however many readers share it.
+/// The list does not change after the first ring. So it can be rung while a new list replaces it.
 class Doorbells final : public WakeTask {
  public:
-  /// Adds the doorbell of a reader, before the first ring. `page`: null if the reader cannot be woken.
-  /// `gate`: the gate of the reader's maximum rate; null if the reader has none.
+  /// Adds the doorbell of a reader. Must be called before the first ring. `page` is null if the reader
+  /// cannot be woken. `gate` is the gate of the reader's maximum rate; null if the reader has none.
   void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
            std::shared_ptr<const core::Gate> gate);
   std::size_t size() const { return bells_.size(); }
 
-  // The thread of the publisher calls these two functions. On this thread the gates know whether the sample
-  // passes.
+  // The next two functions are for the thread of the publisher. Only on this thread do the gates know
+  // whether the sample passes.
 
   /// Returns whether any reader wants the current sample.
   bool wanted() const noexcept;
   /// Counts a ring at the doorbell of each reader that wants the sample, so that no reader is woken for a
-  /// sample that it would skip. Returns how many of these readers sleep and must be woken by run().
+  /// sample that it would skip. Returns the number of these readers that sleep and must be woken by run().
   [[nodiscard]] std::size_t announce() const noexcept;
 
-  /// Wakes the readers that announce() has found asleep. Any thread.
+  /// Wakes the readers that announce() has found asleep. Any thread may call this.
   void run() const noexcept override;
 
  private:
   struct Bell {
     core::Doorbell* bell = nullptr;
-    bool always = false;  ///< a reader without a maximum rate has this doorbell
+    bool always = false;  ///< true if a reader without a maximum rate has this doorbell
     std::vector<std::shared_ptr<const core::Gate>> gates{};
-    mutable std::atomic<bool> wake_due{false};  ///< set by announce(), cleared by run()
+    mutable std::atomic<bool> wake_due{false};  ///< true from announce() until run()
     bool wanted() const noexcept;
   };
   std::vector<std::shared_ptr<core::DoorbellPage>> pages_;
   std::deque<Bell> bells_;
 };
 
-/// The pages of doorbells that a node has open. Any thread may use it, except where a function says more.
+/// The pages of doorbells that a node has open. Any thread may call the functions, except where a comment
+/// names a thread.
 class DoorbellPages {
  public:
-  /// `waker`: the thread that wakes readers if several sleep.
+  /// `waker` describes the thread that wakes readers if several sleep.
   explicit DoorbellPages(core::ThreadSpec waker = "sft-wake") : waker_(std::move(waker)) {}
 
-  /// Opens the page with the doorbell of this reader, or says why the doorbell cannot be rung. `accounts`:
-  /// the accounts whose pages may be opened.
+  /// Opens the page with the doorbell of this reader. The error says why the doorbell cannot be rung.
+  /// `accounts` are the accounts whose pages may be opened.
   Result<std::shared_ptr<core::DoorbellPage>> page_of(const core::Route& route,
                                                       const core::TrustedAccounts& accounts);
   /// Makes the list of doorbells for these routes. A doorbell that cannot be opened, because its process is
-  /// gone, gets an entry that wakes nobody.
+  /// gone, gets an entry that wakes no reader.
   std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes,
                                                 const core::TrustedAccounts& accounts = {});
 
@@ -77,8 +78,8 @@ class DoorbellPages {
 
   std::string nameless_link(std::uint64_t id);
 
-  // The thread that sets routes uses these two members.
-  std::map<std::uint64_t, std::string> nameless_;  ///< links to pages without a path
+  // The next two members are used by the thread that sets routes.
+  std::map<std::uint64_t, std::string> nameless_;  ///< links to pages without a path, by the id of the page
   std::chrono::steady_clock::time_point next_search_{};
 
   Waker waker_;

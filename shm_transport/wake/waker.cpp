@@ -23,8 +23,8 @@ void Waker::start() {
 
 bool Waker::submit(const std::shared_ptr<const WakeTask>& task) noexcept {
   if (!running_.load(std::memory_order_relaxed)) return false;
-  // If the task is queued already, its next run also does what this call asks for: the exchange makes the
-  // caller's writes visible to the waker, which clears the flag before it runs the task.
+  // If the task is queued already, its next run also covers this call: the exchange makes the caller's
+  // writes visible to the waker, which clears the flag before it runs the task.
   if (task->queued_.exchange(true, std::memory_order_acq_rel)) return true;
   task->self_ = task;
   task->next_ = submitted_.load(std::memory_order_relaxed);
@@ -49,7 +49,7 @@ void Waker::run_all() noexcept {
     const WakeTask& task = *next;
     next = task.next_;
     const std::shared_ptr<const WakeTask> held = std::move(task.self_);
-    // From here on the task may be queued again.
+    // The task may be queued again from here on.
     task.queued_.exchange(false, std::memory_order_acq_rel);
     task.run();
   }

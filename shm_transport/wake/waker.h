@@ -18,7 +18,7 @@ namespace sft::shm {
 /// change.
 class WakeTask {
  public:
-  /// The waker calls this on its thread, at least once after each Waker::submit().
+  /// Performs the task. The waker calls this on its thread, at least once after each Waker::submit().
   virtual void run() const noexcept = 0;
 
  protected:
@@ -27,7 +27,8 @@ class WakeTask {
  private:
   friend class Waker;
   mutable std::atomic<bool> queued_{false};
-  mutable std::shared_ptr<const WakeTask> self_;  ///< keeps the task alive while it is queued
+  /// A reference to the task itself, which keeps it alive while it is queued.
+  mutable std::shared_ptr<const WakeTask> self_;
   mutable const WakeTask* next_ = nullptr;
 };
 
@@ -40,11 +41,11 @@ class Waker {
   Waker& operator=(const Waker&) = delete;
 
   /// Starts the thread if it does not run. If the system gives no thread, the next call tries again. Any
-  /// thread.
+  /// thread may call this.
   void start();
 
   /// Queues the task and returns at once, without a lock and without an allocation. Returns false if the
-  /// thread does not run. Any thread may call it, but only one at a time for the same task.
+  /// thread does not run. Any thread may call this, but only one at a time for the same task.
   bool submit(const std::shared_ptr<const WakeTask>& task) noexcept;
 
  private:

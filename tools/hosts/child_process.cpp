@@ -37,7 +37,7 @@ std::string read_all(int descriptor) {
   return text;
 }
 
-/// Returns the children of this process, also adopted ones.
+/// Returns the ids of the children of this process, including adopted ones.
 std::vector<pid_t> children() {
   std::vector<pid_t> pids;
   std::ifstream list("/proc/thread-self/children");
@@ -107,7 +107,8 @@ void end_children(std::chrono::milliseconds timeout) {
     const timespec wait{.tv_sec = nanoseconds / 1'000'000'000, .tv_nsec = nanoseconds % 1'000'000'000};
     sigtimedwait(&child_ended, nullptr, &wait);
   }
-  // The children of a process that is killed are adopted by this one, and killed in turn.
+  // The loop is needed because this process adopts the children of a killed process, and kills them in
+  // turn.
   do {
     for (const pid_t pid : children()) kill(pid, SIGKILL);
   } while (waitpid(-1, nullptr, 0) > 0 || errno == EINTR);

@@ -7,7 +7,7 @@
 namespace sft::hosts {
 
 std::optional<InterfaceBytes> interface_bytes(const std::string& interface) {
-  std::ifstream file("/proc/self/net/dev");  // unlike /sys it shows the namespace of this process
+  std::ifstream file("/proc/self/net/dev");  // unlike /sys, this file shows the namespace of this process
   return parse_interface_bytes(std::string(std::istreambuf_iterator<char>(file), {}), interface);
 }
 
@@ -22,7 +22,7 @@ std::optional<InterfaceBytes> parse_interface_bytes(const std::string& text, con
     std::uint64_t skipped = 0;
     figures >> bytes.received;
     for (int i = 0; i < 7; ++i)
-      figures >> skipped;  // packets, errs, drop, fifo, frame, compressed, multicast
+      figures >> skipped;  // skips packets, errs, drop, fifo, frame, compressed, multicast
     figures >> bytes.sent;
     if (!figures.fail()) return bytes;
   }

@@ -7,14 +7,14 @@
 
 namespace sft::hosts {
 
-/// Bytes with link-layer headers, since the interface was made.
+/// The bytes of an interface, with link-layer headers, since the interface was made.
 struct InterfaceBytes {
   std::uint64_t received = 0;
   std::uint64_t sent = 0;
   friend bool operator==(const InterfaceBytes&, const InterfaceBytes&) = default;
 };
 
-/// Returns nothing if there is no such interface.
+/// Returns the counters; empty if there is no such interface.
 std::optional<InterfaceBytes> interface_bytes(const std::string& interface);
 
 /// Finds the counters of an interface in the text of /proc/net/dev.

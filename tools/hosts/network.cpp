@@ -21,7 +21,7 @@ Result<core::FileDescriptor> current_network() {
   return descriptor;
 }
 
-/// Returns a file in memory with this text, to be read from its first byte on.
+/// Returns a file in memory with this text. Reading begins at its first byte.
 Result<core::FileDescriptor> file_with(std::string_view text) {
   core::FileDescriptor file(memfd_create("input", MFD_CLOEXEC));
   const bool written =
@@ -30,12 +30,12 @@ Result<core::FileDescriptor> file_with(std::string_view text) {
   return file;
 }
 
-/// Returns only if the command cannot be run.
+/// Executes the command in place of this process. Returns only if the command cannot be run.
 Result<void> execute(std::vector<std::string> command, int input, int output) {
   dup2(input, STDIN_FILENO);
   dup2(output, STDOUT_FILENO);
   dup2(output, STDERR_FILENO);
-  // `su` leaves the administrator's directories out of PATH.
+  // `su` leaves the administrator's directories out of PATH, so they are added.
   const char* path = std::getenv("PATH");
   setenv("PATH", fmt::format("{}:/usr/sbin:/sbin", path == nullptr ? "/usr/bin:/bin" : path).c_str(), 1);
   std::vector<char*> arguments;
@@ -47,15 +47,16 @@ Result<void> execute(std::vector<std::string> command, int input, int output) {
                           command[0], std::strerror(errno)));
 }
 
-/// Makes a bridge that passes frames of the hosts on and sends none of its own: no spanning tree, no queries,
-/// no IPv6 announcements.
+/// Makes a bridge that forwards the frames of the hosts and sends no frames of its own: no spanning tree,
+/// no queries, no IPv6 announcements.
 Result<void> switch_on(const NetworkNamespace& network_switch) {
   return network_switch
       .run({"ip", "-batch", "-"},
            "link add name switch type bridge stp_state 0 mcast_snooping 0\n"
            "link set dev switch addrgenmode none\n"
            "link set dev switch up\n")
-      // A kernel that asks the firewall about each frame on a bridge spends more time there than on all else.
+      // A kernel that passes each frame on a bridge through the firewall spends more time there than on all
+      // other work.
       .and_then([&] {
         return network_switch.run({"sh", "-c",
                                    "for f in /proc/sys/net/bridge/bridge-nf-call-*tables; do\n"
@@ -139,9 +140,9 @@ Result<void> EmulatedNetwork::plug_in(std::size_t number) const {
                                                            "link set dev {0} up\n",
                                                            host_interface, address(number)));
       })
-      // A virtual cable would carry a train of up to 44 datagrams as one packet and count one set of headers
-      // for it. The host cuts trains into frames before the cable, as a network card does, so that every
-      // frame is counted with its own headers.
+      // A virtual cable would carry a train of up to 44 datagrams as one packet and count one set of
+      // headers for it. So the host cuts trains into frames before the cable, as a network card does, and
+      // every frame is counted with its own headers.
       .and_then([&] {
         return host.run({"ethtool", "-K", host_interface, "tx-udp-segmentation", "off"});
       });

@@ -1,8 +1,8 @@
 // Hosts that are real to every program on them: one network namespace each, joined by virtual cables to a
 // switch.
 //
-// The namespaces have no names. They live as long as a process is in them or a descriptor refers to them, so
-// the kernel removes them with all that is in them, in whatever way the program ends (kill -9 included).
+// The namespaces have no names. They live as long as a process is in them or a descriptor refers to them.
+// So the kernel removes them, with everything in them, in whatever way the program ends (kill -9 included).
 #pragma once
 
 #include <string>
@@ -18,16 +18,17 @@ inline constexpr const char* host_interface = "eth0";  ///< the interface of eve
 
 class NetworkNamespace {
  public:
-  /// Creates an empty namespace. REQUIRES: the calling process has one thread, which is moved there and back.
+  /// Creates an empty namespace. REQUIRES: the calling process has a single thread. That thread is moved
+  /// there and back.
   static Result<NetworkNamespace> create();
 
   /// Moves the calling process into the namespace.
   Result<void> enter() const;
-  /// Runs a command in the namespace, with `input` as its standard input. The error is what the command
-  /// printed.
+  /// Runs a command in the namespace, with `input` as its standard input. The error is the output of the
+  /// command.
   Result<void> run(const std::vector<std::string>& command, std::string_view input = {}) const;
   int descriptor() const { return descriptor_.get(); }
-  /// Returns a path that other processes can open as long as this process lives.
+  /// Returns a path of the namespace that other processes can open as long as this process lives.
   std::string path() const;
 
  private:
@@ -44,7 +45,8 @@ class EmulatedNetwork {
   const NetworkNamespace& host(std::size_t number) const { return hosts_[number]; }
   static std::string address(std::size_t number);
 
-  /// Runs a command on the switch, whose cable to a host begins at the interface port(number).
+  /// Runs a command on the switch. The interface port(number) of the switch leads to the host with that
+  /// number.
   Result<void> run_on_switch(const std::vector<std::string>& command) const { return switch_.run(command); }
   static std::string port(std::size_t number);
 

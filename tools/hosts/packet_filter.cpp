@@ -18,7 +18,7 @@ Result<core::FileDescriptor> open_packets(const std::string& interface, std::spa
   }
   const sock_fprog program{.len = static_cast<unsigned short>(filter.size()),
                            .filter = const_cast<sock_filter*>(filter.data())};
-  // The socket is bound to its interface, and to all protocols, only once the filter is in place.
+  // The socket is bound to its interface, and to all protocols, only after the filter is in place.
   sockaddr_ll address{};
   address.sll_family = AF_PACKET;
   address.sll_protocol = htons(ETH_P_ALL);

@@ -12,15 +12,15 @@
 
 namespace sft::hosts {
 
-// Offsets in an Ethernet frame, and in the IPv4 packet in it, for filters.
+// Offsets in an Ethernet frame, and in the IPv4 packet in it. Filters use them.
 inline constexpr std::uint32_t ether_type = 12;
 inline constexpr std::uint32_t ip_header = 14;
 inline constexpr std::uint32_t ip_fragment = ip_header + 6;
 inline constexpr std::uint32_t ip_protocol = ip_header + 9;
-inline constexpr std::uint32_t udp_payload = ip_header + 8;  ///< plus the length of the IP header
+inline constexpr std::uint32_t udp_payload = ip_header + 8;  ///< the length of the IP header has to be added
 
-/// Opens a socket for received and sent frames, which never blocks. `buffer_bytes`: how many bytes of
-/// accepted frames can wait to be read; 0: the system's default.
+/// Opens a socket for received and sent frames, which never blocks. `buffer_bytes` is the number of bytes
+/// of accepted frames that can wait to be read; 0: the system's default.
 Result<core::FileDescriptor> open_packets(const std::string& interface, std::span<const sock_filter> filter,
                                           int buffer_bytes = 0);
 

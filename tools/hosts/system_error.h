@@ -1,4 +1,4 @@
-// Failed system calls as errors of the library.
+// Converts failed system calls to errors of the library.
 #pragma once
 
 #include <fmt/format.h>
@@ -11,7 +11,8 @@
 
 namespace sft::hosts {
 
-/// Returns the error of the system call that has just failed, after a text that says what cannot be done.
+/// Returns the error of the system call that has just failed. The error begins with `what`, which names the
+/// action that failed.
 inline tl::unexpected<Error> system_error(std::string_view what) {
   const Errc code = errno == EPERM || errno == EACCES ? Errc::no_permission : Errc::system;
   return fail(code, fmt::format("{}: {}", what, std::strerror(errno)));

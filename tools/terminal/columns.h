@@ -1,5 +1,5 @@
-// The width of UTF-8 text on a terminal, and text in lines of some width. Every character counts as one
-// column.
+// Computes the width of UTF-8 text on a terminal, and breaks text into lines of a given width. Every
+// character counts as one column.
 #pragma once
 
 #include <cstddef>
@@ -9,16 +9,16 @@
 
 namespace sft::tool {
 
-/// Returns the width of text in one line.
+/// Returns the width of the text, as one line, in columns.
 std::size_t columns_of(std::string_view text);
-/// Returns the longest beginning of the text that takes at most `columns`.
+/// Returns the longest beginning of the text that takes at most `columns` columns.
 std::string_view cut(std::string_view text, std::size_t columns);
-/// Returns the text itself if it takes at most `columns`, or else its beginning and "...".
+/// Returns the whole text if it takes at most `columns` columns, or else its beginning and "...".
 std::string shortened(std::string_view text, std::size_t columns);
 
 enum class LongWords { broken, whole };
-/// Returns the text in lines of at most `columns`. It is broken between words. A word that is longer than a
-/// line is broken as well, or it is a line of its own.
+/// Returns the text in lines of at most `columns` columns, broken between words. `long_words` decides about
+/// a word that is longer than a line: it is broken as well, or it is a line of its own.
 std::vector<std::string> lines_of(std::string_view text, std::size_t columns, LongWords long_words);
 /// Returns the lines as one text with line breaks. Words are not broken. The first line begins after `before`
 /// columns, and each other line with `indent` spaces.

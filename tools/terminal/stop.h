@@ -8,18 +8,18 @@ namespace sft::tool {
 
 class Stop {
  public:
-  /// REQUIRES: the program has no other thread yet, since threads inherit which signals are blocked.
+  /// REQUIRES: the program has no other thread yet, since threads inherit the mask of blocked signals.
   Stop();
   ~Stop();
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
-  /// Returns true if the user wants to stop, or if the reader of the output has closed it.
+  /// Returns true if the user has requested a stop, or if the reader of the program's output has closed it.
   bool requested() const;
   void request();
-  /// Discards the request, so that the program can wait for the next one.
+  /// Discards the present request, so that the program can wait for the next one.
   void forget() { requested_ = false; }
-  /// Waits until a stop is requested, and returns true. Returns false when the time is over, or when
+  /// Waits until a stop is requested, and returns true. Returns false when `time` is over, or when
   /// `descriptor` is readable.
   bool wait_for(std::chrono::nanoseconds time, int descriptor = -1);
 

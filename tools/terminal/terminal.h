@@ -1,4 +1,5 @@
-// The standard output: its size and colours if it is a terminal. Elsewhere text is plain and whole.
+// The standard output. On a terminal, it has a size and colours. In a file or a pipe, text is plain and not
+// shortened.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +12,8 @@ enum class Color : int { none = 0, red = 31, green = 32, yellow = 33, cyan = 36,
 
 class Terminal {
  public:
-  /// Colours need a terminal. `no_color` and the environment variable NO_COLOR (no-color.org) turn them off.
+  /// `no_color` and the environment variable NO_COLOR (no-color.org) turn colours off. Without a terminal,
+  /// there are no colours.
   explicit Terminal(bool no_color = false);
 
   /// Returns true if the standard output is a terminal.
@@ -20,7 +22,8 @@ class Terminal {
   std::size_t columns() const;
   std::size_t rows() const;
   std::string colored(std::string_view text, Color color) const;
-  /// Returns the text in lines that fit the terminal, as wrapped() makes them; elsewhere the whole text.
+  /// Returns the text in lines that fit the terminal, as wrapped() makes them. Without a terminal, returns
+  /// the whole text.
   std::string fitted(std::string_view text, std::size_t indent, std::size_t before = 0) const;
 
  private:

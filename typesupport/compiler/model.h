@@ -1,9 +1,9 @@
-// The declarations of one .idl, .msg or .srv file, from which the emitters write C++. Names and typedefs are
-// resolved, and everything in the model has a counterpart in C++. The model is plain C, because the IDL
+// The declarations of one .idl, .msg or .srv file, from which the emitters write C++. Names and typedefs
+// are resolved, and everything in the model has a counterpart in C++. The model is plain C, because the IDL
 // reader includes idlc's headers, which are not C++.
 //
-// The front end that fills the model owns all objects to which the model points. The IDL reader leaves texts
-// in idlc's tree, and frees its arrays with sft_file_free(). Scoped names begin with "::".
+// The front end that fills the model owns all objects to which the model points. The IDL reader leaves
+// texts in idlc's tree, and frees its arrays with sft_file_free(). Scoped names begin with "::".
 #pragma once
 
 #include <stdbool.h>
@@ -43,7 +43,7 @@ struct sft_type {
   bool is_sequence;
   uint32_t bound;  ///< the maximum number of elements of the sequence; 0: unbounded
   size_t dimension_count;
-  uint32_t dimensions[SFT_DIMENSIONS_MAX];  ///< the outermost dimension first
+  uint32_t dimensions[SFT_DIMENSIONS_MAX];  ///< the dimensions of an array, the outermost one first
 };
 
 // A value. Its type determines which member of the union is used.
@@ -62,11 +62,13 @@ struct sft_value {
 struct sft_member {
   const char* name;
   struct sft_type type;
-  struct sft_value initial;            ///< the default of a single value; unset: value-initialized
-  struct sft_value* initial_elements;  ///< the default of a sequence or an array; the last index runs fastest
-  size_t initial_element_count;        ///< 0: it is value-initialized
+  struct sft_value initial;  ///< the default of a single value; unset: value-initialized
+  /// The default of a sequence or an array, in an order in which the last index runs fastest.
+  struct sft_value* initial_elements;
+  /// Number of elements of `initial_elements`; 0: the member is value-initialized.
+  size_t initial_element_count;
   bool is_key;
-  const char* unit;    ///< null: no unit is given
+  const char* unit;    ///< the unit of the member; null: no unit is given
   const char* layout;  ///< a rule in the spelling of layout/rule.h; null: no rule is given
 };
 
@@ -76,7 +78,8 @@ struct sft_enumerator {
   uint64_t value;
 };
 
-// A service X follows the structs X_Request, X_Response, X_Call and X_Reply, and has nothing but its name.
+// The kinds of declarations. A service X follows the structs X_Request, X_Response, X_Call and X_Reply, and
+// has only its name.
 enum sft_declaration_kind { SFT_CONSTANT, SFT_ALIAS, SFT_ENUMERATION, SFT_BITMASK, SFT_STRUCT, SFT_SERVICE };
 
 // A declaration. Its kind determines which members are set.
@@ -93,10 +96,11 @@ struct sft_declaration {
 
 // All paths are absolute. If files are copies, the paths are those of the originals.
 struct sft_file {
-  const char* copies;  ///< "", or the directory where idlc reads a copy of /a/b.idl as <copies>/a/b.idl
+  /// The directory where idlc reads a copy of /a/b.idl as <copies>/a/b.idl; "": there are no copies.
+  const char* copies;
   const char* path;
-  const char*
-      outer_namespace;    ///< "::my::robot", the beginning of all scoped names; null: none (emit/enclosed.h)
+  /// The beginning of all scoped names, such as "::my::robot"; null: there is none (emit/enclosed.h).
+  const char* outer_namespace;
   const char** includes;  ///< files that this file includes directly
   size_t include_count;
   const char** sources;  ///< this file, and all files that it includes, directly or not

@@ -20,7 +20,8 @@ void CongestionWindow::hear(const FlowReport& report, const Known& known) {
   datagrams_at_report_ = report.datagrams;
   came_at_report_ = report.came;
   if (lost || known.queueing > limits_.queueing) {
-    if (report.position <= turned_at_) return;  // the report is about what was sent before the window shrank
+    // The report is about data that was sent before the window shrank.
+    if (report.position <= turned_at_) return;
     turned_at_ = known.sent;
     const std::size_t without_queue = lost ? 0 : std::min(known.taken, bytes_);
     bytes_ = std::max({limits_.least_bytes, bytes_ / 10 * 7, without_queue});

@@ -1,5 +1,5 @@
-// The connections to one remote socket: one for small samples and control, and one for large samples, so
-// that small datagrams do not queue behind large samples.
+// The connections to one remote socket: one for small samples and control, and one for large samples. So
+// small datagrams do not queue behind large samples.
 #pragma once
 
 #include <atomic>
@@ -17,31 +17,31 @@ using Connect = std::function<std::unique_ptr<Connection>(const SocketAddress&)>
 
 class ConnectionPair {
  public:
-  /// Calls `connect` now, and again for the first large sample.
+  /// Calls `connect` now, and again when the first large sample is sent.
   ConnectionPair(Connect connect, const SocketAddress& to);
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   Connection& small() { return *small_; }
   /// Returns the connection for large samples; null before the first.
   Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
-  /// Returns the connection whose datagrams leave behind everything that was sent.
+  /// Returns the connection whose datagrams leave after everything that was sent so far.
   Connection& last_in_line() {
     Connection* const bulk = bulk_in_use();
     return bulk == nullptr ? *small_ : *bulk;
   }
-  /// Looks up the path again: after a refusal, or if routes or our own addresses have changed.
+  /// Looks up the path again. Called after a refusal, or when routes or our own addresses have changed.
   void reconnect() noexcept;
   void redirect(const SocketAddress& to) noexcept;
 
   std::size_t datagrams_per_call() const {
     return one_at_a_time_.load(std::memory_order_relaxed) ? 1 : batch_datagrams_max;
   }
-  /// Sends one datagram per call from now on, until redirect(): the interface cannot segment
-  /// (SendOutcome::no_segments).
+  /// From now on, sends only one datagram per call, until redirect(). Called because the interface cannot
+  /// segment (SendOutcome::no_segments).
   void take_one_at_a_time() noexcept { one_at_a_time_.store(true, std::memory_order_relaxed); }
 
-  // The sending thread.
+  // The following functions are for the sending thread only.
 
   /// Returns the connection for large samples. The first call makes it.
   Connection& bulk(const RemotePath& path);
@@ -50,7 +50,7 @@ class ConnectionPair {
   const Connect connect_;
   std::atomic<bool> one_at_a_time_{false};
   const std::unique_ptr<Connection> small_;
-  std::unique_ptr<Connection> bulk_;  ///< used by the sending thread; other threads use `bulk_in_use_`
+  std::unique_ptr<Connection> bulk_;  ///< used by the sending thread; all other threads use `bulk_in_use_`
   std::atomic<Connection*> bulk_in_use_{nullptr};
 };
 

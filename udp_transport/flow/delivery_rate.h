@@ -1,13 +1,14 @@
-// The best recent rate at which a remote socket takes what it is sent. Uses no clock, thread or I/O.
+// The best recent rate at which a remote socket takes the bytes that are sent to it. Uses no clock, thread
+// or I/O.
 //
 // A round trip can be long for two reasons. If the path or the receiver is slow, the rate is low, and a
 // smaller window makes the queue shorter. If a thread at one of the ends did not run for a while, the rate
 // is high before and after, and a smaller window would only need more such round trips. The best rate
-// distinguishes the two: it says how much is taken within a given time.
+// distinguishes the two cases.
 //
-// A rate is the bytes that passed while a mark and its report were under way, divided by that time, as in
-// "Delivery Rate Estimation" (draft-cheng-iccrg-delivery-rate-estimation). So reports that come all at
-// once, after a pause, do not raise it.
+// A rate is the number of bytes that passed while a mark and its report were under way, divided by that
+// time, as in "Delivery Rate Estimation" (draft-cheng-iccrg-delivery-rate-estimation). So reports that come
+// all at once, after a pause, do not raise the rate.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +23,7 @@ class DeliveryRate {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A rate counts for this time, and until another one replaces it.
+  /// The time for which a rate counts. After it, the rate counts until another one replaces it.
   static constexpr std::chrono::milliseconds valid_for{250};
 
   /// Notes that a mark is sent.
@@ -48,7 +49,7 @@ class DeliveryRate {
   };
   struct Mark {
     Time sent_at{};
-    Passed reported{};  ///< the latest report when the mark was sent
+    Passed reported{};  ///< the values of the latest report at the time when the mark was sent
   };
 
   void note(std::uint64_t bytes, Time::duration time, Time now) {
@@ -66,8 +67,8 @@ class DeliveryRate {
   std::array<Mark, 8> marks_{};  ///< the latest marks
   std::size_t next_ = 0;
   // Rates, in bytes per tick of the clock.
-  double now_ = 0;     ///< the best one since `since_`
-  double before_ = 0;  ///< the best one of the period before that
+  double now_ = 0;     ///< the best rate since `since_`
+  double before_ = 0;  ///< the best rate of the previous period
   Time since_{};
 };
 

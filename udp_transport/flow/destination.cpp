@@ -17,7 +17,8 @@ FlowLimits flow_limits(const DestinationLimits& limits) {
   return flow;
 }
 
-/// Returns the longest datagram, as far as the kernel knows, and within the limits.
+/// Asks the kernel for the length of the longest datagram to the address. Returns that length within the
+/// limits.
 std::size_t ask_kernel(const SocketAddress& address, const DestinationLimits& limits) noexcept {
   return std::min<std::size_t>(datagram_bytes_to(address),
                                std::max(limits.datagram_bytes, datagram_bytes_min));
@@ -54,7 +55,7 @@ void Destination::mark(Time now) {
   if (const std::optional<FlowMark> due = window_.await_room(now)) send(*due, now);
 }
 
-/// Sends a mark. If it does not leave, a later one replaces it.
+/// Sends a mark. If it cannot be sent, a later mark replaces it.
 void Destination::send(FlowMark mark, Time now) {
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;

@@ -1,6 +1,6 @@
-// A remote socket that samples are sent to, and the path to it. All writers that serve readers behind the
-// socket share it. The path can change, since a socket has several addresses. At each address the socket
-// has to answer before it is sent more than a few datagrams (flow_window.h).
+// A remote socket to which samples are sent, and the path to it. All writers that serve readers behind the
+// socket share one Destination. The path can change, since a socket has several addresses. At each address
+// the socket has to answer before it is sent more than a few datagrams (flow_window.h).
 #pragma once
 
 #include <atomic>
@@ -22,7 +22,7 @@ namespace sft::udp {
 
 struct DestinationLimits {
   std::size_t datagram_bytes = datagram_bytes_max;
-  std::uint16_t report_port = 0;  ///< where receivers report to; 0: they are not asked, and need not answer
+  std::uint16_t report_port = 0;  ///< port for receivers' reports; 0: receivers are not asked for reports
   FlowLimits flow{};
 };
 
@@ -32,22 +32,22 @@ class Destination {
   using Size = FlowWindow::Size;
   using Heard = SharedFlowWindow::Heard;
 
-  /// `flow` is the number by which reports of the receiver name this destination; nobody else can guess it.
-  /// `connect` is called again for the first large sample. Channels to this socket are numbered from
-  /// `channels` on, which nobody else can guess either. `host` is the budget of the remote host
+  /// `flow` is the number by which reports of the receiver name this destination. Other processes cannot
+  /// guess it. `connect` is called again for the first large sample. Channels to this socket are numbered
+  /// from `channels` on, which cannot be guessed either. `host` is the budget of the remote host
   /// (FlowWindow).
   Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
               Connect connect, std::uint32_t channels = 0, std::shared_ptr<UnprovenBudget> host = {});
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   std::uint32_t flow() const { return flow_; }
   /// Returns the number by which datagrams to this socket name the writer's channel `number`.
   std::uint32_t name_of_channel(std::uint32_t number) const { return channels_ + number; }
 
-  /// The address, and the length of datagrams.
+  /// Returns the address of the socket, and the length of datagrams on the path.
   const RemotePath& path() const { return path_; }
-  /// How much may be under way.
+  /// Returns the window that limits what may be under way.
   const SharedFlowWindow& window() const { return window_; }
 
   /// Returns the connection for small samples and control, which must not queue behind large samples.
@@ -62,45 +62,45 @@ class Destination {
   void set_receive_buffer(std::uint32_t bytes) { window_.announce(bytes); }
   std::size_t room(Size size, Time now) { return window_.room(size, now); }
   /// Returns true if a heartbeat or an offer may be sent. If not, it is withheld until the receiver
-  /// reports, and the receiver is asked for a report here, since nothing else may be left to send.
+  /// reports. The function then asks the receiver for a report, since nothing else may be left to send.
   bool takes_control(Time now);
-  /// Notes what was sent through one of the connections; `longest` is the length of the longest datagram.
-  /// Sends the receiver a mark if one is due.
+  /// Notes what was sent through one of the connections, and sends the receiver a mark if one is due.
+  /// `longest` is the length of the longest datagram.
   void sent(const Connection& by, std::size_t bytes, std::size_t datagrams, std::size_t longest, Time now);
-  /// Sends another mark, if one is due, to a receiver that has not reported, because a sender waits for room.
+  /// Called while a sender waits for room. Sends another mark, if one is due, to a receiver that has not
+  /// reported.
   void mark(Time now);
-  /// Adapts to a send that was refused, so that the next one has a length that fits, and uses the present
-  /// path.
+  /// Adapts to a refused send: the next send uses the present path and datagrams of a length that fits.
   void note(SendOutcome outcome) noexcept;
 
-  /// Takes a report. If it repeats one of our marks, the receiver is at the address that it comes from.
+  /// Takes a report that came from the address `from`. If the report repeats one of our marks, the receiver
+  /// is at that address.
   [[nodiscard]] Heard hear(const FlowReport& report, const core::IpAddress& from, Time now);
-  /// Notes that an ack of one of the channels to this socket came.
+  /// Notes that an ack came for one of the channels to this socket.
   void lives(Time now) { window_.lives(now); }
-  /// Notes that the host there says that no socket has that port (ICMP).
+  /// Notes that the remote host has reported that no socket has that port (ICMP).
   void refused(Time now) { window_.refused(now); }
-  /// Notes that an ack asks for something again. A mark is then sent soon, to find out if long datagrams
-  /// arrive.
+  /// Notes that an ack requests data again. A mark is then sent soon, to find out if long datagrams arrive.
   void asked_again() { window_.asked_again(); }
 
   /// Moves to another address of the same socket. Datagrams that are under way still count.
   void move_to(const SocketAddress& address, std::shared_ptr<UnprovenBudget> host) noexcept;
-  /// Returns the number of these moves, and of the returns of a receiver that was silent. After each of
-  /// them, heartbeats and offers are due at once.
+  /// Returns the number of moves to another address plus the number of times that a silent receiver has
+  /// answered again. After each of these events, heartbeats and offers are due at once.
   std::uint32_t moves() const { return moves_.load(std::memory_order_relaxed); }
 
-  // The sending thread.
+  // The following functions are for the sending thread only.
 
   /// Returns the connection for large samples. The first call makes it.
   Connection& bulk() { return connections_.bulk(path_); }
 
-  // The thread that maintains all destinations.
+  // The following functions are for the thread that maintains all destinations.
 
-  /// Tries longer datagrams if it is time, and asks the kernel about the path now and then. `anew`: routes
-  /// or our own addresses have changed.
+  /// Called regularly. Tries longer datagrams if it is time, and now and then asks the kernel about the
+  /// path. `anew` is true if routes or our own addresses have changed.
   void look_after(Time now, bool anew) noexcept;
   enum class LimitChange : std::uint8_t { none, found, over };
-  /// Returns whether a limit of the length of datagrams was found since the last call, or is over.
+  /// Returns if a limit of the length of datagrams was found, or has ended, since the last call.
   LimitChange take_limit_change() noexcept;
 
  private:
@@ -116,9 +116,9 @@ class Destination {
   ConnectionPair connections_;
   SharedFlowWindow window_;
   std::atomic<std::uint32_t> moves_{0};
-  // Used by the thread that maintains the destinations.
+  // The following members are used by the thread that maintains the destinations.
   Time kernel_asked_at_{};
-  bool was_limited_ = false;  ///< at the last call of take_limit_change()
+  bool was_limited_ = false;  ///< true if a limit was known at the last call of take_limit_change()
 };
 
 }  // namespace sft::udp

@@ -21,19 +21,20 @@ class DestinationDirectory {
  public:
   DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
-  /// Returns the destination of that address. A new one is connected, and the kernel is asked for the
-  /// path's MTU. If the address names its node, a known destination moves to that address. A destination,
-  /// with its connections, goes when nobody sends to it any more.
+  /// Returns the destination of that address. A new destination is connected, and the kernel is asked for
+  /// the path's MTU. If the address names its node, a known destination moves to that address. A
+  /// destination is destroyed, with its connections, when no writer uses it any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
-  /// Returns the destination whose reports carry that number; null if there is none any more.
+  /// Returns the destination whose reports carry that number; null if it does not exist any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
-  /// Maintains all known destinations. `anew`: routes or our own addresses have changed. Adds to `remarks`
-  /// the limits of the length of datagrams that were found or are over.
+  /// Maintains all known destinations. `anew` is true if routes or our own addresses have changed. Adds to
+  /// `remarks` the limits of the length of datagrams that were found or have ended.
   void look_after(PathMtu::Time now, bool anew, std::vector<core::Network::Remark>& remarks);
 
  private:
-  /// Node and port if the address names its node, which may have several addresses; else address and port.
+  /// The node and the port if the address names its node, which may have several addresses; else address
+  /// and port.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);
   std::uint32_t first_channel(const Key& key) const;
@@ -48,7 +49,8 @@ class DestinationDirectory {
       SFT_ACQUIRED_BEFORE(core::lock_order::queues);
   std::map<Key, std::weak_ptr<Destination>> known_ SFT_GUARDED_BY(mutex_);
   UnprovenBudgets hosts_ SFT_GUARDED_BY(mutex_);
-  std::vector<std::shared_ptr<Destination>> looked_after_;  ///< used by look_after()
+  /// The destinations of the present call of look_after().
+  std::vector<std::shared_ptr<Destination>> looked_after_;
 };
 
 }  // namespace sft::udp

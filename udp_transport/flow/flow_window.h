@@ -2,7 +2,7 @@
 // receiver reports, and to what the path carries without a queue that delays other traffic.
 //
 // A receiver has to answer. Before its first report it is sent only a few small datagrams and marks; after
-// a second of silence, only marks. So nobody can make this host flood another one that did not ask for it.
+// a second of silence, only marks. So a forged announcement cannot make this host flood another one.
 //
 // The class uses no clock, thread or I/O: calls and times are passed in, decisions are returned. All
 // amounts are in bytes as the receiving kernel counts them (socket_bytes()). A position is the number of
@@ -28,14 +28,14 @@
 
 namespace sft::udp {
 
-/// Returns how much of a socket's receive buffer datagrams take. The kernel keeps each of them with data of
-/// its own.
+/// Returns the bytes of a socket's receive buffer that datagrams take. The kernel stores data of its own
+/// with each datagram.
 constexpr std::size_t socket_bytes(std::size_t bytes, std::size_t datagrams) {
   constexpr std::size_t of_each_datagram = 832;
   return bytes + datagrams * of_each_datagram;
 }
-/// Returns the part of a receive buffer that senders may fill. The kernel gives back what was read in steps
-/// of a quarter.
+/// Returns the part of a receive buffer that senders may fill. The kernel frees the memory of read
+/// datagrams in steps of a quarter.
 constexpr std::size_t usable_bytes(std::size_t receive_buffer_bytes) { return receive_buffer_bytes / 4 * 3; }
 
 class FlowWindow {
@@ -44,31 +44,31 @@ class FlowWindow {
   /// A part of the window is reserved for small samples.
   enum class Size : std::uint8_t { small, large };
 
-  /// `flow` is the number that the receiver's reports repeat. `secret` hides the times in marks: only a
-  /// receiver of a mark can repeat what it says. `host` is the budget for all destinations on that host
-  /// before they answer; null: only the allowance of this destination counts.
+  /// `flow` is the number that the receiver's reports repeat. `secret` hides the times in marks, so that
+  /// only a receiver of a mark can repeat its content. `host` is the budget for all destinations on that
+  /// host before they answer; null: only the allowance of this destination counts.
   FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64_t secret = 0,
              std::shared_ptr<UnprovenBudget> host = {});
 
-  /// Sets the size of the remote socket's buffer, which counts until the first report.
+  /// Sets the size of the remote socket's buffer, which is used until the first report.
   void announce(std::size_t receive_buffer_bytes);
 
   /// Returns the socket bytes that may be sent now; the last datagrams may exceed this. If there is no
-  /// room, the sender waits until hear() or next_ready() says that there is.
+  /// room, the sender waits until hear() returns true, or until the time of next_ready().
   std::size_t room(Size size, Time now);
   /// Notes that a sender waits for more room than there is.
   void await_room() { waiting_ = true; }
-  /// Returns true if a heartbeat or an offer may be sent. It takes no room in the window, but counts as one
-  /// of the few datagrams before the first report.
+  /// Returns true if a heartbeat or an offer may be sent. Such a datagram takes no room in the window, but
+  /// counts as one of the few datagrams before the first report.
   bool takes_control(Time now);
-  /// Returns the size of the largest batch of which several fit into the window.
+  /// Returns the limit of a batch in socket bytes. Several such batches fit into the window.
   std::size_t batch_bytes() const;
-  /// `aside`: sent through another connection than marks are.
+  /// Notes that datagrams were sent. `aside` is true if they went through another connection than marks do.
   void sent(std::size_t bytes, std::size_t datagrams, Time now, bool aside = false);
 
-  /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the connection
-  /// that was used last. `is_uncertain`: a part of what was sent may not have arrived, so that marks are due
-  /// soon.
+  /// Returns the mark that is due, if any. The caller fills in its port, and sends it through the
+  /// connection that was used last. `is_uncertain` is true if a part of the sent data may not have arrived;
+  /// then marks are due soon.
   std::optional<FlowMark> mark(Time now, bool is_uncertain = false);
   /// Returns true if a report can be the answer to one of our marks.
   bool answers_a_mark(const FlowReport& report) const;
@@ -76,17 +76,17 @@ class FlowWindow {
   Time marked_at(const FlowReport& report) const {
     return Time(std::chrono::nanoseconds(hidden(report.sent_at_ns)));
   }
-  /// Takes a report of the receiver and ignores nonsense. Returns true if a sender that waits may go on
-  /// now.
+  /// Takes a report of the receiver. An implausible report is ignored. Returns true if a sender that waits
+  /// may go on now.
   [[nodiscard]] bool hear(const FlowReport& report, Time now);
-  /// Notes an authentic answer of the other end that is not a report.
+  /// Notes an authentic answer of the receiver that is not a report.
   void lives(Time now) { receiver_.lives(now); }
-  /// Notes that the host there says that no socket has this port. Ignored if the receiver has just
+  /// Notes that the remote host has reported that no socket has this port. Ignored if the receiver has just
   /// reported.
   void refused(Time now) { receiver_.refused(now); }
-  /// Sends to another address from now on, which has to answer first.
+  /// Sends to another address from now on. The receiver has to answer at that address first.
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host = {});
-  /// Returns the time to try again, if no report comes until then.
+  /// Returns when a sender should try again if no report comes until then.
   Time next_ready(Time now) const;
 
   std::uint64_t position() const { return sent_; }
@@ -95,12 +95,13 @@ class FlowWindow {
     const auto shortest = round_trips_.shortest();
     return shortest == Time::duration::max() ? Time::duration{} : shortest;
   }
-  /// Returns true if the receiver has reported, and is not silent. So the receiver itself wants what is
-  /// sent; an announcement alone, which can be forged, does not count.
+  /// Returns true if the receiver has reported, and is not silent. A report shows that the receiver itself
+  /// wants the data. An announcement alone does not count, because it can be forged.
   bool answers(Time now) const { return !limits_.asks || (receiver_.heard() && !receiver_.is_mute(now)); }
-  /// Returns true if the receiver was asked for a second, and never answered or does not answer any more.
+  /// Returns true if marks to the receiver were unanswered for a second, because it never answered or
+  /// stopped answering.
   bool is_mute(Time now) const { return receiver_.is_mute(now); }
-  /// Returns true if everything that was sent up to that position has arrived, or never will.
+  /// Returns true if everything that was sent up to that position has arrived, or has been lost.
   bool passed(std::uint64_t position) const { return position <= (receiver_.heard() ? reported_ : passed_); }
   std::size_t under_way() const { return static_cast<std::size_t>(sent_ - passed_); }
   std::size_t window() const { return std::min(share_, congestion_.bytes()); }
@@ -112,7 +113,7 @@ class FlowWindow {
   void note_unproven(std::size_t bytes, std::size_t datagrams, Time now);
   std::size_t mark_spacing() const;
   bool mark_is_due(Time now, bool is_uncertain) const;
-  /// Hides a time in a mark, and recovers it from a report. It is its own inverse.
+  /// Hides a time in a mark, or recovers it from a report. The function is its own inverse.
   std::int64_t hidden(std::int64_t ns) const {
     return static_cast<std::int64_t>(static_cast<std::uint64_t>(ns) ^ secret_);
   }
@@ -128,7 +129,7 @@ class FlowWindow {
   std::uint64_t marked_ = 0;
   std::uint32_t datagrams_ = 0;
   double expansion_ = 1;  ///< recent number of socket bytes for each byte sent
-  Time passed_at_{};      ///< when `passed_` was updated last
+  Time passed_at_{};      ///< time of the last update of `passed_`
   bool waiting_ = false;
   UnprovenAllowance unproven_;
   ReceiverMonitor receiver_;

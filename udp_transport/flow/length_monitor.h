@@ -18,11 +18,11 @@ class LengthMonitor {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A report is no evidence about datagrams that were sent longer than this before its mark: the receiver
-  /// may have discarded their lengths.
+  /// The longest time between a datagram and its mark for which the report is evidence. The receiver may
+  /// have discarded the lengths of earlier datagrams.
   static constexpr std::chrono::milliseconds remembered_for{500};
 
-  /// Notes that datagrams were sent. `length` is that of the longest.
+  /// Notes that datagrams were sent. `length` is that of the longest one.
   void sent(std::size_t length, Time now) {
     if (length > arrived_) since_mark_.add(length, now);
   }
@@ -33,12 +33,13 @@ class LengthMonitor {
     marked_ = std::exchange(since_mark_, {});
     position_ = position;
   }
-  /// Notes that the receiver asks for something again: the next report should come soon.
+  /// Notes that the receiver requests data again, so that the next report should come soon.
   void asked_again() { unconfirmed_ = true; }
   /// Returns true if long datagrams might not arrive. Then a mark should follow them soon.
   bool is_uncertain() const { return unconfirmed_; }
 
-  /// Returns the length of datagrams that have not arrived; 0 if all have, as far as the report shows.
+  /// Evaluates a report. Returns the length of datagrams that have not arrived; 0 if all have arrived, as
+  /// far as the report shows.
   std::size_t evaluate(const FlowReport& report, Time marked_at) {
     arrived_ = report.longest;
     if (report.position < position_) return 0;
@@ -50,7 +51,7 @@ class LengthMonitor {
   }
 
  private:
-  /// Lengths of datagrams that are longer than the longest that is known to have arrived.
+  /// Lengths of sent datagrams that are longer than any datagram known to have arrived.
   struct Lengths {
     std::size_t shortest = SIZE_MAX, longest = 0;
     Time last{};
@@ -63,7 +64,7 @@ class LengthMonitor {
     }
   };
 
-  std::size_t arrived_ = 0;  ///< the longest datagram, by the last report
+  std::size_t arrived_ = 0;  ///< length of the longest datagram in the last report
   Lengths since_mark_, marked_;
   std::uint64_t position_ = 0;  ///< the position of the mark whose report is evaluated next
   bool unconfirmed_ = false;

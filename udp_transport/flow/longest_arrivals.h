@@ -1,4 +1,4 @@
-// Remembers for each address that marks come from how long the longest recent datagram from there was. All
+// Remembers, for each address that sends marks, the length of the longest recent datagram from it. All
 // processes and ports at an address count together, because they share one path. Reports carry this length.
 // The class uses no clock, thread or I/O.
 #pragma once
@@ -19,10 +19,10 @@ class LongestArrivals {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t addresses_max = 256;
-  /// A datagram is remembered for one period at least, and for two at most. A sender looks back a shorter
-  /// time (LengthMonitor::remembered_for).
+  /// A datagram is remembered for one period at least, and for two periods at most. A sender uses reports
+  /// only about a shorter time (LengthMonitor::remembered_for).
   static constexpr std::chrono::seconds period{1};
-  /// An address that has sent no mark for this time is forgotten if another address needs its place.
+  /// An address that has sent no mark for this time is removed if another address needs its place.
   static constexpr std::chrono::seconds kept_for{10};
 
   LongestArrivals() { addresses_.reserve(addresses_max); }
@@ -58,9 +58,10 @@ class LongestArrivals {
  private:
   struct Address {
     core::IpAddress ip;
-    Time begun{};  ///< begin of the present period
+    Time begun{};  ///< start of the present period
     Time marked_at{};
-    std::uint32_t present = 0, former = 0;  ///< the longest of this period and of the previous one
+    /// Length of the longest datagram of this period and of the previous one.
+    std::uint32_t present = 0, former = 0;
 
     void forget_old(Time now) {
       if (now - begun < period) return;
@@ -71,7 +72,7 @@ class LongestArrivals {
   };
 
   std::vector<Address> addresses_;
-  std::size_t last_ = 0;  ///< index of the address that the latest datagram came from
+  std::size_t last_ = 0;  ///< index of the address of the latest datagram
 };
 
 }  // namespace sft::udp

@@ -14,7 +14,8 @@ constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352,
 PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
     : headers_(headers), shortest_(shortest), ceiling_(std::max(kernel_says, shortest)), bytes_(ceiling_) {}
 
-/// If the path has become another one, nothing that was learnt about the old one holds.
+/// If the kernel's value has changed, the path is another one. Then everything that was learnt about the
+/// old path is discarded.
 void PathMtu::kernel_says(std::size_t bytes) {
   bytes = std::max(bytes, shortest_);
   if (bytes == ceiling_) return;
@@ -26,7 +27,8 @@ void PathMtu::kernel_says(std::size_t bytes) {
   is_limited_ = false;
 }
 
-/// A report about datagrams that were sent before the present length held says nothing about that length.
+/// Ignores a report about datagrams that were sent before the present length was set, because it is no
+/// evidence about that length.
 void PathMtu::lost(std::size_t length, Time now) {
   if (length > bytes_) return;
   if (losses_++ == 0) {
@@ -55,8 +57,8 @@ void PathMtu::shorten(Time now) {
   retry_after_ = std::min<Time::duration>(2 * retry_after_, retry_pause_max);
 }
 
-/// A datagram that is shorter than the lost ones does not disprove their loss. One that is shorter than the
-/// present length does not prove that length.
+/// Takes the length of a datagram that has arrived. A datagram that is shorter than the lost ones does not
+/// disprove their loss. A datagram that is shorter than the present length does not prove that length.
 void PathMtu::arrived(std::size_t length, Time now) {
   if (length >= lost_length_) losses_ = 0;
   if (length < bytes_ || bytes_ <= proven_) return;
@@ -69,7 +71,8 @@ void PathMtu::arrived(std::size_t length, Time now) {
 /// be noticed.
 void PathMtu::look_after(Time now) {
   if (bytes_ >= ceiling_ || proven_ < bytes_ || now < next_try_) return;
-  if (next_longer() >= too_long_) too_long_ = none;  // the path may have been repaired meanwhile
+  // The path may have been repaired meanwhile, so all lengths are possible again.
+  if (next_longer() >= too_long_) too_long_ = none;
   bytes_ = next_longer();
 }
 

@@ -20,11 +20,12 @@ class PathMtu {
   /// full for a moment may lose a whole train.
   static constexpr int losses_max = 5;
   static constexpr std::chrono::milliseconds timeout{200};
-  /// The pause after a length that works before the next longer one is tried; and the first and the longest
-  /// pause after a length that fails before it is tried again.
+  /// Pauses of the search for longer datagrams: after a length that works, the pause before the next longer
+  /// one; after a length that fails, the first and the longest pause before that length is tried again.
   static constexpr std::chrono::seconds search_pause{1}, retry_pause{10}, retry_pause_max{600};
 
-  /// `headers`: bytes of the IP and UDP headers. `shortest`: a length that every path takes.
+  /// `headers` is the length of the IP and UDP headers. `shortest` is a length of datagrams that every path
+  /// takes. All are in bytes.
   PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says);
 
   std::size_t datagram_bytes() const { return bytes_; }
@@ -32,8 +33,7 @@ class PathMtu {
   bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0 || is_limited_; }
 
   void kernel_says(std::size_t bytes);
-  /// Returns the length beyond which datagrams are known not to arrive; 0 if all that the kernel sends
-  /// arrive, as far as is known.
+  /// Returns the length beyond which datagrams are known not to arrive; 0 if no such length is known.
   std::size_t limited_to() const {
     if (!is_limited_) return 0;
     return proven_ != 0 ? proven_ : bytes_;
@@ -54,11 +54,12 @@ class PathMtu {
 
   std::size_t headers_;
   std::size_t shortest_;
-  std::size_t ceiling_;          ///< the kernel's limit
+  std::size_t ceiling_;          ///< the kernel's limit of the length
   std::size_t bytes_;            ///< the present length of datagrams
   std::size_t proven_ = 0;       ///< the greatest length that has arrived; 0: none has yet
   std::size_t too_long_ = none;  ///< a length that did not arrive
-  bool is_limited_ = false;      ///< `bytes_` was made smaller, and nothing as long as the ceiling came since
+  /// True if `bytes_` was reduced, and no datagram as long as `ceiling_` has come since.
+  bool is_limited_ = false;
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
   int losses_ = 0;                  ///< number of reports in a row that show losses

@@ -11,13 +11,13 @@
 
 namespace sft::udp {
 
-/// Small samples may be sent as long as any tokens are left; large samples leave a quarter of a burst to
-/// them. Any thread.
+/// Small samples may be sent as long as any tokens are left. Large samples leave a quarter of a burst to
+/// small ones. Any thread may call the functions.
 class RateLimit {
  public:
   using Time = Pacer::Time;
 
-  /// A rate of 0 is no limit.
+  /// `bytes_per_s` 0: there is no limit.
   explicit RateLimit(std::uint64_t bytes_per_s)
       : limited_(bytes_per_s != 0),
         batch_(limited_ ? static_cast<std::size_t>(bytes_per_s / 500) : SIZE_MAX),
@@ -34,10 +34,10 @@ class RateLimit {
     const core::Lock lock(mutex_);
     pacer_.spend(bytes);
   }
-  /// Returns the largest part of a large sample that is sent at a time, so that small samples do not have
-  /// to wait for more.
+  /// Returns the number of bytes of a large sample that are sent at a time. It is limited so that small
+  /// samples do not have to wait for more.
   std::size_t batch_bytes() const { return batch_; }
-  /// Returns the time to ask again, if nothing is spent until then.
+  /// Returns when to ask again, if nothing is spent until then.
   Time next_ready(bool small, Time now) {
     if (!limited_) return now;
     const core::Lock lock(mutex_);
@@ -45,7 +45,7 @@ class RateLimit {
   }
 
  private:
-  /// Returns the bytes of a train of datagrams, or of 10 ms, if that is more.
+  /// Returns the size of a burst: a train of datagrams, or the bytes of 10 ms if that is more.
   static std::size_t burst_for(std::uint64_t bytes_per_s) {
     return static_cast<std::size_t>(std::max<std::uint64_t>(64 * 1024, bytes_per_s / 100));
   }

@@ -1,5 +1,5 @@
-// Divides the buffer of our socket among its present senders: together they may have no more under way than
-// the buffer holds. All addresses get the same share, however many senders claim to be behind each. The
+// Divides the buffer of our socket among its present senders: together they may have no more bytes under
+// way than the buffer holds. All addresses get the same share, however many senders there are at each. The
 // class uses no clock, thread or I/O.
 #pragma once
 
@@ -16,7 +16,8 @@ namespace sft::udp {
 class ReceiveShares {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// The number of senders that are known by their marks. Any further sender is told a very small share.
+  /// The number of senders that are known by their marks. The reports to any further sender grant it only a
+  /// very small share.
   static constexpr std::size_t senders_max = 256;
   /// A sender that has sent no mark for this time needs no share.
   static constexpr std::chrono::milliseconds at_rest_after{500};
@@ -42,7 +43,7 @@ class ReceiveShares {
     SocketAddress from;
     std::uint32_t flow = 0;
     std::uint32_t came = 0;   ///< number of datagrams that came, or were sent before the sender was known
-    std::size_t granted = 0;  ///< the share as the sender was told last
+    std::size_t granted = 0;  ///< the share in the last report to the sender
     Time marked_at{};
   };
   void find_and_count(const SocketAddress& from);
@@ -52,8 +53,8 @@ class ReceiveShares {
   Sender* known_or_new(const FlowMark& mark, const SocketAddress& from);
 
   const std::size_t usable_bytes_;
-  std::vector<Sender> senders_;  ///< in the order of their addresses
-  std::size_t last_ = 0;         ///< index of the sender whose datagram came last
+  std::vector<Sender> senders_;  ///< sorted by address
+  std::size_t last_ = 0;         ///< index of the sender of the latest datagram
 };
 
 }  // namespace sft::udp

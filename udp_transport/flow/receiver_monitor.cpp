@@ -19,7 +19,7 @@ void ReceiverMonitor::ask(bool again, Time now) {
   put_off(now);
 }
 
-/// Keeps the later time, because another thread may have read the clock earlier.
+/// Notes the later of both times, because another thread may have read the clock earlier.
 void ReceiverMonitor::put_off(Time now) { marked_at_ = std::max(marked_at_, now); }
 
 void ReceiverMonitor::note_life(Time now) {
@@ -55,8 +55,8 @@ void ReceiverMonitor::begin_anew() {
 }
 
 /// Returns the pause before an unanswered mark is repeated. It grows while the receiver does not answer. On
-/// a short path it stays short until the receiver counts as silent. A missing answer was lost there, and a
-/// longer pause would only stop the window for longer.
+/// a short path it stays short until the receiver counts as silent, because the answer was probably lost,
+/// and a longer pause would only stop the window for longer.
 ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& round_trips) const {
   if (is_mute(marked_at_)) {
     const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;
@@ -72,7 +72,8 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
                 : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
-/// An ack is no evidence that long datagrams arrive, so it does not count if that is uncertain.
+/// Returns true if a new mark is due. An ack is no evidence that long datagrams arrive, so acks do not
+/// count while that is uncertain.
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
   const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
   if (asked_since_) return now - told_at >= limits_.mark_silent;

@@ -1,9 +1,8 @@
-// Tells if a receiver answers the marks that it is sent, and when it may be asked again. Uses no clock,
-// thread or I/O.
+// Tells if a receiver answers its marks, and when it may be asked again. Uses no clock, thread or I/O.
 //
 // A receiver counts as mute if several marks, not too far from each other, have had no answer for
-// FlowLimits::silence. A single mark may get lost, and a pause in what is sent is no silence of the
-// receiver.
+// FlowLimits::silence. A single mark may get lost, and the sender may pause; neither makes the receiver
+// mute.
 #pragma once
 
 #include <chrono>
@@ -22,7 +21,7 @@ class ReceiverMonitor {
 
   /// Returns true if the receiver has reported.
   bool heard() const { return heard_; }
-  /// Returns true if the receiver was asked, and never answered or does not answer any more.
+  /// Returns true if marks to the receiver are unanswered, because it never answered or stopped answering.
   bool is_mute(Time now) const {
     return asked_since_ &&
            (refused_ || (asked_ >= marks_of_silence && now - *asked_since_ >= limits_.silence));
@@ -32,9 +31,9 @@ class ReceiverMonitor {
   /// Returns true if a mark was sent after the receiver's last answer.
   bool is_asked() const { return asked_since_.has_value(); }
 
-  /// Notes that a mark is sent. `again`: nothing else was sent since the previous mark.
+  /// Notes that a mark is sent. `again` is true if nothing else was sent since the previous mark.
   void ask(bool again, Time now);
-  /// Notes that a mark was due and could not be sent. The next one is due after the usual pause.
+  /// Notes that a mark was due and could not be sent. The next mark is due after the usual pause.
   void put_off(Time now);
   /// Returns true if a mark may have been sent at that time.
   bool may_have_asked_at(Time time) const {
@@ -42,20 +41,20 @@ class ReceiverMonitor {
   }
   /// Notes a report of the receiver.
   void reported(Time now);
-  /// Notes another answer that only the receiver can give.
+  /// Notes an answer that is no report, and that only the receiver can give.
   void lives(Time now);
-  /// Notes that the host there says that no socket has this port. Ignored if the receiver has just
+  /// Notes that the remote host has reported that no socket has this port. Ignored if the receiver has just
   /// reported.
   void refused(Time now);
-  /// Begins again: the receiver has another address, which has to answer first.
+  /// Begins again for another address of the receiver. The receiver has to answer at that address first.
   void begin_anew();
 
   /// Returns the time at which a mark without an answer is followed by another one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
-  /// A mark follows what was sent after this time if a part of it may not have arrived.
+  /// Data that may not have arrived is followed by a mark after this time.
   static constexpr std::chrono::milliseconds anew_unconfirmed{40};
-  /// Returns true if the receiver has to be asked about what was sent, since it has given no answer for too
-  /// long. `is_uncertain`: part of what was sent may not have arrived.
+  /// Returns true if the receiver has to be asked about the sent data, since it has given no answer for too
+  /// long. `is_uncertain` is true if a part of the data may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;
 
  private:

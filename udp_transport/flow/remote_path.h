@@ -1,7 +1,7 @@
 // The path to a remote socket: the present address of the socket, further addresses that its answers have
-// come from, and the length of datagrams that the path takes. Any thread.
+// come from, and the length of datagrams that the path takes. Any thread may call the functions.
 //
-// The class makes no system call: callers pass in what the kernel says of the path.
+// The class makes no system call: callers pass in the kernel's answers about the path.
 #pragma once
 
 #include <atomic>
@@ -21,18 +21,19 @@ class RemotePath {
  public:
   using Time = PathMtu::Time;
 
-  /// Beside the present address, this many others count: those that the latest answers came from.
+  /// The number of further addresses of the receiver that are kept: those that the latest answers came
+  /// from.
   static constexpr std::size_t also_at_max = 4;
 
-  /// `kernel_says`: the length of the longest datagram, as far as the kernel knows.
+  /// `kernel_says` is the length of the longest datagram that the kernel sends there.
   RemotePath(const SocketAddress& address, std::size_t kernel_says);
 
   SocketAddress address() const;
-  /// Returns true if a datagram from that address can be the receiver's: we send there, or the receiver has
-  /// reported from there.
+  /// Returns true if a datagram from that address can be the receiver's: it is the address that we send to,
+  /// or the receiver has reported from it.
   bool is_at(const core::IpAddress& ip) const;
-  /// Notes that the receiver has reported from there. Its host has several addresses, or a router on the
-  /// way translates addresses.
+  /// Notes that the receiver has reported from that address. Either its host has several addresses, or a
+  /// router on the path translates addresses.
   void learn(const core::IpAddress& ip);
 
   /// Sends to that address from now on. Returns false if that is the present address already. Lengths are
@@ -45,15 +46,17 @@ class RemotePath {
   /// Returns the limit, if longer datagrams do not arrive although the kernel would send them; 0 if no such
   /// limit is known.
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
-  /// Says the limit in a sentence; empty if there is none.
+  /// Returns the limit in a sentence; empty if there is none.
   std::string limit_in_words() const;
   /// Returns the sentence that says that there is no such limit any more.
   std::string no_limit_in_words() const;
   /// Returns true if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
-  /// Takes the kernel's answer about the path to `asked`. Ignored if the socket has moved meanwhile.
+  /// Takes the kernel's answer about the path to `asked`. The answer is ignored if the socket has moved
+  /// meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
-  // Note that the receiver has reported if datagrams of that length arrived (PathMtu).
+  // The following two functions note that the receiver has reported if datagrams of that length arrived
+  // (PathMtu).
   void were_lost(std::size_t length, Time now) noexcept;
   void arrived(std::size_t length, Time now) noexcept;
   /// Called from time to time: tries longer datagrams, since the path may take them by now.

@@ -11,10 +11,10 @@ class RoundTrips {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = Time::duration;
 
-  /// Since routes change, a shortest round trip counts for this time.
+  /// A shortest round trip counts only for this time, because routes change.
   static constexpr std::chrono::seconds shortest_valid_for{10};
 
-  /// `unheard` counts as the latest round trip until one is noted.
+  /// `unheard` is returned as the latest round trip until one is noted.
   explicit RoundTrips(Duration unheard) : unheard_(unheard) {}
 
   /// Notes a round trip. Returns true if the shortest one was too old; then this one replaces it.
@@ -35,7 +35,8 @@ class RoundTrips {
   }
 
   Duration latest() const { return latest_; }
-  Duration shortest() const { return shortest_; }  ///< Duration::max(): not known
+  /// The shortest recent round trip; Duration::max(): not known.
+  Duration shortest() const { return shortest_; }
   /// Returns the time that the latest datagram waited in queues.
   Duration queueing() const { return latest_ - shortest_; }
 

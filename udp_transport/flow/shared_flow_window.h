@@ -1,5 +1,5 @@
 // A FlowWindow for several threads: publishers and the sending thread send, and any thread may take
-// reports. A lock guards the window. Questions that come with each sample are answered without the lock.
+// reports. A lock guards the window. Functions that are called for each sample do not take the lock.
 #pragma once
 
 #include <atomic>
@@ -41,29 +41,29 @@ class SharedFlowWindow {
   /// Returns the shortest recent round trip; 0: not known.
   Time::duration round_trip() const;
   bool is_mute(Time now) const;
-  /// Returns true if the receiver has reported, and was not silent when this was checked last.
+  /// Returns true if the receiver has reported, and was not silent at the last check.
   bool answers() const { return answers_.load(std::memory_order_relaxed); }
 
-  /// Returns true if a heartbeat or an offer may be sent. The next accepted report says if one was
-  /// withheld.
+  /// Returns true if a heartbeat or an offer may be sent. If one was withheld, the next accepted report
+  /// says so.
   bool takes_control(Time now);
   /// Returns the mark that the caller sends to the receiver now, if one is due.
   /// `longest` is the length of the longest datagram.
   [[nodiscard]] std::optional<FlowMark> sent(std::size_t bytes, std::size_t datagrams, std::size_t longest,
                                              Time now, bool aside);
   /// Notes that a sender waits for room, so that a receiver that does not report is asked again. Returns
-  /// the mark for that as sent() does.
+  /// the mark that the caller sends now, if one is due.
   [[nodiscard]] std::optional<FlowMark> await_room(Time now);
 
   struct Heard {
     bool accepted = false;
-    bool goes_on = false;               ///< a sender that waited may go on now
-    bool control_was_withheld = false;  ///< a heartbeat or offer was withheld, and may go now
+    bool goes_on = false;               ///< true if a sender that waited may go on now
+    bool control_was_withheld = false;  ///< true if a heartbeat or offer was withheld, and may go now
     std::size_t lost_length = 0;        ///< length of datagrams that have not arrived; 0: none is known
   };
   [[nodiscard]] Heard hear(const FlowReport& report, Time now);
   void lives(Time now);
-  /// The receiver asks for something again: it is asked soon whether long datagrams arrive.
+  /// Notes that the receiver requests data again. It is then asked soon if long datagrams arrive.
   void asked_again();
   void refused(Time now);
   void move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host);

@@ -1,5 +1,5 @@
 // The allowance of a receiver before its first report: a few small datagrams and marks, and no more than
-// its host's budget has left. So nobody can make this host flood another one that did not ask for it.
+// its host's budget has left. So a forged announcement cannot make this host flood another one.
 #pragma once
 
 #include <algorithm>
@@ -18,8 +18,8 @@ class UnprovenAllowance {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `host` limits what all receivers on that host may be sent before they answer; null: only the limits of
-  /// this receiver count.
+  /// `host` limits what all receivers on that host together are sent before they answer; null: only the
+  /// limits of this receiver count.
   UnprovenAllowance(const FlowLimits& limits, std::shared_ptr<UnprovenBudget> host)
       : bytes_max_(limits.unproven_bytes),
         datagrams_max_(limits.unproven_datagrams),
@@ -39,11 +39,11 @@ class UnprovenAllowance {
     datagrams_ += datagrams;
     if (host_ != nullptr) host_->spend(datagrams, now);
   }
-  /// Returns true if a mark may be sent, and counts it then. The receiver has an allowance of its own;
-  /// further marks count in the budget of its host.
+  /// Returns true if a mark may be sent, and counts it then. First the receiver's own allowance is used,
+  /// then the budget of its host.
   bool takes_mark(Time now) { return marks_++ < marks_max_ || host_ == nullptr || host_->takes_mark(now); }
-  /// Notes that the receiver has reported. What it was sent was welcome, and is given back to the host's
-  /// budget.
+  /// Notes that the receiver has reported. Its datagrams are given back to the host's budget, since the
+  /// receiver wanted them.
   void proven() {
     if (host_ != nullptr) host_->give_back(datagrams_);
   }
@@ -51,7 +51,7 @@ class UnprovenAllowance {
   void answered(Time now) {
     if (host_ != nullptr) host_->answered(now);
   }
-  /// Begins again: the receiver has another address, which has to answer first.
+  /// Begins again for another address of the receiver. The receiver has to answer at that address first.
   void begin_anew(std::shared_ptr<UnprovenBudget> host) {
     host_ = std::move(host);
     bytes_ = datagrams_ = marks_ = 0;

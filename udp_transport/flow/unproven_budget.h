@@ -1,6 +1,6 @@
 // UnprovenBudget limits what all destinations on one host together are sent before they report. Each
-// destination may have a few datagrams and marks (FlowLimits). However many destinations somebody makes up,
-// the host gets no more than this. Any thread.
+// destination alone may be sent a few datagrams and marks (FlowLimits). The host gets no more than the
+// budget, even if destinations on it are forged. Any thread may call the functions.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +21,7 @@ class UnprovenBudget {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t datagrams_max = 64;
-  /// One more datagram may be sent after each such time.
+  /// The time after which one more datagram may be sent.
   static constexpr std::chrono::seconds refill{1};
   /// A host counts as answering for this time after a report.
   static constexpr std::chrono::seconds answers_for{10};
@@ -36,18 +36,18 @@ class UnprovenBudget {
     recover(now);
     spent_ = std::min(spent_ + datagrams, datagrams_max);
   }
-  /// Takes back datagrams to a destination that has reported: they were welcome.
+  /// Gives back the datagrams that a destination was sent before it reported.
   void give_back(std::size_t datagrams) {
     const core::Lock lock(mutex_);
     spent_ -= std::min(spent_, datagrams);
   }
-  /// Notes that a destination on the host has reported. Marks are welcome there for a while.
+  /// Notes that a destination on the host has reported. For a while, marks to the host are not limited.
   void answered(Time now) {
     const core::Lock lock(mutex_);
     answered_at_ = now;
   }
-  /// Returns true if one more mark may be sent to a destination that has used up its own, and counts it
-  /// then.
+  /// Returns true if one more mark may be sent to a destination that has used up its own allowance. Counts
+  /// the mark then.
   bool takes_mark(Time now) {
     const core::Lock lock(mutex_);
     if (answered_at_ && now - *answered_at_ < answers_for) return true;
@@ -68,11 +68,11 @@ class UnprovenBudget {
 
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   std::size_t spent_ SFT_GUARDED_BY(mutex_) = 0;
-  Time since_ SFT_GUARDED_BY(mutex_){};  ///< when `spent_` was reduced last
+  Time since_ SFT_GUARDED_BY(mutex_){};  ///< time when `spent_` was last reduced
   std::optional<Time> answered_at_ SFT_GUARDED_BY(mutex_){};
 };
 
-/// The budgets of all hosts. Not thread-safe.
+/// The budgets of all hosts. The class is not thread-safe.
 class UnprovenBudgets {
  public:
   std::shared_ptr<UnprovenBudget> of(const core::IpAddress& host, UnprovenBudget::Time now) {

@@ -1,4 +1,4 @@
-// Decides where acks and reports may go. A datagram can come from anywhere and name any port, so answers go
+// Decides where acks and reports may go. A datagram can come from any host and name any port. So answers go
 // only to an address that the node of a writer has announced. The functions use no clock, thread or I/O.
 #pragma once
 
@@ -15,9 +15,9 @@ namespace sft::udp {
 /// scope.
 bool is_announced(const core::Announced& node, const core::IpAddress& ip);
 
-/// Returns where to answer a datagram of that node that came from `from` and expects answers at `port`.
-/// This is `from` if that address was announced, else an announced address of the same family. Empty if
-/// there is none, or if the port is a privileged one that was not announced.
+/// Returns the address to which a datagram of that node is answered. The datagram came from `from` and
+/// expects answers at `port`. The result is `from` if that address was announced, else an announced address
+/// of the same family. Empty if there is none, or if the port is a privileged one that was not announced.
 std::optional<SocketAddress> answer_address(const core::Announced& node, const core::IpAddress& from,
                                             std::uint16_t port);
 

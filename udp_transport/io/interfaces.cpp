@@ -19,8 +19,8 @@ using core::IpAddress;
 
 constexpr int mtu_default = 1500;
 
-/// Returns the address from which the default route leaves the host, rather than that of some container's
-/// bridge; the address "any" if there is no such route. Sends nothing.
+/// Returns the address from which the default route leaves the host, and not the address of some
+/// container's bridge. Returns the address "any" if there is no such route. Sends nothing.
 IpAddress address_towards(const IpAddress& elsewhere) {
   const SystemAddress to({elsewhere, 9});
   const core::FileDescriptor probe(::socket(to.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -100,7 +100,8 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen) {
   return {};
 }
 
-/// Returns true if the folder says so: present drivers have the first subfolder, older ones the second.
+/// Returns true if the interface's folder has a subfolder for wireless devices. Present drivers have the
+/// first one, older drivers the second.
 bool is_wireless(const std::string& interface, const std::string& interfaces) {
   const std::string folder = interfaces + "/" + interface;
   return ::access((folder + "/phy80211").c_str(), F_OK) == 0 ||

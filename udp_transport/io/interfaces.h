@@ -17,13 +17,13 @@
 
 namespace sft::udp {
 
-/// An address in the form that system calls take, of the family of the socket that it is for.
+/// An address in the form that system calls take. Its family is that of the socket for which it is used.
 class SystemAddress {
  public:
-  /// Uses the address's own family; the address "any" gets `family_of_any`.
+  /// Makes an address of the address's own family; the address "any" gets `family_of_any`.
   explicit SystemAddress(const SocketAddress& address, int family_of_any = AF_INET) noexcept;
-  /// Makes an address for a socket of both families (AF_INET6), where IPv4 is written as IPv4-mapped, or
-  /// for one of IPv4 only (AF_INET), which refuses IPv6 addresses.
+  /// Makes an address for a socket of `family`. A socket of both families (AF_INET6) gets IPv4 addresses as
+  /// IPv4-mapped ones. A socket of IPv4 only (AF_INET) refuses IPv6 addresses.
   static SystemAddress for_socket(const SocketAddress& address, int family) noexcept;
 
   const sockaddr* get() const noexcept { return reinterpret_cast<const sockaddr*>(&storage_); }
@@ -40,24 +40,25 @@ class SystemAddress {
 /// Converts an address that the system has filled in; returns the address "any" for another family.
 SocketAddress to_address(const sockaddr_in6& of_either_family) noexcept;
 
-/// Checks what DiscoverySettings::interfaces may hold: the name of an interface, one of its addresses, or
-/// its network, as "10.0.0.0/24", or "10.0.0.0" with the prefix length of the interface. The error names an
-/// entry that is none of these.
+/// Checks the entries of DiscoverySettings::interfaces. An entry is the name of an interface, one of its
+/// addresses, or its network: "10.0.0.0/24", or "10.0.0.0" with the prefix length of the interface. The
+/// error names an entry that is none of these.
 Result<void> check_interfaces(const std::vector<std::string>& chosen);
 
-/// Returns the addresses of the interfaces that are up, or, if `chosen` is not empty, of those interfaces
-/// only. Addresses of the default routes come first, then IPv4 before IPv6, then link-local ones, and those
-/// without a carrier last. Temporary addresses and those that are not ready for use are left out. 127.0.0.1
-/// is returned only if there is no other. Empty while the system cannot list them.
+/// Returns the addresses of the interfaces that are up. If `chosen` is not empty, only these interfaces
+/// count. Addresses of the default routes come first, then IPv4 before IPv6, then link-local ones, and
+/// those without a carrier last. Temporary addresses and those that are not ready for use are left out.
+/// 127.0.0.1 is returned only if there is no other. Empty while the system cannot list the addresses.
 std::optional<std::vector<core::Link>> own_links(const std::vector<std::string>& chosen = {});
 
 /// Returns true if the interface's folder under `interfaces` says that it is wireless.
 bool is_wireless(const std::string& interface, const std::string& interfaces = "/sys/class/net");
 
-/// Returns the bytes that IP and UDP put before a datagram.
+/// Returns the number of header bytes that IP and UDP put before a datagram.
 constexpr std::size_t headers_before_datagram(const core::IpAddress& to) { return to.is_ipv4() ? 28 : 48; }
 
-/// Returns the longest datagram that every path takes: RFC 791 (packets of 576 bytes), RFC 8200 (1280).
+/// Returns the length of the longest datagram that every path takes: RFC 791 (packets of 576 bytes), RFC
+/// 8200 (1280).
 constexpr std::size_t datagram_bytes_of_every_path(const core::IpAddress& to) {
   return to.is_ipv4() ? datagram_bytes_min : 1280 - headers_before_datagram(to);
 }

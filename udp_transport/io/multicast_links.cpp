@@ -37,7 +37,7 @@ std::vector<MulticastLink> multicast_links(Multicast use) {
   return links;
 }
 
-/// An empty list may mean that the system has refused, so it is asked for again.
+/// An empty list may mean that the system refused to list the links, so the list is requested again.
 const std::vector<MulticastLink>& KnownMulticastLinks::list(Multicast use) {
   const std::uint64_t changes = monitor_.changes();
   if (links_.empty() || changes != changes_) links_ = ask_(use);

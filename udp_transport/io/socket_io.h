@@ -1,5 +1,5 @@
 // Datagrams through plain socket calls, for kernels and containers that refuse io_uring. The throughput is
-// the same, since it comes from segmentation (GSO, GRO). Each wake-up takes one system call more.
+// the same, since it comes from segmentation (GSO, GRO). But each wake-up takes one more system call.
 #pragma once
 
 #include <memory>

@@ -15,7 +15,7 @@ namespace sft::udp {
 namespace {
 using Clock = std::chrono::steady_clock;
 
-constexpr int trains_per_call = 64;  // most trains before wake() and the deadline are checked again
+constexpr int trains_per_call = 64;  // number of trains after which wake() and the deadline are checked again
 }  // namespace
 
 SocketReceiver::SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDescriptor wake_event)
@@ -24,7 +24,7 @@ SocketReceiver::SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDesc
 bool SocketReceiver::receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept {
   const auto over = [&] { return trains_.read(sink) || was_woken(); };
   if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
-    deadline = {};  // poll once without waiting, for anything else
+    deadline = {};  // then the last poll below does not wait
   std::array<pollfd, 2> ready{{{.fd = socket_->readable(), .events = POLLIN, .revents = 0},
                                {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
   if (!poll_until(ready, deadline)) return true;
@@ -43,8 +43,8 @@ void SocketReceiver::wake() noexcept {
   woken_.store(true, std::memory_order_relaxed);
 }
 
-/// Returns true if the flag was set, and clears it. wake() may set it after its event was read, and a flag
-/// that stayed set would end each later spin.
+/// Returns true if the flag `woken_` was set, and clears it. wake() may set the flag after its event was
+/// read. A flag that stayed set would end each later spin.
 bool SocketReceiver::was_woken() noexcept {
   return woken_.load(std::memory_order_relaxed) && woken_.exchange(false, std::memory_order_relaxed);
 }

@@ -28,7 +28,7 @@ class SocketReceiver final : public DatagramReceiver {
   const std::shared_ptr<const UdpSocket> socket_;
   const FileDescriptor wake_event_;
   TrainReader trains_;
-  std::atomic<bool> woken_{false};  ///< set by wake(), for a thread that spins
+  std::atomic<bool> woken_{false};  ///< set by wake(), and read by a thread that spins
 };
 
 }  // namespace sft::udp

@@ -52,8 +52,8 @@ class SocketConnection final : public Connection {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  /// Sends with the address if the socket is not connected, or was not for a moment while another thread
-  /// connected it again.
+  /// Passes the address with the datagrams if the socket is not connected. That also happens for a moment
+  /// while another thread reconnects the socket.
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
     Sent sent{};
     if (connected_.load(std::memory_order_relaxed)) {
@@ -97,8 +97,8 @@ class SocketConnection final : public Connection {
     return to_;
   }
 
-  /// Connects again if the address has changed meanwhile, because the socket may be connected to the former
-  /// one.
+  /// Connects the socket to the present address. Repeats that if the address has changed meanwhile, since
+  /// the socket may then be connected to the former address.
   void connect() noexcept {
     if (!own_) return;
     SocketAddress to;
@@ -117,7 +117,7 @@ class SocketConnection final : public Connection {
     connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
   }
 
-  /// Puts another socket in place of this one, also for threads that are just using it.
+  /// Puts another socket in place of this one. Threads that are using this one continue with the other.
   void change_family(int family) noexcept {
     const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
     if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
@@ -125,7 +125,8 @@ class SocketConnection final : public Connection {
   }
 
   const std::shared_ptr<Shared> shared_;
-  FileDescriptor own_;       ///< invalid: the connection sends through the receiving socket
+  /// The connection's own socket; invalid: the connection sends through the receiving socket.
+  FileDescriptor own_;
   std::atomic<int> family_;  ///< family of `own_`
   std::atomic<bool> connected_{false};
   bool full_ = false;  ///< used by the thread that calls await()
@@ -148,7 +149,7 @@ class SocketSender final : public DatagramSender {
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
   Answer take_answer(std::span<std::byte> to) noexcept override {
     if (answers_ == nullptr) return {};
-    for (;;) {  // an empty datagram is not the last one
+    for (;;) {  // an empty datagram is skipped, since others may follow
       sockaddr_in6 from{};
       socklen_t from_bytes = sizeof from;
       const ssize_t bytes = ::recvfrom(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT,
@@ -168,7 +169,8 @@ class SocketSender final : public DatagramSender {
 
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept override {
     const SystemAddress address = SystemAddress::for_socket(to, shared_->socket->family);
-    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};  // the datagram is only read
+    // The cast is safe, because the datagram is only read.
+    const iovec part{const_cast<std::byte*>(datagram.data()), datagram.size()};
     const OutgoingBatch batch{{&part, 1}, 0};
     send_at_once(shared_->socket->fd.get(), {&batch, 1}, &address);
   }
@@ -195,22 +197,24 @@ class SocketSender final : public DatagramSender {
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
  private:
-  /// The pause if the program has closed all descriptors (closefrom(3)), so that nothing can be waited for.
+  /// The pause if the program has closed all descriptors (closefrom(3)), so that there is nothing to wait
+  /// for.
   static constexpr std::chrono::milliseconds pause_without_descriptors{100};
-  /// More connections than this that are full at a time cost an allocation.
+  /// The number of connections that can be full at a time without an allocation.
   static constexpr std::size_t waiting_foreseen = 64;
 
   const std::shared_ptr<Shared> shared_;
-  const std::shared_ptr<const UdpSocket> answers_;  ///< null if answers come to the receiving socket
+  /// The socket for answers; null if answers come to the receiving socket.
+  const std::shared_ptr<const UdpSocket> answers_;
   const FileDescriptor wake_event_;
   std::vector<pollfd> polled_;
 };
 
 constexpr std::size_t answers_buffer_bytes = 256 * 1024;
 
-/// Answers have a socket of their own, which the sending thread reads between sends, so that no thread has
-/// to be woken for them. If a user has chosen the port, answers come to that port instead, because
-/// firewalls, and routers that translate addresses, know it.
+/// Opens a socket for answers, which the sending thread reads between sends. So no thread has to be woken
+/// for answers. If a user has chosen the port, answers come to that port instead, because firewalls and
+/// address translation are configured for it.
 std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
   if (options.bind.port != 0) return nullptr;
   Result<std::shared_ptr<const UdpSocket>> socket =

@@ -1,4 +1,5 @@
-// Sends through a connected socket for each address. The sending thread polls those that are full.
+// Sends through a connected socket for each address. The sending thread polls the sockets whose send
+// buffers are full.
 #pragma once
 
 #include <memory>
@@ -8,11 +9,12 @@
 
 namespace sft::udp {
 
-/// If there are more addresses than this, the further ones share the receiving socket and its send buffer.
+/// The number of addresses with a socket of their own. Any further addresses share the receiving socket and
+/// its send buffer.
 inline constexpr std::size_t sending_sockets_max = 256;
 
-/// Opens a sender. Its connections send from the address that `socket` is bound to, and their send buffers
-/// have the size that was asked for `socket`.
+/// Opens a sender. Its connections send from the address that `socket` is bound to. Their send buffers have
+/// the size that was requested for `socket`.
 Result<std::unique_ptr<DatagramSender>> open_socket_sender(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

@@ -9,8 +9,8 @@ namespace sft::udp {
 
 namespace {
 
-/// Asks for half, because the kernel doubles the value. Only privileged processes get more than the
-/// system's limit.
+/// Requests half of the size, because the kernel doubles the value. Only privileged processes get more than
+/// the system's limit.
 void set_buffer(int fd, int force_name, int name, std::size_t bytes) {
   const int half = static_cast<int>(std::min<std::size_t>(bytes / 2, INT_MAX / 2));
   if (bytes != 0 && !set_int(fd, SOL_SOCKET, force_name, half)) set_int(fd, SOL_SOCKET, name, half);

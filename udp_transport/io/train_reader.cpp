@@ -39,7 +39,8 @@ bool TrainReader::read_from(int fd, DatagramSink& sink) noexcept {
   message.msg_control = control_;
   message.msg_controllen = sizeof control_;
   const ssize_t bytes = ::recvmsg(fd, &message, MSG_DONTWAIT);
-  if (bytes < 0) return errno != EAGAIN;  // an error of an earlier datagram, which the call has cleared
+  // Other errors belong to an earlier datagram, and the call has cleared them.
+  if (bytes < 0) return errno != EAGAIN;
   if ((message.msg_flags & MSG_TRUNC) != 0) return true;
   hand_over(std::span(train_).first(static_cast<std::size_t>(bytes)),
             std::span(control_).first(message.msg_controllen), from, sink);

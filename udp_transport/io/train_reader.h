@@ -10,16 +10,17 @@
 
 namespace sft::udp {
 
-/// Used by one thread at a time.
+/// A reader object may be used by only one thread at a time.
 class TrainReader {
  public:
   explicit TrainReader(std::shared_ptr<const UdpSocket> socket);
 
-  /// Reads one train, without waiting. Returns false if there is none. The socket for groups is read last,
-  /// unless much of the other one has come in a row: a sender without pauses to the one socket must not keep
-  /// others out of the other one.
+  /// Reads one train, without waiting. Returns false if there is none. The unicast socket comes first.
+  /// After many trains in a row from it, the socket for groups comes first once, because a sender that
+  /// never pauses must not block the other socket.
   bool read(DatagramSink& sink) noexcept;
-  /// Reads one train of datagrams to groups, as read() does, even if the process has left all groups.
+  /// Reads one train of datagrams to groups, without waiting, even if the process has left all groups.
+  /// Returns false if there is none.
   bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:
@@ -29,7 +30,7 @@ class TrainReader {
 
   const std::shared_ptr<const UdpSocket> socket_;
   std::vector<std::byte> train_;
-  int trains_in_a_row_ = 0;  ///< that were read before one of a group was looked for
+  int trains_in_a_row_ = 0;  ///< number of unicast trains since the socket for groups was read
   alignas(cmsghdr) std::byte control_[train_control_bytes];
 };
 

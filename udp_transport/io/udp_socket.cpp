@@ -63,8 +63,8 @@ int get_int(int fd, int level, int name) {
   return ::getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
 }
 
-/// Makes the kernel refuse datagrams that are too long for a path instead of fragmenting them, because one
-/// lost fragment would cost all. A socket of both families needs both options.
+/// Makes the kernel refuse datagrams that are too long for a path instead of fragmenting them. Otherwise
+/// one lost fragment would lose the whole datagram. A socket of both families needs both options.
 void refuse_fragments(int fd, int family) {
   set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
   if (family != AF_INET6) return;
@@ -89,7 +89,7 @@ struct OpenSocket {
 OpenSocket open_socket_for(const IpAddress& address) {
   if (!address.is_ipv4()) {
     FileDescriptor both(::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0));
-    // Take both families, whatever net.ipv6.bindv6only says.
+    // The socket takes both families, whatever net.ipv6.bindv6only says.
     if (both && set_int(both.get(), IPPROTO_IPV6, IPV6_V6ONLY, address.is_any() ? 0 : 1))
       return {std::move(both), AF_INET6};
     if (!address.is_any()) return {{}, AF_INET6};
@@ -111,15 +111,17 @@ std::size_t segment_bytes(std::span<std::byte> control) noexcept {
 }
 
 constexpr std::size_t messages_per_call = 8;
-constexpr int priority_interactive = 6, priority_bulk = 2;  // TC_PRIO_INTERACTIVE, TC_PRIO_BULK
+// The values of TC_PRIO_INTERACTIVE and TC_PRIO_BULK.
+constexpr int priority_interactive = 6, priority_bulk = 2;
 
-/// The argument of sendmsg() for one batch. It has pointers into itself.
+/// The argument of sendmsg() for one batch. The object has pointers into itself.
 class OutgoingMessage {
  public:
   const msghdr& set(const OutgoingBatch& batch, const SystemAddress* to) noexcept {
     header_ = {};
     if (to != nullptr) {
-      header_.msg_name = const_cast<sockaddr*>(to->get());  // the kernel only reads it
+      // The cast is safe, because the kernel only reads the address.
+      header_.msg_name = const_cast<sockaddr*>(to->get());
       header_.msg_namelen = to->bytes();
     }
     header_.msg_iov = const_cast<iovec*>(batch.parts.data());
@@ -181,14 +183,14 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   if (!options.bind.ip.is_any() && from.family() == family) ::bind(fd, from.get(), from.bytes());
   set_send_buffer(fd, options.send_buffer_bytes);
   set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_interactive);
-  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // no code reads what strangers send there
+  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nothing reads what others send to this socket
   refuse_fragments(fd, family);
   return socket;
 }
 
 void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
-/// Returns true if there is a single buffer, which send() takes in less time than a msghdr.
+/// Returns true if there is a single buffer. send() takes less time for it than sendmsg() with a msghdr.
 static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddress* to) noexcept {
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;
@@ -233,7 +235,7 @@ SendOutcome outcome_of(int error, bool segmented) noexcept {
     case EINVAL:  // kernels before 6.13 return this if segments are longer than the path takes
       return segmented ? SendOutcome::too_long : SendOutcome::failed;
     case EIO:
-      return SendOutcome::no_segments;  // a device without checksum offload, or a tunnel
+      return SendOutcome::no_segments;  // the device has no checksum offload, or is a tunnel
     default:
       return SendOutcome::failed;
   }
@@ -262,8 +264,8 @@ void hand_over(std::span<const std::byte> train, std::span<std::byte> control, c
   sink.begin(arrival_time());
   while (!train.empty()) {
     const std::size_t bytes = std::min(segment, train.size());
-    if (train.size() > 2 * segment)
-      __builtin_prefetch(&train[2 * segment]);  // the kernel's copy of the train has left the nearest cache
+    // The kernel's copy of the train has left the nearest cache by now.
+    if (train.size() > 2 * segment) __builtin_prefetch(&train[2 * segment]);
     sink.datagram(train.first(bytes), source);
     train = train.subspan(bytes);
   }

@@ -1,4 +1,4 @@
-// The sockets of a transport: the one that receives, those that send, and what both implementations of
+// The receiving socket of a transport, its sending sockets, and the code that both implementations of
 // datagram_io.h share: addresses, segmentation, trains of datagrams.
 #pragma once
 
@@ -26,8 +26,9 @@ using core::FileDescriptor;
 
 struct SocketOptions {
   SocketAddress bind;                    ///< address 0: all addresses of both families; port 0: any free port
-  std::size_t receive_buffer_bytes = 0;  ///< wanted size, as the kernel counts
-  std::size_t send_buffer_bytes = 0;     ///< 0: the system's default
+  std::size_t receive_buffer_bytes = 0;  ///< requested size, as the kernel counts
+  /// Requested size of the send buffer, as the kernel counts; 0: the system's default.
+  std::size_t send_buffer_bytes = 0;
   bool hears_groups = false;
 };
 
@@ -40,48 +41,49 @@ struct UdpSocket {
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;      ///< granted size, as the kernel counts
   bool receives_trains = false;                ///< true if UDP_GRO is on
-  std::string why_no_gro{};                    ///< why UDP_GRO is not on; empty if it is
-  std::string why_no_gso{};                    ///< why the system has no UDP_SEGMENT; empty if it has
-  GroupSocket groups{};                        ///< invalid if there is no group socket
-  mutable std::atomic<bool> in_groups{false};  ///< true if the group socket may receive something
+  std::string why_no_gro{};                    ///< reason why UDP_GRO is not on; empty if it is on
+  std::string why_no_gso{};                    ///< reason why the system has no UDP_SEGMENT; empty if it has
+  GroupSocket groups{};                        ///< the group socket; invalid if there is none
+  mutable std::atomic<bool> in_groups{false};  ///< true if the group socket may receive datagrams
 
   /// Returns a descriptor that becomes readable when a datagram has come.
   int readable() const noexcept { return groups.either_fd ? groups.either_fd.get() : fd.get(); }
 };
 
-/// Opens a socket that receives. A port that a process has just left can stay in use for some 50 ms; this
-/// waits for it.
+/// Opens a socket that receives. A port that a process has just left can stay in use for some 50 ms. The
+/// function waits for such a port.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
 /// Opens a socket that only sends, to addresses of one family, from any free port and with a send buffer of
-/// its own. It is not connected yet. Its datagrams go first if a device has a choice. Invalid if the
-/// process may not open more descriptors.
+/// its own. The socket is not connected yet. Its datagrams leave first if the device supports priorities.
+/// Invalid if the process may not open more descriptors.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
-/// Lets the datagrams of other sockets go first from now on.
+/// From now on, lets the datagrams of other sockets leave first.
 void give_way(int fd) noexcept;
 
 /// Calls sendmmsg() so that it never waits. `to` is null if the socket is connected.
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept;
 
-/// Returns what the errno of a failed send means. `segmented`: several datagrams were to be sent at once.
+/// Returns the outcome that the errno of a failed send means. `segmented` is true if several datagrams were
+/// to be sent at once.
 SendOutcome outcome_of(int error, bool segmented) noexcept;
 
-/// Returns the time that is left until the deadline, as ppoll() takes it.
+/// Returns the time that is left until the deadline, in the form that ppoll() takes.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 
 /// Calls ppoll() until the deadline or a signal. Returns true if any descriptor is ready; `revents` says
-/// which. Else all `revents` are 0.
+/// which. Otherwise all `revents` are 0.
 bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
 
-/// The longest train that the kernel hands over at a time (UDP_GRO), and the room for its one control
-/// message.
+/// The length of the longest train that the kernel hands over at a time (UDP_GRO), and the room for its one
+/// control message, in bytes.
 inline constexpr std::size_t train_bytes_max = 65536;
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));
 
 /// Hands the datagrams of a train to the sink, between begin() and end(). `control` has the control
-/// messages that came with the train; without a segment size among them the train is one datagram. `from`
-/// is of either family.
+/// messages that came with the train. If there is no segment size among them, the train is one datagram.
+/// `from` is of either family.
 void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept;
 

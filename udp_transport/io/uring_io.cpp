@@ -31,7 +31,7 @@ __kernel_timespec until(Clock::time_point deadline) {
   return {.tv_sec = left.count() / 1'000'000'000, .tv_nsec = left.count() % 1'000'000'000};
 }
 
-/// A ring that any thread opens. It then belongs to the thread that calls enable() first.
+/// A ring that any thread may open. It then belongs to the first thread that calls enable().
 class Ring {
  public:
   Ring() = default;
@@ -39,7 +39,7 @@ class Ring {
   Ring& operator=(const Ring&) = delete;
   ~Ring() { close(); }
 
-  /// Returns 0 or a positive errno.
+  /// Opens the ring. Returns 0 or a positive errno.
   int open(unsigned entries, unsigned completions) noexcept {
     io_uring_params params{};
     params.flags = IORING_SETUP_R_DISABLED | IORING_SETUP_SINGLE_ISSUER | IORING_SETUP_DEFER_TASKRUN |
@@ -57,13 +57,13 @@ class Ring {
     return -io_uring_register_files(&ring_, files.data(), n);
   }
 
-  /// Returns 0 or a positive errno.
+  /// Enables the ring for the calling thread. Returns 0 or a positive errno.
   int enable() noexcept {
     if (enabled_) return 0;
     // liburing 2.3 declares a function for this, but does not export it.
     const int result = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0);
     enabled_ = result == 0;
-    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time; a refusal does not matter
+    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time, so a refusal does not matter
     return -result;
   }
   bool enabled() const { return enabled_; }
@@ -102,7 +102,7 @@ class Ring {
   }
 
   /// Returns true if wait() would return at once. This costs no system call: the kernel makes completions
-  /// only in wait(), but sets a flag as soon as there is work for it.
+  /// only in wait(), but sets a flag as soon as there are some to make.
   bool has_news() noexcept {
     return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
   }
@@ -127,7 +127,7 @@ class Ring {
   bool enabled_ = false;
 };
 
-/// Memory from the kernel: page-aligned, and touched only where datagrams came.
+/// Memory from the kernel. It is page-aligned, and only pages that receive datagrams are touched.
 class Pages {
  public:
   Pages() = default;
@@ -150,15 +150,15 @@ class Pages {
   std::size_t bytes_ = 0;
 };
 
-/// Buffers that the kernel picks from as trains arrive. Each holds one train and what recvmsg() says about
-/// it.
+/// Buffers that the kernel picks from as trains arrive. Each holds one train and the data of recvmsg()
+/// about that train.
 class BufferRing {
  public:
   static constexpr unsigned buffers = 4;  // few, so that they stay in the nearest cache until they are read
   static constexpr std::size_t buffer_bytes = train_bytes_max + 256;
   static constexpr std::uint16_t group = 0;
 
-  /// Returns 0 or a positive errno.
+  /// Registers the buffers with the ring. Returns 0 or a positive errno.
   int open(io_uring* ring) noexcept {
     if (!entries_.map(buffers * sizeof(io_uring_buf)) || !memory_.map(buffers * buffer_bytes)) return ENOMEM;
     io_uring_buf_reg registration{};
@@ -186,7 +186,8 @@ class BufferRing {
 };
 
 std::string why_forbidden() {
-  int disabled = 0;  // 1: for processes without privilege, 2: for all; older kernels have no such file
+  // The value 1: disabled for processes without privilege; 2: for all; older kernels have no such file.
+  int disabled = 0;
   std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
   if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";
   return "it is forbidden here (sysctl kernel.io_uring_disabled is " + std::to_string(disabled) + ")";
@@ -226,8 +227,8 @@ class UringReceiver final : public DatagramReceiver {
     if (refusal_.load(std::memory_order_relaxed) == 0) {
       const int error = receive_by_ring(sink, deadline, spin);
       if (error == 0) return true;
-      // Memory may be short only for a moment. In all other cases the program, or its container, has
-      // forbidden the call.
+      // A lack of memory may be temporary. In all other cases the program, or its container, has forbidden
+      // the call.
       if (error != ENOMEM) refusal_.store(error, std::memory_order_relaxed);
     }
     return plain_.receive(sink, deadline, spin);
@@ -235,7 +236,8 @@ class UringReceiver final : public DatagramReceiver {
 
   void wake() noexcept override { plain_.wake(); }
 
-  /// Receives stay armed, because a ring takes nothing from the socket unless its thread asks for it.
+  /// The ring's receives stay armed meanwhile, because a ring takes nothing from the socket unless its
+  /// thread requests it.
   bool receive_now(DatagramSink& sink) noexcept override { return plain_.receive_now(sink); }
   bool receive_from_groups(DatagramSink& sink) noexcept override { return plain_.receive_from_groups(sink); }
   Descriptors descriptors() const noexcept override { return plain_.descriptors(); }
@@ -247,7 +249,7 @@ class UringReceiver final : public DatagramReceiver {
     return error == 0 ? "" : std::system_category().message(error);
   }
 
-  /// Cancels what is armed first: closing an armed ring would keep the port in use for some time.
+  /// Cancels the armed receives first: closing an armed ring would keep the port in use for some time.
   void finish() noexcept override {
     if (ring_.enabled() && armed()) {
       io_uring_sqe* s = ring_.next_submission();
@@ -280,7 +282,7 @@ class UringReceiver final : public DatagramReceiver {
     return ring_.register_files(std::array{datagrams, wake, socket_->groups.group_fd.get()});
   }
 
-  /// Returns 0, or the errno if the kernel refused to receive.
+  /// Receives by the ring. Returns 0, or the errno if the kernel refused to receive.
   int receive_by_ring(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept {
     if (const int error = ring_.enable(); error != 0) return error;
     arm();
@@ -296,9 +298,9 @@ class UringReceiver final : public DatagramReceiver {
 
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
-  /// Arms what is not armed. A multishot receive ends if it finds no free buffer, and on errors. Nothing is
-  /// lost meanwhile. The sockets get the buffers in turns, because the one that is armed first may take all
-  /// of them at once.
+  /// Arms the receives that are not armed. A multishot receive ends if it finds no free buffer, and on
+  /// errors. Nothing is lost meanwhile. The sockets get the buffers in turns, because the socket that is
+  /// armed first may take all of them at once.
   void arm() noexcept {
     const bool groups_first = std::exchange(groups_first_, !groups_first_);
     if (groups_first) arm_groups();
@@ -359,14 +361,14 @@ class UringReceiver final : public DatagramReceiver {
 
   const std::shared_ptr<const UdpSocket> socket_;
   SocketReceiver plain_;
-  msghdr layout_{};  ///< says how much room each buffer leaves before the train
+  msghdr layout_{};  ///< determines the room that each buffer leaves before the train
   BufferRing buffers_;
   Ring ring_;  // closed before `buffers_` is freed
   bool receive_armed_ = false;
   bool group_armed_ = false;
   bool wake_armed_ = false;
-  bool groups_first_ = false;    ///< the socket for groups is armed first, the next time
-  std::atomic<int> refusal_{0};  ///< the errno because of which the ring is not used any more; else 0
+  bool groups_first_ = false;    ///< true if the socket for groups is armed first the next time
+  std::atomic<int> refusal_{0};  ///< errno that made the ring unusable; 0: the ring is in use
 };
 
 tl::unexpected<Error> refused(int error) {

@@ -1,5 +1,6 @@
 // Datagrams through io_uring: one multishot receive into a ring of provided buffers. Sending uses plain
-// calls (socket_sender.h), because a ring takes no fewer cycles for that. Only uring_io.cpp knows liburing.
+// calls (socket_sender.h), because a ring takes no fewer cycles for that. Only uring_io.cpp includes
+// liburing.
 #pragma once
 
 #include <memory>
@@ -10,11 +11,11 @@
 
 namespace sft::udp {
 
-/// Errors of open_uring_io() begin with this; the reason follows.
+/// The beginning of errors of open_uring_io(); the reason follows.
 inline constexpr std::string_view no_io_uring = "io_uring cannot be used: ";
 
-/// Opens io_uring. The error says why the kernel refused: it is too old (before 6.1), forbids it (seccomp,
-/// sysctl), or may lock too little memory.
+/// Opens io_uring. The error gives the kernel's reason to refuse: it is too old (before 6.1), forbids
+/// io_uring (seccomp, sysctl), or may lock too little memory.
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

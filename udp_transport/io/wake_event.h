@@ -6,7 +6,7 @@
 
 namespace sft::udp {
 
-/// Opens an eventfd that does not block. Programs that this one starts do not inherit it.
+/// Opens an eventfd that does not block. Programs that this process starts do not inherit it.
 Result<core::FileDescriptor> open_wake_event();
 
 }  // namespace sft::udp

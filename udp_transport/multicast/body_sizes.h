@@ -1,5 +1,5 @@
-// The lengths of a writer's bodies under any mask, and with the parts of fields that readers ask for. The
-// cost model needs them. They are measured now and then on samples as these are published.
+// The lengths of a writer's bodies under any mask, and with the parts of fields that readers request. The
+// cost model needs these lengths. They are measured now and then on samples that are being published.
 #pragma once
 
 #include <atomic>
@@ -19,11 +19,11 @@ class BodySizes {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `type` outlives this object.
+  /// `type` must outlive this object.
   explicit BodySizes(const StructType& type) : leaves_(type) {}
 
-  /// Called by the publisher's thread when it sends a sample. `of_several`: several samples are published
-  /// together. Allocates nothing.
+  /// Measures the sample if it is time. Called by the publisher's thread when it sends a sample.
+  /// `of_several` is true if several samples are published together. Allocates nothing.
   void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept {
     if (of_several) several_.store(true, std::memory_order_relaxed);
     samples_.fetch_add(1, std::memory_order_relaxed);
@@ -37,27 +37,28 @@ class BodySizes {
     for (const auto& part : *parts) part->measure(sample);
   }
 
-  // The agent's thread.
+  // The following functions are for the agent's thread.
 
-  /// Measures the parts of these selections from now on, and no others. `type` outlives this object.
+  /// From now on, measures the parts of these selections, and no other parts. `type` must outlive this
+  /// object.
   void follow(const TypeSupport& type, std::span<const Selection> selections);
-  /// Returns true if samples with all fields of the selection have been measured, and its parts, too. The
-  /// parts must be followed.
+  /// Returns true if samples with all fields of the selection have been measured, and also its parts. The
+  /// parts must be followed (follow()).
   bool known(const Selection& selection) const;
   bool known_all(std::span<const Selection> selections) const;
   /// Returns the length of a body with exactly that selection. Parts that are not followed count as whole
   /// fields.
   double bytes_of(const Selection& selection) const;
-  /// Returns null if the selection has no parts, or is not followed.
+  /// Returns the size of the parts; null if the selection has no parts, or is not followed.
   std::shared_ptr<const PartSize> part_size(const Selection& selection) const;
 
-  // Any thread.
+  // Any thread may call the following functions.
 
-  /// Measures the next sample, since readers ask for other fields.
+  /// Makes measure() measure the next sample, because readers request other fields.
   void measure_next() { asked_for_.store(true, std::memory_order_relaxed); }
   double bytes_of(const FieldMask& fields) const { return leaves_.bytes(fields); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
-  /// Returns true if samples were published together since this was called last.
+  /// Returns true if samples were published together since the last call of this function.
   bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:

@@ -1,5 +1,5 @@
-// What a writer knows of one member of a multicast group: whether samples that are sent to the group arrive
-// at the member. Uses no clock, thread or I/O.
+// The state of one member of a multicast group at the writer: it says if samples that are sent to the group
+// arrive at the member. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -8,14 +8,14 @@
 
 namespace sft::udp {
 
-/// The pause between reports of a member while it hears samples of a group.
+/// The pause between reports of a member while it receives samples of a group.
 inline constexpr std::chrono::milliseconds group_report_pause{900};
 
 class GroupMembership {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Returns true if the member has reported recently enough. Then it needs no copy of its own.
+  /// Returns true if the member has reported recently enough. Then it is sent no copy of its own.
   bool hears() const { return hears_; }
 
   /// Notes that a sample was sent to the group.
@@ -26,7 +26,7 @@ class GroupMembership {
 
   /// Notes that the member has reported the sample with that ordinal.
   void reported(std::uint64_t heard, Time now) {
-    if (heard <= refused_at_) return;  // the member reports something from before refused()
+    if (heard <= refused_at_) return;  // the report is about a sample from before refused()
     hears_ = true;
     reported_at_ = now;
     owed_since_ = never;
@@ -34,24 +34,25 @@ class GroupMembership {
     unanswered_ = 0;
   }
 
-  /// Notes that the member must have got a wrong offer: samples have no place where the offer says, or none
-  /// come. `last`: ordinal of the last sample that was sent to the group.
+  /// Notes that the member must have received a wrong offer: its samples have no place where the offer
+  /// says, or no sample arrives. `last` is the ordinal of the last sample that was sent to the group.
   void refused(std::uint64_t last, Time now) {
     refused_at_ = last;
-    if (!hears_) return;  // the member is offered the group again anyway
+    if (!hears_) return;  // the group is offered to the member again anyway
     lose(now);
   }
 
-  /// Returns true if the group was offered so often that multicast seems not to reach the member at all.
+  /// Returns true if the group was offered so often without an answer that multicast seems not to reach the
+  /// member at all.
   bool given_up() const { return unanswered_ >= offers_max; }
 
-  /// Notices a report that is late.
+  /// Checks if a report of the member is overdue.
   void look(Time now) {
     if (owed_since_ != never && now - owed_since_ >= timeout) lose(now);
   }
 
-  /// Returns true if the group is to be offered to the member now, and counts it as offered. It is not
-  /// offered again before something was sent that the member could have heard.
+  /// Returns true if the group should be offered to the member now, and counts it as offered then. The next
+  /// offer waits until a sample was sent that the member could have received.
   bool offer_due(Time now) {
     if (hears_ || !sent_since_offer_ || now < offer_at_) return false;
     sent_since_offer_ = false;
@@ -78,13 +79,14 @@ class GroupMembership {
   static constexpr Time never = Time::max();
 
   bool hears_ = false;
-  std::uint64_t refused_at_ = 0;  ///< only a report of a later ordinal shows that the member hears
+  /// Only a report of a later ordinal shows that the member receives the group.
+  std::uint64_t refused_at_ = 0;
   bool sent_since_offer_ = true;
   Time offer_at_{};
   std::chrono::milliseconds pause_ = offer_pause_least;
   int unanswered_ = 0;
   Time reported_at_{};
-  Time owed_since_ = never;  ///< when a sample was sent that should have been reported
+  Time owed_since_ = never;  ///< time of the first sample whose report is missing
 };
 
 }  // namespace sft::udp

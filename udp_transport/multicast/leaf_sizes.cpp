@@ -11,7 +11,7 @@ using detail::Member;
 using detail::no_offset;
 using detail::Shape;
 
-/// Walks over one sample, and adds up the sizes in it.
+/// Walks over one sample, and adds up the sizes of its fields.
 class LeafSizes::Meter {
  public:
   Meter(LeafSizes& sizes, const detail::SampleState& sample) : to_(sizes), s_(sample) {}
@@ -47,7 +47,7 @@ class LeafSizes::Meter {
     return true;
   }
 
-  /// `is_last`: the end of the member does not matter.
+  /// Measures a member. If `is_last`, nothing follows the member, so its end is not computed.
   bool member(const Member& m, std::size_t leaf, bool is_last) {
     if (!is_variable(leaf, leaf_count(m))) return skip(m, leaf);
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
@@ -109,8 +109,8 @@ class LeafSizes::Meter {
   std::uint64_t at_ = 0;
 };
 
-/// Walks over the type as encoding does, and uses averages for what varies. Behind something that varies
-/// only a part of the position is known, and padding is an average.
+/// Walks over the type in the order of encoding, and uses averages for fields of variable size. Behind such
+/// a field the position is known only in part, so padding is an average, too.
 class LeafSizes::Sum {
  public:
   Sum(const LeafSizes& sizes, const FieldMask& fields) : sizes_(sizes), fields_(fields) {}
@@ -151,8 +151,8 @@ class LeafSizes::Sum {
     if (fields_.any_of(leaf, type.leaves)) repeat(n, [&] { structure(type, leaf); });
   }
 
-  /// The bytes of an element depend only on what is known of the position where it begins. So they repeat
-  /// after a few elements.
+  /// Adds `n` equal elements. The size of an element depends only on what is known of the position where it
+  /// begins, so the sizes repeat after a few elements.
   template <class One>
   void repeat(std::uint64_t n, const One& one) {
     struct Begin {
@@ -179,7 +179,7 @@ class LeafSizes::Sum {
     at_ += static_cast<double>(bytes);
     rest_ = (rest_ + bytes) % sure_;
   }
-  /// Adds `n` things of a length. `n` is an average, unless it is a whole number.
+  /// Adds `n` items of a length. `n` is an average, unless it is a whole number.
   void add_some(double n, std::size_t length) {
     if (n == std::floor(n)) return add(in_whole(n) * length);
     at_ += n * static_cast<double>(length);
@@ -201,7 +201,7 @@ class LeafSizes::Sum {
   const LeafSizes& sizes_;
   const FieldMask& fields_;
   double at_ = 0;
-  std::size_t sure_ = alignment_max;  ///< `at_` modulo this is known, and is `rest_`
+  std::size_t sure_ = alignment_max;  ///< `at_` modulo this is known: it is `rest_`
   std::size_t rest_ = 0;
 };
 
@@ -229,7 +229,7 @@ double LeafSizes::value_of(const Average& average) {
   return std::max(0.0, average.value.load(std::memory_order_relaxed));
 }
 
-/// The elements of an empty sequence have no sizes, and need none.
+/// Updates an average. The elements of an empty sequence have no sizes, and none are needed.
 void LeafSizes::settle(Average& average) {
   const double before = average.value.load(std::memory_order_relaxed);
   double value = std::max(before, 0.0);

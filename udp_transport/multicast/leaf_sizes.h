@@ -14,24 +14,24 @@ namespace sft::udp {
 
 class LeafSizes {
  public:
-  /// `type` outlives this object.
+  /// `type` must outlive this object.
   explicit LeafSizes(const StructType& type);
 
-  /// Called by one thread. Measures the fields that the sample has, but only the first elements of a
-  /// collection of structs. Each new average counts for a quarter. Allocates nothing.
+  /// Measures the fields in the sample, but only the first elements of a collection of structs. Called by
+  /// one thread. Each new average counts for a quarter. Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
-  // Any thread.
+  // Any thread may call the following functions.
 
-  /// Returns true if all of these fields have been measured, or have a fixed size.
+  /// Returns true if each of these fields has been measured, or has a fixed size.
   bool known(const FieldMask& fields) const;
-  /// Returns the length of a body with these fields and no others. `fields` is closed.
+  /// Returns the length of a body with these fields and no others. `fields` must be closed.
   double bytes(const FieldMask& fields) const;
 
  private:
-  static constexpr std::uint32_t elements_max = 32;  ///< elements that are measured at most
+  static constexpr std::uint32_t elements_max = 32;  ///< number of elements that are measured at most
 
-  /// An average, and the sum and number of what the present sample adds to it.
+  /// An average of the samples so far. `sum` and `count` are those of the present sample.
   struct Average {
     std::atomic<double> value{unmeasured};
     std::uint64_t sum = 0, count = 0;
@@ -46,9 +46,10 @@ class LeafSizes {
 
   const StructType& type_;
   const std::size_t leaves_;
-  std::unique_ptr<Average[]> elements_;  ///< by leaf: number of elements of a sequence
-  std::unique_ptr<Average[]> strings_;   ///< by leaf: bytes of a string, with its NUL
-  FieldMask sequences_, texts_;          ///< the leaves with an average in `elements_`, in `strings_`
+  std::unique_ptr<Average[]> elements_;  ///< by leaf: average number of elements of a sequence
+  std::unique_ptr<Average[]> strings_;   ///< by leaf: average bytes of a string, with its NUL
+  /// The leaves with an average in `elements_`, and those with one in `strings_`.
+  FieldMask sequences_, texts_;
 };
 
 }  // namespace sft::udp

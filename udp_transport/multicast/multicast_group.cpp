@@ -8,9 +8,10 @@
 namespace sft::udp {
 
 namespace {
-/// Members that ask for a sample within this time have probably lost it together.
+/// Members that request a sample again within this time have probably lost it together.
 constexpr std::chrono::milliseconds asked_together{100};
-/// Of a larger sample only parts are missing, so each member that asks is sent these parts alone.
+/// The limit of samples that are sent to the group again. Of a larger sample only parts are missing, so
+/// each member that requests parts is sent these alone.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
 constexpr std::uint64_t first_probed_max = std::uint64_t{1} << 48;
 
@@ -57,8 +58,8 @@ std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
   return ++last_ordinal_;
 }
 
-/// If something else takes a place in a member's channel (the rest of a late reader's history can), all
-/// further samples would get wrong places there. So the group is broken then.
+/// Notes the place. If another sample takes a place in a member's channel (the rest of a late reader's
+/// history can do that), all further samples would get wrong places there. So the group is broken then.
 void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
   const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
   {
@@ -68,7 +69,7 @@ void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint
     broken_.store(true, std::memory_order_relaxed);
     for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
   }
-  // Note_departed() does not find this sample.
+  // note_departed() does not find this sample, because its place differs from `ahead_`.
   static_cast<void>(members_[member].channel->departed(in_channel));
 }
 
@@ -139,8 +140,8 @@ Wake MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
   return wake;
 }
 
-/// The first member that asks is answered alone. So is one that asks once more, because what was sent again
-/// may be lost again.
+/// Returns true if the group sends the sample again. The first member that requests it is answered alone.
+/// So is a member that requests it once more, because a copy to the group may be lost again.
 bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake) {
   std::optional<std::int64_t> ahead;
   {
@@ -195,8 +196,8 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 }
 
 std::optional<GroupProbe> MulticastGroup::probe(Time now) {
-  const bool may_send =
-      is_answered() && !broken();  // a probe that may not be sent still counts as sent
+  // Determined first, because due() counts a probe as sent even if it may not be sent.
+  const bool may_send = is_answered() && !broken();
   const core::Lock lock(mutex_);
   if (!probes_.due(now) || !may_send) return {};
   if (std::ranges::all_of(memberships_, &GroupMembership::hears)) {

@@ -1,6 +1,6 @@
-// Processes that one writer sends one copy to, by a multicast group, under the union of their masks
-// (multicast.md). The members of a group never change. Other members need another group, with another
-// number.
+// Processes to which one writer sends one copy together: to a multicast group, under the union of their
+// masks (multicast.md). The members of a group never change. Another set of members needs another group,
+// with another number.
 #pragma once
 
 #include <array>
@@ -30,8 +30,9 @@ class MulticastGroup final : public LaneListener {
   using Time = GroupMembership::Time;
 
   struct Member {
-    std::shared_ptr<Lane> lane;        ///< the member's own lane, until it has reported
-    std::shared_ptr<Channel> channel;  ///< null: the member is served by best effort
+    std::shared_ptr<Lane> lane;  ///< the member's own lane, which is used until the member has reported
+    /// The channel to the member; null: the member is served by best effort.
+    std::shared_ptr<Channel> channel;
     friend bool operator==(const Member&, const Member&) = default;
   };
   struct Name {
@@ -40,53 +41,55 @@ class MulticastGroup final : public LaneListener {
     std::uint32_t address = 0;  ///< IPv4 address, host byte order
   };
 
-  /// `lane` leads to the group. `report_port` is the port that reports come to.
+  /// `lane` leads to the group. Members' reports come to the port `report_port`.
   static std::shared_ptr<MulticastGroup> make(const Name& name, std::shared_ptr<Lane> lane,
                                               std::vector<Member> members, std::uint16_t report_port);
 
   const Name& name() const { return name_; }
   const std::vector<Member>& members() const { return members_; }
   const std::shared_ptr<Lane>& lane() const { return lane_; }
-  /// Returns the lane so that it keeps the group alive, too, because the group has to be told which samples
-  /// have left.
+  /// Returns the group's lane in a form that keeps the group alive, too. The group has to be notified of
+  /// samples that have left the lane.
   static std::shared_ptr<Lane> lane_of(const std::shared_ptr<MulticastGroup>& group);
 
-  // Used by the thread that sends: the publisher's thread, or the sending thread in its place.
+  // The following functions are for the thread that sends: the publisher's thread, or the sending thread in
+  // its place.
 
-  /// Returns the ordinal in the group of the next sample, which is sent now.
+  /// Returns the ordinal in the group for the next sample. The caller sends that sample now.
   std::uint64_t next_ordinal(Time now) noexcept;
-  /// Returns true if samples that are sent to the group now arrive at that member.
+  /// Returns true if samples that are sent to the group arrive at that member at present.
   bool hears(std::size_t member) const noexcept { return hears_[member].load(std::memory_order_relaxed); }
   /// Notes the place of a sample in the member's channel.
   void placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept;
-  /// Returns true if a member's own socket has answered, and is not silent, so that a real receiver wants
-  /// what is sent.
+  /// Returns true if the own socket of at least one member has answered, and is not silent. So a real
+  /// receiver wants the samples.
   bool is_answered() const noexcept;
   /// Returns true if nothing may be sent to the group any more.
   bool broken() const noexcept { return broken_.load(std::memory_order_relaxed); }
-  /// The members without a channel: whether some of them hear the group, and whether some do not.
+  /// The members without a channel: one flag says if some of them receive the group, the other if some do
+  /// not.
   struct BestEffort {
     bool some_hear = false;
     bool some_do_not = false;
   };
   BestEffort best_effort() const noexcept;
 
-  /// Notes that a sample that was sent to the group has departed, or is lost. Any thread.
+  /// Notes that a sample for the group has departed, or is lost. Any thread may call this.
   [[nodiscard]] Wake note_departed(const Job& job, bool lost) noexcept;
   /// Notes that a sample in the lane has departed. The sending thread calls this, so it needs no wake.
   void departed(const Job& job, bool lost) noexcept override { static_cast<void>(note_departed(job, lost)); }
-  /// Returns the members, whether they hear the group or not.
+  /// Returns the members, including those that do not receive the group.
   std::span<const Destination* const> receivers() const noexcept override { return receivers_; }
   void hear(const GroupReport& report, Time now);
   /// Returns the index of the member with that name in reports; empty if there is none.
   std::optional<std::size_t> member_named(std::uint32_t name) const;
   std::string state_of(std::size_t member) const;
-  /// Called by the thread that takes answers: a member asks for parts of samples in its channel. Removes
-  /// those parts from `ack` whose samples are sent to the group again, since other members asked for them,
-  /// too.
+  /// Called by the thread that takes answers, when a member requests parts of samples in its channel again.
+  /// If other members have requested the same sample, it is sent to the group again, and its parts are
+  /// removed from `ack`.
   [[nodiscard]] Wake take_over_repairs(std::size_t member, Ack& ack, Time now);
 
-  // The agent's thread.
+  // The following functions are for the agent's thread.
 
   struct Offer {
     std::size_t member = 0;
@@ -95,23 +98,23 @@ class MulticastGroup final : public LaneListener {
   /// Returns the offers that are due now.
   std::vector<Offer> offers(Time now);
   /// Returns the probe that is due now, if any. Members that were offered the group a moment ago have
-  /// joined by now, and can hear the probe before the next sample.
+  /// joined by now, and can receive the probe before the next sample.
   std::optional<GroupProbe> probe(Time now);
   /// Returns when a probe will be due; Time::max() if none is planned.
   Time next_probe() const;
   /// Returns the members that multicast seems not to reach.
   std::vector<const Destination*> given_up() const;
-  /// Returns the message that tells a member that it is not in the group any more.
+  /// Returns the farewell, which notifies a member that it is not in the group any more.
   GroupOffer farewell(std::size_t member) const;
 
  private:
   MulticastGroup(const Name& name, std::shared_ptr<Lane> lane, std::vector<Member> members,
                  std::uint16_t report_port);
 
-  /// A sample that was asked for recently.
+  /// A sample that was requested again recently.
   struct Asked {
     std::uint64_t ordinal = 0;
-    std::uint64_t by = 0;  ///< bit set of the members that asked; more than 64 share bits
+    std::uint64_t by = 0;  ///< bit set of the members that requested it; more than 64 share bits
     bool sent_again = false;
     Time at{};
   };
@@ -123,17 +126,17 @@ class MulticastGroup final : public LaneListener {
   const std::vector<Member> members_;
   const std::vector<const Destination*> receivers_;  ///< the members' destinations
   const std::uint16_t report_port_;
-  /// The names of members in their reports. Nobody who alters a member's report can guess another member's
-  /// name.
+  /// The names of members in their reports. They are random, so that an attacker who alters a member's
+  /// report cannot guess the name of another member.
   const std::vector<std::uint32_t> member_names_;
-  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< one flag for each member
+  std::unique_ptr<std::atomic<bool>[]> hears_;  ///< by member: true if the member receives the group
 
-  mutable core::Mutex mutex_;  ///< held for a few instructions
+  mutable core::Mutex mutex_;  ///< locked only for a few instructions
   std::vector<GroupMembership> memberships_ SFT_GUARDED_BY(mutex_);
-  /// For each member: its channel's ordinal minus the group's; empty: nothing was sent yet.
+  /// By member: the ordinal in its channel minus the ordinal in the group; empty: nothing was sent yet.
   std::vector<std::optional<std::int64_t>> ahead_ SFT_GUARDED_BY(mutex_);
-  /// The ordinal before that of the first sample. It is random, so that a forged probe cannot lead to a
-  /// report that the writer believes.
+  /// The ordinal before that of the first sample. It is random, so that a forged probe cannot cause a
+  /// report that the writer accepts.
   const std::uint64_t first_probed_;
   std::uint64_t last_ordinal_ SFT_GUARDED_BY(mutex_);
   ProbeSchedule probes_ SFT_GUARDED_BY(mutex_);
@@ -142,13 +145,14 @@ class MulticastGroup final : public LaneListener {
   std::size_t next_asked_ = 0;
 };
 
-/// The groups of all writers of a transport. Finds the group of a report, or of a channel. Any thread.
+/// The groups of all writers of a transport. Finds the group of a report, or of a channel. Any thread may
+/// call the functions.
 class GroupRegistry {
  public:
   void add(const std::shared_ptr<MulticastGroup>& group);
   std::shared_ptr<MulticastGroup> find(std::uint32_t writer, std::uint32_t number);
   struct OfChannel {
-    std::shared_ptr<MulticastGroup> group;  ///< null: the channel is in no group
+    std::shared_ptr<MulticastGroup> group;  ///< the group of the channel; null: the channel is in no group
     std::size_t member = 0;
   };
   OfChannel of_channel(std::uint32_t writer, std::uint32_t channel);

@@ -1,5 +1,5 @@
-// The multicast groups of one writer that were offered to this process (multicast.md): where the samples of
-// a group belong in its channel, and what to report. Uses no clock, thread or I/O.
+// The multicast groups of one writer that were offered to this process (multicast.md). The class knows the
+// places of a group's samples in the channel, and the reports that are due. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -19,25 +19,26 @@ class OfferedGroups {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Takes an offer. An offer that contradicts that of a known group replaces it when it comes twice. An
-  /// offer without an address withdraws that group and those with lower numbers if none of them was heard
-  /// recently, or when it comes twice. Returns true if the address is to be joined again, because nothing
-  /// of that group has come for so long that a switch may not know of the membership.
+  /// Takes an offer. An offer that contradicts a known group replaces it when it comes twice. An offer
+  /// without an address withdraws that group and those with lower numbers, if none of them was in use
+  /// recently or when the offer comes twice. Returns true if the address has to be joined again, because
+  /// nothing of that group has come for so long that a switch may have discarded the membership.
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
   /// Gives a first datagram that came by a group its place in the channel, if it has one there. Returns
-  /// false if that group was not offered, or was offered with another channel than the one that is
-  /// followed. The sample comes in another way then. All places in a group rest on a single offer, which
-  /// may be wrong. So samples of the group, however many, do not count as claims about the channel.
+  /// false if that group was not offered, or was offered for another channel than the one that is followed.
+  /// Then the sample comes in another way. All places in a group rest on a single offer, which may be
+  /// wrong. So samples of a group, however many, are no evidence for the number of the channel.
   bool place(FirstHeader& first, Time now, const ChannelMonitor* channels = nullptr);
 
-  /// Takes a probe that came by a group, which counts like a sample. Ignored if that group was not offered.
+  /// Takes a probe that came by a group. The probe counts like a sample. Ignored if that group was not
+  /// offered.
   void hear(const GroupProbe& probe, Time now);
   bool knows(std::uint32_t group) const;
 
-  /// Notes whether a sample of that group that had never arrived before has no place in the channel any
+  /// Notes if a sample of that group, of which nothing had arrived before, has no place in the channel any
   /// more. After several such samples in a row the offer must have been wrong, and the writer is asked to
-  /// repeat it.
+  /// repeat the offer.
   void note(std::uint32_t group, bool misplaced);
 
   /// Calls `send(address, report)` for each report that is due. Called after place().
@@ -56,16 +57,15 @@ class OfferedGroups {
 
   bool due() const { return due_; }
   bool empty() const { return groups_.empty(); }
-  /// Returns true if samples of a group have come, and the group is not over yet, as far as this process
-  /// knows.
+  /// Returns true if samples of a group have come, and the group is not over as far as this process knows.
   bool were_heard() const {
     return std::ranges::any_of(groups_, [](const Offered& g) { return g.heard != 0; });
   }
-  /// Adds the addresses of the groups that are to be joined.
+  /// Adds to `to` the addresses of the groups that should be joined.
   void addresses(std::vector<std::uint32_t>& to) const;
 
  private:
-  /// Returns true if the previous contradicting offer was the same.
+  /// Returns true if the previous contradicting offer was equal to this one.
   bool comes_again(const GroupOffer& offer);
   void take_back(const GroupOffer& offer, Time now);
 
@@ -75,7 +75,7 @@ class OfferedGroups {
   }
   bool is_over(const Offered& group, Time now) const;
   bool make_room(Time now);
-  /// Compares by the difference, because the numbers of a writer's groups wrap around.
+  /// Compares numbers of groups by their difference, because the numbers of a writer's groups wrap around.
   static bool is_before(const GroupOffer& a, const GroupOffer& b) {
     return static_cast<std::int32_t>(a.group - b.group) < 0;
   }
@@ -86,32 +86,35 @@ class OfferedGroups {
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
-    Time alive_at;  ///< when the group was joined, or heard last
+    Time alive_at;  ///< time when the group was joined, or when the last sample of it came
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    bool is_unconfirmed = false;  ///< the latest offer said something else, or much was misplaced
+    /// True if the latest offer contradicted this one, or many samples were misplaced.
+    bool is_unconfirmed = false;
     std::uint32_t misplaced = 0;  ///< number of misplaced datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;
-  /// The present group, and those of which samples may still be under way.
+  /// The number of groups: the present one, and those of which samples may still be under way.
   static constexpr std::size_t groups_max = 4;
-  /// A switch learns of a new member sooner than this.
+  /// The longest silence of a group after which its membership still counts as known: a switch learns of a
+  /// new member sooner than this.
   static constexpr std::chrono::milliseconds silence_max{250};
-  /// A group that was heard within this time does not make room for another one, unless it is over.
+  /// A group that was received within this time does not make room for another one, unless it is over.
   static constexpr std::chrono::milliseconds used_for{500};
-  /// Samples of a group that is over may be under way for this time. A writer whose readers come one after
-  /// another makes several groups in that time, each of which is over when the next one is heard.
+  /// Samples of a group that is over may be under way for this time. If the readers of a writer come one
+  /// after another, the writer makes several groups in that time. Each of these is over when the next one
+  /// is received.
   static constexpr std::chrono::milliseconds under_way_for{100};
-  /// Tells the writer that a group that was in use was replaced or withdrawn. If the writer has not done
-  /// that, it offers the group again at once.
+  /// A message to the writer that a group in use was replaced or withdrawn. If the writer did not do that,
+  /// it offers the group again at once.
   struct Parting {
     SocketAddress to;
     GroupReport report;
   };
   std::vector<Parting> partings_;
   std::vector<Offered> groups_;  ///< the newest group is last
-  GroupOffer unconfirmed_;       ///< the latest offer that contradicts what is known
+  GroupOffer unconfirmed_;       ///< the latest offer that contradicts the known groups
   bool due_ = false;
 };
 

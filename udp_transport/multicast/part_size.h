@@ -1,5 +1,5 @@
-// The average number of bytes that a selection with parts leaves out of the samples of one writer. It
-// follows from what a sample says about itself, without a projection.
+// The average number of bytes that a selection with parts leaves out of the samples of one writer. It is
+// computed from the lengths in a sample, without a projection.
 #pragma once
 
 #include <atomic>
@@ -14,20 +14,20 @@ namespace sft::udp {
 
 class PartSize {
  public:
-  /// `type` outlives this object.
+  /// `type` must outlive this object.
   PartSize(const TypeSupport& type, Selection selection);
 
   const Selection& selection() const { return selection_; }
 
-  /// Called by one thread. Measures a sample that has all fields of the selection, and ignores others. Each
-  /// new average counts for a quarter, like that of a whole field. Allocates nothing.
+  /// Measures a sample. Ignores it if it does not have all fields of the selection. Called by one thread.
+  /// Each new average counts for a quarter, like that of a whole field. Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   /// Returns true if a sample has been measured.
   bool known() const { return value_.load(std::memory_order_relaxed) != unmeasured; }
-  /// Returns how many bytes less the parts have than their whole fields.
+  /// Returns the number of bytes that the parts save, compared with their whole fields.
   double bytes_less() const;
 
  private:
@@ -36,7 +36,7 @@ class PartSize {
     detail::Layout::Field field{};
     const detail::Layout* layout = nullptr;
   };
-  static constexpr std::uint32_t strings_max = 32;  ///< strings that are measured at most
+  static constexpr std::uint32_t strings_max = 32;  ///< number of strings that are measured at most
   static constexpr double unmeasured = -1;
 
   static bool strings_less(const detail::SampleState& sample, const Piece& piece, double& bytes);

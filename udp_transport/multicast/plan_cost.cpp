@@ -8,7 +8,7 @@
 namespace sft::udp {
 
 namespace {
-// Ethernet, IPv4, UDP, which counters of interfaces include.
+// The headers of Ethernet, IPv4 and UDP, which the counters of interfaces include.
 constexpr double lower_header_bytes = 14 + 20 + 8;
 }  // namespace
 

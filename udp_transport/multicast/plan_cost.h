@@ -13,7 +13,7 @@
 
 namespace sft::udp {
 
-/// Returns the bytes of a body that has these fields, and parts of fields.
+/// Returns the bytes of a body that has these fields and parts of fields.
 using BodyBytes = std::function<double(const Selection&)>;
 
 /// A process that may be in a group.
@@ -22,13 +22,14 @@ struct PlanDestination {
   double alone_bytes = 0;  ///< bytes on the wire of one sample, if the process is served alone
   /// Number of the division; all members of a group have the same one (divisions.h).
   std::size_t division = 0;
-  std::size_t datagram_bytes = 0;  ///< length of datagrams that its path takes
-  /// Samples per second that pass for its division, on average over some seconds. Empty: every sample does.
+  std::size_t datagram_bytes = 0;  ///< length of datagrams that the path to it takes
+  /// Samples per second that pass for its division, on average over some seconds. Empty: every sample
+  /// passes.
   std::optional<double> passing_per_s{};
 };
 
 struct PlannedGroup {
-  Selection fields;                  ///< what the group is sent: one_copy() for its members
+  Selection fields;                  ///< content of the copy for the group: one_copy() for its members
   std::vector<std::size_t> members;  ///< indices of destinations, ascending
   friend bool operator==(const PlannedGroup&, const PlannedGroup&) = default;
 };
@@ -36,14 +37,14 @@ struct PlannedGroup {
 using MulticastPlan = std::vector<PlannedGroup>;
 
 struct PlanLimits {
-  double unwanted_weight = 0.25;  ///< cost of a byte that a member gets unasked
-  double wire_max = 1.05;         ///< bytes on a link at most, relative to one group or none
-  /// A smaller gain, relative to the cost of the other plan, is no reason to change.
+  double unwanted_weight = 0.25;  ///< cost of a byte that a member did not request, relative to other bytes
+  double wire_max = 1.05;         ///< limit of the bytes on a link, relative to one group or none
+  /// A plan with a smaller gain, relative to the cost of the present plan, is not adopted.
   double gain_min = 0.05;
-  double gain_bytes_per_s = 4096;  ///< a smaller gain is no reason to change the plan
-  std::size_t groups_max = 8;      ///< a gain of fewer bytes is no reason to change
-  /// The largest merged body that no reader asks for as it is, in bytes. A larger one might be too large to
-  /// be sent.
+  double gain_bytes_per_s = 4096;  ///< a plan that saves fewer bytes per second is not adopted
+  std::size_t groups_max = 8;      ///< the largest number of groups in a division
+  /// The limit in bytes of a merged body that no reader requests as it is. A larger body might be too large
+  /// to be sent.
   double merged_body_max = std::numeric_limits<double>::infinity();
 };
 
@@ -51,11 +52,11 @@ struct PlanLimits {
 /// channel in the header, without further bytes.
 enum class PlaceMark : std::uint8_t { none, in_channel, in_group };
 
-/// Returns the bytes on the wire of one sample with such a body, with the headers of SFT, Ethernet, IP and
-/// UDP.
+/// Returns the bytes on the wire of one sample with a body of that length, including the headers of SFT,
+/// Ethernet, IP and UDP.
 double wire_bytes(double body_bytes, std::size_t datagram_bytes, PlaceMark place);
 
-/// What one sample costs.
+/// The cost of one sample.
 struct PlanCost {
   double cost = 0;  ///< `wire` plus the weighted unwanted bytes
   double wire = 0;  ///< bytes on all links

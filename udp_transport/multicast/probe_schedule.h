@@ -1,5 +1,5 @@
-// Decides when a writer sends probes to a multicast group: soon after it has offered the group, so that
-// members report before the next sample. Uses no clock, thread or I/O.
+// Decides when a writer sends probes to a multicast group. Probes come soon after an offer of the group, so
+// that members report before the next sample. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -10,8 +10,9 @@ class ProbeSchedule {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The pause before the first probe. A member joins as soon as it reads the offer. Each further pause is
-  /// twice as long, since a busy member reads later, and a switch needs a moment to learn of a new member.
+  /// The pause before the first probe, for a member that joins as soon as it reads the offer. Each further
+  /// pause is twice as long, since a busy member reads later, and a switch needs a moment to learn of a new
+  /// member.
   static constexpr std::chrono::milliseconds first_pause{2};
   static constexpr int probes_max = 5;
 
@@ -30,7 +31,7 @@ class ProbeSchedule {
   }
   /// Stops probing, because all members have reported.
   void stop() { next_ = Time::max(); }
-  /// Returns when due() will be true; Time::max() if no probe is planned.
+  /// Returns when due() will return true; Time::max() if no probe is planned.
   Time next() const { return next_; }
 
  private:

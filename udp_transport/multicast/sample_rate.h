@@ -1,5 +1,5 @@
-// How many samples a writer sends per second, and how many of them pass a gate. Both classes use no clock,
-// thread or I/O.
+// The number of samples that a writer sends per second, and the number of them that pass a gate. Both
+// classes use no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,15 +12,14 @@ namespace sft::udp {
 class SampleRate {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Samples are counted for at least this time.
+  /// The shortest time for which samples are counted.
   static constexpr std::chrono::milliseconds counting{100};
 
   /// `samples` is the number of samples sent before.
   explicit SampleRate(Time now, std::uint64_t samples = 0) : since_(now), counted_(samples) {}
 
-  /// Updates the rate; `samples` is the number of samples sent so far. The former rate holds until
-  /// `counting` is over. The first samples count at once, although their rate may be higher than it seems
-  /// then.
+  /// Updates the rate; `samples` is the number of samples sent so far. The former rate is valid until
+  /// `counting` has passed. A first rate is set at once, although it may be too low.
   void count(std::uint64_t samples, Time now) {
     is_early_ = now - since_ < counting;
     if (is_early_ && per_s_ > 0) return;
@@ -31,7 +30,8 @@ class SampleRate {
     counted_ = samples;
   }
   double per_s() const { return per_s_; }
-  /// Returns when the next rate is ready, if the last call of count() came too early; else `otherwise`.
+  /// Returns when the next rate is ready, if the last call of count() came too early. Otherwise returns
+  /// `otherwise`.
   Time due(Time otherwise) const { return is_early_ ? since_ + counting : otherwise; }
 
  private:
@@ -41,15 +41,15 @@ class SampleRate {
   bool is_early_ = false;
 };
 
-/// Counts for a longer time, because samples may pass in bursts, and a group is useful only if they come
-/// steadily.
+/// Counts the samples that pass a gate, over a longer time, because such samples may come in bursts, and a
+/// group is useful only if they come steadily.
 class PassRate {
  public:
   using Time = SampleRate::Time;
-  /// Least time that samples are counted, once it has passed.
+  /// The shortest time for which samples are counted, once this time has passed.
   static constexpr std::chrono::seconds counting{5};
 
-  /// The next sample that passes does not count, because it is the first one after a request.
+  /// The next sample that passes is not counted, because it is the first one after a request.
   PassRate(Time now, std::uint64_t passed) : former_{now, passed + 1}, latest_(former_) {}
 
   /// Returns the rate. `passed` is the number of samples that have passed so far.

@@ -7,7 +7,7 @@ namespace sft::udp {
 
 JobHandle::~JobHandle() {
   if (job_ == nullptr || job_->references_.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
-  const std::shared_ptr<JobPool> pool = std::move(job_->pool_);  // may be the pool's last reference
+  const std::shared_ptr<JobPool> pool = std::move(job_->pool_);  // this may be the pool's last reference
   pool->recycle(std::unique_ptr<Job>(job_));
 }
 
@@ -76,9 +76,9 @@ JobHandle JobPool::take() {
   return JobHandle(job.release());
 }
 
-/// Any job may be the next one for any mask. If each job grew by itself, memory would be allocated again
-/// and again until each job had been used for each mask. So all spare jobs grow as soon as one has grown,
-/// and a few samples later none allocates any more. A job in use grows when it comes back.
+/// Makes all spare jobs as large as this one, because any job may be the next one for any mask. If each job
+/// grew only when it was used, memory would be allocated until each job had been used for each mask. This
+/// way, no job allocates any more after a few samples. A job in use grows when it comes back.
 void JobPool::widen(Job& job) noexcept try {
   const detail::Projection::Memory own = job.projection.memory();
   const bool is_wider = !widest_.suffices_for(own);
@@ -87,7 +87,7 @@ void JobPool::widen(Job& job) noexcept try {
   if (!own.suffices_for(widest_)) job.projection.reserve(widest_);
   if (!is_wider) return;
   for (const std::unique_ptr<Job>& spare : spare_) spare->projection.reserve(widest_);
-} catch (const std::bad_alloc&) {  // a job whose projection has too little memory grows when it is used
+} catch (const std::bad_alloc&) {  // such a job grows when it is used
 }
 
 void JobPool::recycle(std::unique_ptr<Job> job) noexcept {

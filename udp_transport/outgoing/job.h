@@ -19,20 +19,19 @@ namespace sft::udp {
 
 class JobPool;
 
-/// How datagrams name one of a writer's masks.
+/// The name of one of a writer's masks in datagrams.
 struct WireMask {
-  /// Longer masks have no words on the wire, since these would fill most of the shortest first datagram.
-  /// The hash alone names such a mask.
+  /// The limit of words on the wire. More words would fill most of the shortest first datagram, so the hash
+  /// alone names a longer mask.
   static constexpr std::size_t words_max = 32;
 
   std::uint16_t variant = 0;
-  std::uint64_t mask = 0;            ///< the mask field of the header
-  std::vector<std::uint64_t> words;  ///< empty if the header says it all
+  std::uint64_t mask = 0;            ///< value of the mask field of the header
+  std::vector<std::uint64_t> words;  ///< the words of the mask; empty if the field `mask` is enough
 };
 
-/// Longer bodies are sent by the sending thread, so that the publisher goes on after a few datagrams.
-/// Exception: the publisher's thread sends a longer body itself from where it lies, if the body would have
-/// to be copied otherwise.
+/// Longer bodies are sent by the sending thread, so that the publisher goes on after a few datagrams. The
+/// exception is a body that would have to be copied for that: the publisher's thread sends it itself.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
 /// The publisher's thread writes to a job only while no lane has it.
@@ -41,14 +40,14 @@ inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 /// sequences follow one another. In a pack `first` is the header of the first sample, but its total is that
 /// of all samples.
 struct Job {
-  core::SampleHandle sample;  ///< keeps the memory that the projection refers to
+  core::SampleHandle sample;  ///< the sample, which keeps the memory that the projection refers to
   detail::Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
-  std::uint64_t sequence = 0;  ///< the whole sequence, not its low bits
-  /// Bytes of the sample's body with all fields; in a pack, of all bodies together.
+  std::uint64_t sequence = 0;  ///< the whole sequence, not only its low bits
+  /// Bytes of the sample's body with all fields. In a pack, the bytes of all these bodies together.
   std::uint32_t whole_bytes = 0;
-  /// Body bytes sent already; the lane that the job is posted to sends the rest.
+  /// Body bytes that were sent already. The lane that gets the job sends the rest.
   std::uint32_t sent_bytes = 0;
 
   EncodedBody body() const { return body(first); }
@@ -57,7 +56,8 @@ struct Job {
     if (is_pack()) return {header, mask->words, packed_, true};
     return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
   }
-  /// Returns `samples` samples of a pack from `part` on. A single one is like any other sample.
+  /// Returns `samples` samples of a pack, from `part` on. If it is a single sample, the body is like one
+  /// outside of packs.
   EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
     if (!is_pack()) return body(header);
     return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
@@ -84,14 +84,15 @@ struct Job {
 
   /// Makes the job independent of the sample that it was encoded from.
   void copy_body();
-  /// Copies the body into memory of the caller, which is at least as large as the body.
+  /// Copies the body into memory of the caller, which must be at least as large as the body.
   void copy_body(core::SampleHandle to);
   /// Counts the job's sample as borrowed memory, which is scarce.
   void borrow();
-  /// Counts the job as kept memory until its last handle is gone, since a channel keeps it from now on.
-  /// Called only by the thread that gives the job to channels.
+  /// Counts the job's memory as kept until its last handle is gone, because a channel keeps the job from
+  /// now on. Called only by the thread that gives the job to channels.
   void keep();
-  /// Adds a sample to a pack, or begins one. After seal() the pack can be sent, and takes no more samples.
+  /// Adds a sample to a pack, or begins a pack. After seal() the pack can be sent, and takes no more
+  /// samples.
   void pack(std::span<const detail::Segment> body);
   void pack(std::span<const std::byte> body) {
     const detail::Segment whole{body.data(), body.size()};
@@ -109,18 +110,19 @@ struct Job {
  private:
   friend class JobHandle;
   friend class JobPool;
-  std::vector<std::byte> copy_;  ///< copy of the body, or of a pack's bodies; empty if there is none
+  std::vector<std::byte> copy_;  ///< copy of the body, or of a pack's bodies; empty if there is no copy
   detail::Segment copied_{};     ///< the copied body, in `copy_` or in memory of the caller
   std::size_t borrowed_bytes_ = 0;
   std::size_t kept_bytes_ = 0;
   std::vector<detail::Segment>
-      packed_;  ///< the bodies of a pack, in `copy_`; before seal() only their lengths are set
+      packed_;  ///< the bodies of a pack, which are in `copy_`; before seal() only their lengths are set
   std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< the job's pool, while the job is in use
   std::atomic<std::uint32_t> references_{0};
 };
 
-/// Handles share a job. When the last handle goes, the job releases its sample and returns to its pool.
+/// A handle of a job. Handles share a job. When the last handle is destroyed, the job releases its sample
+/// and returns to its pool.
 class JobHandle {
  public:
   JobHandle() = default;
@@ -144,7 +146,8 @@ class JobHandle {
   Job* job_ = nullptr;
 };
 
-/// The jobs of one writer. Spare jobs keep the memory that their projections have grown to. Any thread.
+/// The jobs of one writer. Spare jobs keep the memory that their projections have grown to. Any thread may
+/// call the functions.
 class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
   /// `memory` counts the bytes that channels keep.
@@ -170,25 +173,25 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   void recycle(std::unique_ptr<Job> job) noexcept;
   void widen(Job& job) noexcept SFT_REQUIRES(mutex_);
 
-  /// The number of spare jobs: for many masks with a few samples each, or for all samples that a process
-  /// acknowledges at a time.
+  /// The number of spare jobs. It is enough for many masks with a few samples each, or for all samples that
+  /// a process acknowledges at a time.
   static constexpr std::size_t spare_max = 2048;
-  /// Each spare job has memory for the largest projection that any job needed, whichever its mask was,
-  /// unless all jobs together would take more than this.
+  /// Limits the memory of projections in all jobs together. Within this limit, each spare job has memory
+  /// for the largest projection that any job needed.
   static constexpr std::size_t projections_bytes_max = std::size_t{4} << 20;
-  /// A longer copy is not kept for the next job.
+  /// The limit of a copy whose memory is kept for the next job.
   static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
-  /// Enough for samples that are under way to readers that keep up, and for a few more. Other publishers on
-  /// this host need the rest.
+  /// The number of borrowed samples. It is enough for samples that are under way to readers that keep up,
+  /// and for a few more. Other publishers on this host need the rest of the memory.
   static constexpr std::size_t borrowed_samples_max = 8;
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
-  /// Spare jobs; has capacity for all jobs.
+  /// The spare jobs. The vector has capacity for all jobs.
   std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);
   std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;               ///< number of jobs in use and spare
-  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);  ///< the most memory that a returned job had
+  detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);  ///< the largest memory that a returned job had
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,5 @@
-// Counts the memory that all channels of a transport keep for repairs, so that a few readers that do not
-// keep up do not take the memory of all publishers of the node.
+// Counts the memory that all channels of a transport keep for repairs, so that a few slow readers do not
+// take the memory of all publishers of the node.
 #pragma once
 
 #include <atomic>
@@ -8,7 +8,7 @@
 
 namespace sft::udp {
 
-/// Any thread.
+/// Any thread may call the functions.
 class KeptMemory {
  public:
   explicit KeptMemory(std::size_t limit_bytes = std::numeric_limits<std::size_t>::max() / 2)
@@ -19,9 +19,9 @@ class KeptMemory {
   std::size_t used() const { return used_.load(std::memory_order_relaxed); }
 
   /// Returns true if a channel that keeps `bytes` has to give up some of it once all channels together keep
-  /// `more_bytes` more. No channel may keep more than is left to all. So a single channel can keep half of
-  /// the limit. Several channels that keep much tend to equal shares, and as much as such a share is free
-  /// for channels that keep little.
+  /// `more_bytes` more. A channel must not keep more than the rest of the limit. So a single channel can
+  /// keep half of the limit. Several channels that keep much tend to equal shares, and as much as such a
+  /// share stays free for channels that keep little.
   bool wants_some_of(std::size_t bytes, std::size_t more_bytes = 0) const {
     const std::size_t used = this->used() + more_bytes;
     return used > limit_ || bytes > limit_ - used;

@@ -1,5 +1,5 @@
-// What the sending thread has to be told after something was given to a lane or a channel, or after an
-// answer came.
+// The action that the sending thread has to be woken for, after a job was given to a lane or a channel, or
+// an answer came.
 #pragma once
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 
 namespace sft::udp {
 
-/// Ordered: each includes the ones before it.
+/// The values are ordered: each includes the previous ones.
 enum class Wake : std::uint8_t {
   none,
   look,      ///< the thread has to check the lanes and channels that it knows (Sender::look_again())

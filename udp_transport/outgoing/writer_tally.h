@@ -1,4 +1,4 @@
-// The counts of what one writer has sent and lost, and the limit of its rate.
+// The counts of the samples that one writer has sent and lost, and the limit of its rate.
 #pragma once
 
 #include <atomic>
@@ -13,10 +13,11 @@ struct WriterTally {
   explicit WriterTally(std::uint64_t max_bytes_per_s = 0) : limit(max_bytes_per_s) {}
   RateLimit limit;
   std::atomic<std::uint64_t> bytes_sent{0};
-  std::atomic<std::uint64_t> dropped{0};  ///< samples taken from a lane and then not sent
-  /// Lanes for which the sending thread has something to send, also those that get no new samples any more.
+  std::atomic<std::uint64_t> dropped{0};  ///< number of samples that were taken from a lane and then not sent
+  /// The number of lanes for which the sending thread has something to send, including lanes that get no
+  /// new samples any more.
   std::atomic<std::uint32_t> busy_lanes{0};
-  /// Those busy lanes that lead to readers with different masks (LaneEnd::is_merged()).
+  /// The number of these lanes that lead to readers with different masks (LaneEnd::is_merged()).
   std::atomic<std::uint32_t> busy_merged_lanes{0};
 };
 

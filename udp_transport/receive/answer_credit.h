@@ -1,7 +1,7 @@
-// Limits the answers to a writer that has not shown that it is at the address that its node announced: to
-// three times as many bytes as came in its name, as QUIC does before it knows an address (RFC 9000, section
-// 8.1). So nobody gains by making this process answer somebody else. The class uses no clock, thread or
-// I/O.
+// Limits the answers to a writer that has not shown that it is at the address that its node announced. The
+// limit is three times the bytes that came in the writer's name, as in QUIC before an address is validated
+// (RFC 9000, section 8.1). So an attacker gains nothing by making this process answer another host. The
+// class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>

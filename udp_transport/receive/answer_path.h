@@ -1,4 +1,4 @@
-// The addresses that the acks of one writer go to, and the bytes that these acks may have. The class uses
+// The addresses to which the acks of one writer go, and the bytes that these acks may have. The class uses
 // no clock, thread or I/O.
 #pragma once
 
@@ -16,10 +16,10 @@ using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
 
 class AnswerPath {
  public:
-  /// Notes that a datagram of the writer came. A few times as many bytes may be sent as answers.
+  /// Notes that a datagram of the writer came. Answers may have a few times as many bytes.
   void received(std::size_t bytes) { credit_.received(bytes); }
-  /// Notes that a heartbeat asks for acks at this address. A single heartbeat does not turn acks away from
-  /// the former address: they go to both addresses until the next heartbeat.
+  /// Notes that a heartbeat requests acks at this address. One heartbeat is not enough to leave the former
+  /// address: acks go to both addresses until the next heartbeat.
   void turn_to(const SocketAddress& address) {
     const bool confirmed = !confirmed_ || unconfirmed_ == address;
     if (confirmed) confirmed_ = address;
@@ -34,12 +34,12 @@ class AnswerPath {
 
   /// Returns true if an ack of that length may be sent to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
-  /// Returns the number of missing parts that one ack to each address may still ask for.
+  /// Returns the number of missing parts for which one ack to each address still has room.
   std::size_t parts_covered() const {
     const std::size_t bytes = credit_.left() / copies();
     return bytes < ack_header_bytes ? 0 : (bytes - ack_header_bytes) / missing_bytes;
   }
-  /// Sends the ack to each address, or to none if that would be too many bytes.
+  /// Sends the ack to each address, or to none if the copies would have too many bytes.
   void send(const Ack& ack, const SendAck& send) {
     if (!covers(ack.bytes())) return;
     credit_.spend(copies() * ack.bytes());

@@ -7,8 +7,8 @@
 namespace sft::udp {
 
 namespace {
-/// The number of samples that go to a reader in order before it is checked again if that reader is still
-/// there.
+/// The number of samples that are delivered to a reader in order before the reader's presence is checked
+/// again.
 constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 
@@ -21,7 +21,7 @@ void Delivery::enter() {
   for (std::size_t i = 0; i < wanted_->streams.size(); ++i) follow_readers(i);
 }
 
-/// Tells the window of a reliable stream which readers it has.
+/// Passes the readers of a reliable stream to its window.
 void Delivery::follow_readers(std::size_t stream_index) {
   ArrivalWindow* window = reassembly_.window(stream_index);
   if (window == nullptr) return;
@@ -48,7 +48,7 @@ void Delivery::deliver(Arrival& arrival, Time now) {
 }
 
 /// Delivers to readers that take samples as they come. Listeners run while no subscriptions are in use,
-/// because they may take long, and may connect and destroy readers.
+/// because listeners may take long, and may connect and destroy readers.
 void Delivery::deliver_at_once(Arrival& arrival) {
   const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
   if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
@@ -78,7 +78,7 @@ void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   while (hand_over_.is_full()) go_on_with(hand_over_.next());
 }
 
-/// Delivers a sample that waited, unless its writer has no reader any more.
+/// Delivers a sample that waited. Does nothing if its writer has no reader any more.
 void Delivery::go_on_with(HandOver::Waiting waiting) {
   const std::optional<std::size_t> index = index_of(waiting.sample->header().writer);
   if (!index) return;
@@ -92,7 +92,7 @@ void Delivery::end_hand_over() noexcept {
   leave();
 }
 
-/// Returns true if some reader had room for a sample.
+/// Delivers to the readers in order. Returns true if some reader had room for a sample.
 bool Delivery::deliver_in_order(core::EndpointId writer, Time now) {
   bool any = false;
   while (deliver_next(writer, now)) any = true;
@@ -105,7 +105,8 @@ std::optional<std::size_t> Delivery::index_of(core::EndpointId writer) const {
   return static_cast<std::size_t>(stream - wanted_->streams.begin());
 }
 
-/// Delivers to one reader what it can get now, up to a limit. Returns false if no reader can get anything.
+/// Delivers the available samples to one reader, up to a limit. Returns false if no reader can get a
+/// sample.
 bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   const std::optional<std::size_t> index = index_of(writer);
   ArrivalWindow* window = index ? reassembly_.window(*index) : nullptr;
@@ -121,9 +122,9 @@ bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   return false;
 }
 
-/// Delivers to one reader what it can get in order. Returns false if that is nothing; otherwise the
-/// subscriptions may have changed meanwhile. If a publisher waits for its readers, later samples do not
-/// push out earlier ones as long as it waits.
+/// Delivers the samples that are available in order to one reader. Returns false if there is none;
+/// otherwise the subscriptions may have changed meanwhile. If a publisher waits for its readers, later
+/// samples do not displace earlier ones as long as it waits.
 bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window) {
   const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
     return subscriber.accepts(s, request);

@@ -1,4 +1,4 @@
-// Hands samples to the inboxes of the readers that asked for them: at once, or in order to reliable
+// Hands samples to the inboxes of the readers that requested them: at once, or in order for reliable
 // readers.
 #pragma once
 
@@ -19,36 +19,36 @@
 
 namespace sft::udp {
 
-/// Used by the receiving thread, except where a comment says otherwise.
+/// Used by the receiving thread, except where a comment names another thread.
 class Delivery {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Leaves all multicast groups but these, which are IPv4 addresses.
+  /// A function that leaves all multicast groups except `groups`, which are IPv4 addresses.
   using KeepGroups = std::function<void(std::span<const std::uint32_t> groups)>;
 
-  /// The reassembly outlives the delivery, which tells it what the subscriptions want.
+  /// The reassembly must outlive the delivery, which passes the requests of the subscriptions to it.
   Delivery(Reassembly& reassembly, KeepGroups keep_groups)
       : reassembly_(reassembly), keep_groups_(std::move(keep_groups)) {}
 
-  /// Any thread, except for enter() and leave().
+  /// Returns the subscriptions. Any thread may use them, except for enter() and leave().
   SubscriptionDirectory& subscriptions() { return subscriptions_; }
 
-  /// Datagrams may be taken until leave(), for the present subscribers.
+  /// Allows datagrams for the present subscribers until leave().
   void enter();
   void leave() { subscriptions_.leave(); }
-  /// Delivers what a datagram has brought, which must not be empty. Called between enter() and leave().
+  /// Delivers the samples of a datagram. `arrival` must not be empty. Called between enter() and leave().
   void deliver(Arrival& arrival, Time now);
 
-  /// Returns true if some samples wait for earlier ones that may lie in the socket of groups. They wait
-  /// until these have come, or until end_hand_over() says that there are none.
+  /// Returns true if some samples wait for earlier ones that may be in the socket of groups. They wait
+  /// until these have come, or until end_hand_over() is called because there are none.
   bool hands_over() const noexcept { return hand_over_.is_under_way(); }
   void end_hand_over() noexcept;
 
-  /// Delivers to readers that had no room before.
+  /// Retries delivery to readers that had no room before.
   void look_after_readers(Time now);
-  /// Returns the time when look_after_readers() is due; Time::max() if no reader lags.
+  /// Returns when look_after_readers() is due; Time::max() if no reader lags.
   Time next_look() const { return lag_monitor_.next_look(); }
-  /// Returns true if some readers have no room for what has come. Any thread.
+  /// Returns true if some readers have no room for samples that have come. Any thread may call this.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }
 
  private:

@@ -22,8 +22,8 @@ Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddr
   return {};
 }
 
-/// A mark counts datagrams of samples and heartbeats. Malformed bytes count as such, unless they claim to
-/// be of another kind.
+/// Counts malformed bytes in the shares of the receive buffer, since marks count all datagrams of samples
+/// and heartbeats. Bytes that name another kind are not counted there.
 Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
   const bool is_counted =
       !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
@@ -33,7 +33,7 @@ Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
   return {};
 }
 
-/// Sends the report at once, because all that was sent before the mark has left the socket.
+/// Sends the report at once, because all datagrams that were sent before the mark have left the socket.
 Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
   const std::optional<SocketAddress> to = reassembly_.report_address(envelope.from.ip, d.port);
   if (to) {

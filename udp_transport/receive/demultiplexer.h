@@ -17,37 +17,40 @@
 
 namespace sft::udp {
 
-/// Used by the receiving thread.
+/// All functions are called by the receiving thread.
 class Demultiplexer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// accept() calls these for datagrams that bring no samples.
+  /// accept() calls these functions for datagrams that bring no samples.
   struct Handlers {
     /// Hands an answer to the sending half of the transport.
     std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;
     /// Sends a report, which answers a mark.
     std::function<void(const SocketAddress& to, const FlowReport&)> send_report;
-    /// Leaves all multicast groups but these, which are IPv4 addresses.
+    /// Leaves all multicast groups except `groups`, which are IPv4 addresses.
     std::function<void(std::span<const std::uint32_t> groups)> keep_groups;
-    /// Joins a group on the link towards that address. `anew`: leaves it first if it was joined before.
+    /// Joins a group on the link towards that address. If `anew`, leaves the group first if it was joined
+    /// before.
     std::function<void(std::uint32_t group, const SocketAddress& towards, bool anew)> join_group;
   };
 
-  /// The reassembly outlives the demultiplexer. All senders to the socket share `receive_buffer_bytes`.
+  /// The reassembly must outlive the demultiplexer. All senders to the socket share `receive_buffer_bytes`.
   Demultiplexer(Handlers handlers, Reassembly& reassembly, std::size_t receive_buffer_bytes);
 
-  /// Returns what the datagram brought to readers. If there is no memory for a datagram, it counts as lost.
+  /// Returns what the datagram brought for readers. If there is no memory for a datagram, it counts as
+  /// lost.
   Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
 
-  /// Returns the number of marks from processes that have no writer that is read here.
+  /// Returns the number of marks from processes of which no writer is read here.
   std::uint64_t unknown_marks() const { return unknown_marks_; }
   /// Returns the number of processes that share the receive buffer.
   std::size_t senders() const { return shares_.senders(); }
 
  private:
   Arrival take(Malformed& d, const Envelope& envelope);
-  /// Takes datagrams of samples, and heartbeats. Marks say how many of these were sent.
+  /// Takes a sample's datagram or a heartbeat, and counts it. Marks contain the number of such datagrams
+  /// sent.
   template <class FromWriter>
   Arrival take(FromWriter& d, const Envelope& envelope) {
     shares_.count(envelope.from);

@@ -17,29 +17,30 @@ namespace sft::udp {
 
 class Inbox {
  public:
-  /// The listener may be null. `depth_bytes`: see ReaderSpec.
+  /// The listener may be null. ReaderSpec explains `depth_bytes`.
   Inbox(std::size_t depth, core::ArrivalListener* listener, std::uint64_t depth_bytes = 0)
       : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), notify_listener_([listener] {
           if (listener != nullptr) listener->arrived();
         }) {}
 
-  /// Queues a sample of a connected writer and calls the listener, without a lock. The receiving thread.
+  /// Queues a sample of a connected writer and calls the listener, without a lock. Called by the receiving
+  /// thread.
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
-  /// Delivers several samples. Afterwards the handles are null or hold samples that were pushed out. The
-  /// listener is called once for as many samples as can wait, so that a sample is not pushed out before the
-  /// listener could take it.
+  /// Delivers several samples. Afterwards the handles are null or hold samples that were displaced. The
+  /// listener is called for each group of samples that can wait together, so that no sample is displaced
+  /// before the listener could take it.
   void deliver(std::span<core::SampleHandle> samples,
                KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) noexcept;
 
-  /// Returns how many more samples of the writer can wait. Further samples are not refused, but push out
-  /// the oldest.
+  /// Returns the number of further samples of the writer that can wait. More samples are not refused, but
+  /// displace the oldest ones.
   std::size_t room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);
   /// Disconnects the writer. Its queued samples can still be taken. All disconnected writers together keep
-  /// as many samples as one connected writer, the newest ones.
+  /// the newest samples, as many as one connected writer.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;
@@ -47,8 +48,8 @@ class Inbox {
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
-  /// Ends calls of the listener. When this returns, none is in progress except one that calls this function
-  /// itself.
+  /// Ends calls of the listener. After the return, no call is in progress, except a call of the listener
+  /// that itself calls this function.
   void detach() noexcept { notify_listener_.clear(); }
 
  private:
@@ -57,7 +58,7 @@ class Inbox {
     KeepLastQueue queue;
     bool connected = true;
     LateFilter filter{};
-    bool taken = false;         ///< some sample of the writer was taken
+    bool taken = false;         ///< true if some sample of the writer was taken
     std::uint64_t dropped = 0;  ///< samples dropped since the last one was taken
     std::uint64_t arrivals = 0;
   };
@@ -65,12 +66,12 @@ class Inbox {
   const Writer* find(core::EndpointId id) const noexcept SFT_REQUIRES(mutex_);
   bool enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept SFT_REQUIRES(mutex_);
   struct Enqueued {
-    std::size_t samples = 0;  ///< number of samples handled, from the first on
+    std::size_t samples = 0;  ///< number of samples handled, counted from the first one
     std::size_t kept = 0;     ///< number of these samples that were kept
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept
       SFT_REQUIRES(mutex_);
-  /// Returns the writer, among those that fulfil the condition, whose oldest sample came first.
+  /// Returns, among the writers for which `condition` is true, the one whose oldest sample came first.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept SFT_REQUIRES(mutex_);
   core::SampleHandle drop_surplus() noexcept;

@@ -12,10 +12,10 @@ namespace {
 
 using Standing = ArrivalWindow::Standing;
 
-/// The number of missing parts that are asked for at a time. Others are asked for later.
+/// The number of missing parts that are requested at a time. Further parts are requested later.
 constexpr std::size_t asked_at_once_max = 8 * missing_max;
 
-/// Calls `ask(Missing)` for each part of a sample that has not come. `sample` is null if nothing of it has
+/// Calls `ask(Missing)` for each part of a sample that has not come. `sample` is null if no part of it has
 /// come.
 template <class Ask>
 void for_each_missing(std::uint32_t ordinal, const UnfinishedSample* sample, const Ask& ask) {
@@ -37,8 +37,8 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceMonitor& seque
   return sequences.widen(first.label.sequence);
 }
 
-/// Returns true if an earlier sample may still lie in the socket of groups, because a group can end with
-/// any sample.
+/// Returns true if an earlier sample may still be in the socket of groups. That is possible because a
+/// writer can stop using a group after any sample.
 bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceMonitor& sequences,
                   const OfferedGroups& groups) {
   if (sequences.newest() == 0 || sequence <= sequences.newest() + 1) [[likely]]
@@ -46,8 +46,8 @@ bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const Sequen
   return (first.flags & group_follows) == 0 && groups.were_heard();
 }
 
-/// Gives up another sample at that place if it makes no progress, because it may be forged. Returns true
-/// then.
+/// Gives up another sample at that place if it makes no progress, because it may be forged. Returns true if
+/// it was given up.
 bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
   constexpr std::chrono::milliseconds progress_holds{20};
@@ -61,7 +61,7 @@ bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint
   return true;
 }
 
-/// Writes the whole header, except the writer and the sequence.
+/// Writes all fields of the header, except the writer and the sequence.
 void write_header(core::SampleBuffer& sample, const FirstHeader& first, const TypeSupport& type) {
   detail::SampleHeader& header = sample.header();
   header.index_slots = static_cast<std::uint16_t>(type.index_slots());
@@ -120,7 +120,7 @@ bool IncomingWriter::follows(std::uint32_t channel) const {
 
 bool IncomingWriter::fits(const Datagram& d) {
   if (has(d, channel_follows) && follows(d.first.channel.channel)) return true;
-  Datagram copy = d;  // named_by() takes the mask's words from its argument
+  Datagram copy = d;  // a copy, because named_by() takes the mask's words out of its argument
   const WantedMasks::Named named = wanted_.named_by(copy);
   return named.mask != nullptr && !named.malformed &&
          std::max<std::size_t>(copy.first.total, copy.bytes_each) <= facts_.sample_bytes;
@@ -134,7 +134,7 @@ Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
                                         : accept_first(d, named, envelope.now);
 }
 
-/// Gives a sample of a group its place. Returns false if this process does not know the group, or the
+/// Gives a sample of a group its place. Returns false if this process does not know the group, or if the
 /// sample is not for its present readers.
 bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   const bool is_placed = groups_.place(d.first, now, window_ == nullptr ? nullptr : &window_->channels());
@@ -147,7 +147,7 @@ bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   return is_placed;
 }
 
-/// Accepts each sample as if it had come alone.
+/// Accepts each sample of a pack as if it had come alone.
 Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks::Named& named,
                                       ArrivalTime now) {
   PackedBodies bodies(packed);
@@ -198,7 +198,8 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     const bool is_old = sample != nullptr || samples_.is_finished(d.label());
     if (is_wanted || !is_old) groups_.note(d.first.group.group, !is_wanted);
   }
-  if (is_wanted && met.place != 0 && repeated) {  // the sample had begun before it was wanted reliably
+  // The sample had begun before a reader requested reliable delivery.
+  if (is_wanted && met.place != 0 && repeated) {
     samples_.set_place(*sample, met.place);
     window_->samples().begun(met.place, sample->label(), sample->buffer());
   }
@@ -215,8 +216,8 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
   return complete(std::move(buffer), d.first, met.place, now);
 }
 
-/// Begins a sample of which `d` is a datagram, and which has further ones. Some of these may have come
-/// before.
+/// Begins a sample that has several datagrams, of which `d` is one. Some of the other datagrams may have
+/// come before.
 Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::uint64_t place,
                               core::SampleHandle buffer, ArrivalTime now) {
   if (place != 0) window_->samples().begun(place, d.label(), buffer);
@@ -226,14 +227,14 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
                     std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
-  arrival.in_channel = place != 0;  // earlier samples may have turned out to be lost
+  arrival.in_channel = place != 0;  // even if no sample is whole, earlier ones may have turned out to be lost
   return arrival;
 }
 
 Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const ArrivalTime now = envelope.now;
   answers_.received(envelope.bytes);
-  drop_abandoned();  // readers may have taken samples, too
+  drop_abandoned();  // also needed because readers may have taken samples
   UnfinishedSample* sample = samples_.find(d.label);
   if (sample == nullptr) {
     if (samples_.is_finished(d.label) || elsewhere_.contains(d.label)) return {};
@@ -249,7 +250,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const std::uint32_t had = sample->received().covered();
   const auto added = sample->add(d.offset, d.payload, shared_.limits.gaps, now.steady);
   if (added == UnfinishedSample::Added::beyond_body) {
-    ++shared_.counters.malformed;  // the sample itself may be well-formed
+    ++shared_.counters.malformed;  // only this sequence is refused; the sample itself may be well-formed
     return {};
   }
   const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;
@@ -257,7 +258,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   return proceed(*sample, added, now);
 }
 
-/// Goes on after a datagram was added to a described sample, or was refused. A reliable sample can come
+/// Continues after a datagram was added to a described sample, or was refused. A reliable sample can come
 /// again.
 Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now) {
   using Added = UnfinishedSample::Added;
@@ -307,7 +308,7 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
 
 /// Returns true if a sample may be delivered. Samples that wait under sequences that turn out to be wrong
 /// have to come again. A writer that does not answer any more sends nothing new, so a sample behind its
-/// newest one is a repetition by somebody else.
+/// newest one was repeated by another sender.
 bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now) {
   if (!facts_.alive && observed.place == 0 && observed.sequence < sequences_.newest()) return false;
   const std::uint32_t numbering = sequences_.numbering();
@@ -318,7 +319,7 @@ bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now
   return accepted;
 }
 
-/// Checks what a first datagram claims before anything is allocated, and takes memory for the sample.
+/// Checks the values of a first datagram before anything is allocated, and takes memory for the sample.
 IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const WantedMasks::Named& named,
                                                  std::uint64_t place, core::SampleHandle& buffer) {
   if (named.malformed) return Refusal::malformed;
@@ -343,8 +344,8 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   return Refusal::none;
 }
 
-/// Takes memory for a sample. Samples behind the first missing one leave memory for that one, because no
-/// reader gets them without it.
+/// Takes memory for a sample. Samples behind the first missing one must leave memory for that one, because
+/// no reader gets them without it.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
   const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(total);
@@ -358,7 +359,7 @@ std::size_t IncomingWriter::reserved_for_first_missing() const {
                   shared_.pool->limit_bytes() / 4);
 }
 
-/// A reliable sample for which only memory is missing now comes again.
+/// Refuses a sample. A reliable sample that lacks only memory now will come again.
 Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why, Time now) {
   core::Transport::Counters& counters = shared_.counters;
   const Arrival nothing{{}, facts_.stream_index, place != 0};
@@ -380,7 +381,7 @@ Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal w
   return nothing;
 }
 
-/// Counts a sample that is given up, whether it had begun or not. Further datagrams of it are ignored.
+/// Counts a sample that is given up, even if it had not begun. Further datagrams of it are ignored.
 void IncomingWriter::drop(const SampleLabel& label, std::uint64_t& counter) {
   const std::uint64_t place = samples_.drop(SampleLabel(label), counter);
   if (place != 0 && window_ != nullptr) window_->pass(place);

@@ -1,6 +1,5 @@
 // The arrivals of one writer: makes samples and acks from its decoded datagrams. Uses no clock, thread or
-// I/O. Every datagram may be forged, so nothing is taken for granted, and memory is allocated only within
-// limits.
+// I/O. Every datagram may be forged, so each value is checked, and memory is allocated only within limits.
 #pragma once
 
 #include <cstddef>
@@ -25,34 +24,35 @@
 
 namespace sft::udp {
 
-/// A writer that is read here, and the selections that its readers ask for.
+/// A writer that is read here, and the selections that its readers request.
 struct Stream {
   core::EndpointId writer = 0;
-  const TypeSupport* type = nullptr;  ///< outlives the stream
-  std::size_t max_sample_bytes = 0;   ///< announced by the writer; 0: not known
+  const TypeSupport* type = nullptr;  ///< must outlive the stream
+  std::size_t max_sample_bytes = 0;   ///< the limit that the writer announced; 0: not known
   std::vector<Selection> selections;
-  bool reliable = false;   ///< some reader asks for reliable delivery
-  bool waits = false;      ///< the publisher waits for its reliable readers
-  core::Announced node{};  ///< acks and reports go to the addresses of this node
-  bool alive = true;       ///< the node answers, as far as this process knows
+  bool reliable = false;   ///< true if some reader requests reliable delivery
+  bool waits = false;      ///< true if the publisher waits for its reliable readers
+  core::Announced node{};  ///< the writer's node; acks and reports go to its addresses
+  bool alive = true;       ///< true if the node answers, as far as this process knows
 };
 
-/// The circumstances of a datagram. Valid while the datagram is handled.
+/// The circumstances in which a datagram came. Valid while the datagram is handled.
 struct Envelope {
   const SocketAddress& from;
   ArrivalTime now;
-  std::size_t bytes;  ///< length of the datagram
+  std::size_t bytes;  ///< length of the datagram in bytes
 };
 
-/// The result of a datagram.
+/// The result of a datagram for readers.
 struct Arrival {
-  core::SampleHandle sample;  ///< whole and valid; null if the datagram completed none
+  core::SampleHandle sample;  ///< a whole and valid sample; null if the datagram completed none
   std::size_t stream = 0;     ///< the writer's index among the streams
-  bool in_channel = false;    ///< reliable readers may now get this sample or others in order
-  /// The samples of a packed datagram, whole and valid. They may be moved out, and are valid until the next
-  /// datagram.
+  /// True if reliable readers may now get this sample, or further samples in order.
+  bool in_channel = false;
+  /// The samples of a packed datagram, whole and valid. The caller may move them out. The span is valid
+  /// until the next datagram.
   std::span<core::SampleHandle> packed{};
-  /// True if an earlier sample has not come. That sample may still lie in the socket of groups, while these
+  /// True if an earlier sample has not come. It may still be in the socket of groups, while these samples
   /// came by unicast.
   bool may_overtake = false;
 
@@ -64,53 +64,56 @@ class IncomingWriter {
  public:
   using Time = ReassemblyMemory::Time;
 
-  /// `shared` outlives the writer.
+  /// `shared` must outlive this object.
   explicit IncomingWriter(ReassemblyMemory& shared) : shared_(shared), samples_(shared) {}
 
-  /// Sets what readers want of the writer from now on.
+  /// Sets the requests of the writer's readers from now on.
   void follow(const Stream& stream, std::size_t stream_index);
   /// Opens the window of a reliable writer. `departed` is the progress of the writer's former window.
   void open_window(const std::optional<ArrivalWindow::Mark>& departed);
-  /// Returns the progress of the window; empty if it was not open, or nothing was heard of the channel.
+  /// Returns the progress of the window; empty if the window was not open, or nothing of the channel has
+  /// come.
   std::optional<ArrivalWindow::Mark> close_window();
 
-  /// What is known of the writer itself.
+  /// The facts about the writer itself.
   struct Facts {
     core::EndpointId id = 0;
     const TypeSupport* type = nullptr;
     std::size_t stream_index = 0;
-    bool alive = true;             ///< the writer's node answers
+    bool alive = true;             ///< true if the writer's node answers
     std::size_t sample_bytes = 0;  ///< the largest body that is accepted
     core::Announced node{};
-    core::IpAddress came_from{};  ///< the address of the last sample; the node need not have announced it
+    /// Address from which the last sample came; the node need not have announced it.
+    core::IpAddress came_from{};
 
     std::uint32_t short_id() const { return static_cast<std::uint32_t>(id); }
   };
   const Facts& facts() const { return facts_; }
   void set_came_from(const core::IpAddress& ip) { facts_.came_from = ip; }
-  /// Returns null unless some reader asks for reliable delivery.
+  /// Returns the window; null unless some reader requests reliable delivery.
   ArrivalWindow* window() { return window_.get(); }
 
-  // Several writers may have one short id. These functions return true if the datagram can be from this
-  // writer.
+  // Return true if the datagram can be from this writer. These functions are needed because several writers
+  // may have one short id.
 
   bool fits(const Following& d) const { return samples_.find(d.label) != nullptr; }
   bool fits(const Datagram& d);
   bool follows(std::uint32_t channel) const;
 
-  /// Takes the mask's words from the datagram, and gives a sample of a group its place in the channel.
+  /// Accepts a datagram of a sample. Takes the mask's words from the datagram, and gives a sample of a
+  /// group its place in the channel.
   Arrival accept(Datagram& d, const Envelope& envelope);
   Arrival accept(const Following& d, const Envelope& envelope);
-  /// Sends acks to `answers_to` from now on.
+  /// Accepts a heartbeat. From now on, acks are sent to `answers_to`.
   Arrival accept(const Heartbeat& heartbeat, const SocketAddress& answers_to, const Envelope& envelope);
 
-  /// Drops samples that have made no progress for too long. Lowers `next` to the time when the next one is
-  /// due.
+  /// Drops samples that have made no progress for too long. Lowers `next` to the time when the next sample
+  /// may be dropped.
   void expire(Time now, std::optional<Time>& next) { samples_.expire(now, next); }
-  /// Sends the acks that are due, and asks for what is missing.
+  /// Sends the acks that are due, with requests for missing parts.
   void answer(Time now, const SendAck& send);
-  /// Returns the earliest time when answer() has something to ask for. Time::max() if there is none, or if
-  /// nothing may be asked for until more of the writer has come.
+  /// Returns the earliest time when answer() has something to request. Time::max() if there is nothing, or
+  /// if nothing may be requested until more datagrams of the writer have come.
   Time next_answer() const {
     const bool may_ask = window_ != nullptr && answers_.is_known() && answers_.parts_covered() > 0;
     return may_ask ? window_->next_look() : Time::max();
@@ -142,12 +145,12 @@ class IncomingWriter {
   ReassemblyMemory& shared_;
   Facts facts_;
   WantedMasks wanted_;
-  SequenceMonitor sequences_;  ///< judges the sequences of completed samples
+  SequenceMonitor sequences_;  ///< checks the sequences of completed samples
   SampleAssembly samples_;
   std::unique_ptr<ArrivalWindow> window_;
   AnswerPath answers_;
   OfferedGroups groups_;
-  RecentLabels elsewhere_;  ///< samples of groups that were not offered; they come in another way
+  RecentLabels elsewhere_;  ///< samples of groups that were not offered; such samples come in another way
 };
 
 }  // namespace sft::udp

@@ -10,7 +10,7 @@ std::uint32_t IntervalSet::add(std::uint32_t begin, std::uint32_t end) {
     covered_ += end - begin;
     return end - begin;
   }
-  // All intervals of [first, last) overlap or touch the new one and are merged with it.
+  // All intervals in [first, last) overlap or touch the new one, and are merged with it.
   const auto first = std::lower_bound(intervals_.begin(), intervals_.end(), begin,
                                       [](const Interval& i, std::uint32_t value) { return i.end < value; });
   auto last = first;

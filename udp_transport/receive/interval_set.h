@@ -1,5 +1,5 @@
-// The bytes of a body that have arrived, as disjoint ranges in order. There is one range while datagrams
-// arrive in order.
+// The parts of a body that have arrived, as disjoint ranges of bytes in order. While datagrams arrive in
+// order, there is a single range.
 #pragma once
 
 #include <cstddef>
@@ -15,23 +15,24 @@ class IntervalSet {
     std::uint32_t end;  ///< the first value behind the interval
   };
 
-  /// Returns how many bytes of [begin, end) were not in the set before. REQUIRES: begin < end.
+  /// Adds the interval. Returns the number of bytes of [begin, end) that were not in the set before.
+  /// REQUIRES: begin < end.
   std::uint32_t add(std::uint32_t begin, std::uint32_t end);
 
-  /// Returns true if adding that interval adds one to the number of intervals.
+  /// Returns true if adding that interval would increase the number of intervals.
   bool stands_alone(std::uint32_t begin, std::uint32_t end) const;
 
   std::uint32_t covered() const { return covered_; }
   const std::vector<Interval>& intervals() const { return intervals_; }
 
-  /// Keeps the allocated memory.
+  /// Removes all intervals, but keeps the allocated memory.
   void clear() {
     intervals_.clear();
     covered_ = 0;
   }
 
  private:
-  std::vector<Interval> intervals_;  ///< no two overlap or touch
+  std::vector<Interval> intervals_;  ///< no two intervals overlap or touch
   std::uint32_t covered_ = 0;
 };
 

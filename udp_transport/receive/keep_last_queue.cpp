@@ -38,7 +38,7 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   return sample ? Put::pushed_out : Put::kept;
 }
 
-/// Returns one of the dropped samples, and counts the others as dropped.
+/// Drops samples until the limit of bytes is met. Returns one of them; the rest are counted as dropped.
 core::SampleHandle KeepLastQueue::drop_excess_bytes() {
   core::SampleHandle dropped;
   while (bytes_max_ != 0 && bytes_ > bytes_max_ && size_ > 1) {
@@ -55,7 +55,8 @@ std::size_t KeepLastQueue::room() const {
   return std::min<std::uint64_t>(samples, std::max<std::uint64_t>(left / last_bytes_, size_ == 0 ? 1 : 0));
 }
 
-/// Drops the samples whose sequences are not below this one's, because these were wrong.
+/// Begins a new numbering with this sample. Drops the samples with this sequence or a greater one, because
+/// their sequences were wrong.
 void KeepLastQueue::begin_anew(const core::SampleBuffer& sample) {
   const std::uint64_t number = sample.header().sequence;
   numbering_ = sample.numbering;

@@ -13,34 +13,34 @@ namespace sft::udp {
 
 class KeepLastQueue {
  public:
-  /// `bytes_max` 0: the bytes are not limited.
+  /// `bytes_max` 0: the number of bytes is not limited.
   explicit KeepLastQueue(std::size_t depth, std::uint64_t bytes_max = 0)
       : depth_(depth == 0 ? 1 : depth), bytes_max_(bytes_max) {}
 
   enum class Put : std::uint8_t {
     kept,
-    pushed_out,  ///< the sample is kept, and `sample` is now the oldest one, which was removed for it
-    late,        ///< the sample is older than one that was taken or pushed out
+    pushed_out,  ///< the sample is kept; `sample` now holds the oldest one, which was removed for it
+    late,        ///< the sample is older than one that was taken or displaced
     repeated,
   };
-  /// What becomes of samples that wait if their bytes exceed the limit.
+  /// The treatment of waiting samples if their bytes exceed the limit.
   enum class Excess : bool {
     pushed_out,
-    kept,  ///< samples stay until they are taken, since the publisher waits; room() is 0 then
+    kept,  ///< samples stay until they are taken, since the publisher waits; room() then returns 0
   };
-  /// `arrival` counts the samples of all writers of a reader.
+  /// Adds the sample. `arrival` is a number that counts up over all writers of a reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
 
   /// Returns the number of samples dropped since the last call, because their sequences turned out to be
-  /// wrong, or because a new sample had more bytes than the one that was pushed out for it.
+  /// wrong, or because a new sample had more bytes than the one that was removed for it.
   std::size_t take_dropped() { return std::exchange(dropped_, 0); }
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// Returns how many more samples can wait without one being pushed out. If they are larger than the last
-  /// one, their bytes may exceed the limit.
+  /// Returns the number of further samples that can wait without displacing another. If these are larger
+  /// than the last sample, their bytes may exceed the limit.
   std::size_t room() const;
-  /// Returns the arrival of the oldest sample. REQUIRES: the queue is not empty.
+  /// Returns the number `arrival` of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
   core::SampleHandle pop();
 
@@ -63,7 +63,7 @@ class KeepLastQueue {
   std::vector<Entry> entries_;    ///< a ring that grows as needed
   std::size_t head_ = 0;
   std::size_t size_ = 0;
-  std::uint64_t gone_ = 0;  ///< newest sequence that was taken or pushed out
+  std::uint64_t gone_ = 0;  ///< the newest sequence that was taken or displaced
   std::uint32_t numbering_ = 0;
   std::size_t dropped_ = 0;
 };

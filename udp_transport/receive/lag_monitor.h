@@ -1,5 +1,5 @@
-// Says when to retry delivery to readers that had no room: soon while they take samples, and more and more
-// rarely while they do not. The class uses no clock, thread or I/O.
+// Decides when to retry delivery to readers that had no room: soon while they take samples, and less and
+// less often while they do not. The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ class LagMonitor {
   void begin(Time now) {
     if (look_at_ == Time::max()) look_at_ = now + pause_;
   }
-  /// Notes the result of a retry.
+  /// Notes the result of a retry: if readers have taken samples, and if some samples are left.
   void looked(Time now, bool some_was_taken, bool some_is_left) {
     pause_ = some_was_taken || !some_is_left ? soon : std::min(2 * pause_, longest);
     look_at_ = some_is_left ? now + pause_ : Time::max();

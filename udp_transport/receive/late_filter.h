@@ -1,6 +1,6 @@
 // Decides which samples of a durable writer a late reader takes. Samples for this reader alone come first:
 // those that the writer had retained, and live ones that were published meanwhile. Other readers in the
-// process may share the mask, and live samples for all of them must not overtake those for this reader
+// process may have the same mask. Live samples for all of them must not overtake those for this reader
 // alone. Uses no clock, thread or I/O.
 #pragma once
 
@@ -14,7 +14,7 @@ namespace sft::udp {
 class LateFilter {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// If no sample for this reader alone has come for this time, none is under way any more.
+  /// If no sample for this reader alone has come for this time, no such sample is under way any more.
   static constexpr std::chrono::milliseconds settling{100};
 
   /// Without `history_first` the reader takes every sample at once.
@@ -29,10 +29,10 @@ class LateFilter {
  private:
   bool follows(const core::SampleBuffer& sample) const;
 
-  bool waits_;  ///< no sample for this reader alone has come yet
+  bool waits_;  ///< true if no sample for this reader alone has come yet
   bool history_first_;
-  Time alone_at_{};  ///< when the last sample for this reader alone came
-  // About the newest sample that was taken:
+  Time alone_at_{};  ///< time of the last sample for this reader alone
+  // The following members describe the newest sample that was taken.
   std::uint64_t sequence_ = 0;
   std::uint32_t min_period_us_ = 0;
   std::uint64_t gate_ = 0;

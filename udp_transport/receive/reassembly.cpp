@@ -36,7 +36,8 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
   for (auto& [id, known] : before) close_window(known->writer);
 }
 
-/// Notes which writers have which short id. Several may have the same; those that are alive come first.
+/// Notes the writers of each short id. Several writers may have the same short id; the living ones come
+/// first.
 void Reassembly::note_short_ids(std::span<const Stream> streams) {
   for (const bool alive : {true, false}) {
     for (const Stream& stream : streams) {
@@ -69,10 +70,10 @@ void Reassembly::close_window(IncomingWriter& writer) {
   departed_.emplace_back(writer.facts().id, *mark);
 }
 
-/// Returns null if no reader here reads a writer with that short id. Somebody may announce writers with the
-/// short ids and the addresses of others. Among such twins the datagram belongs to one whose node announced
-/// the address that it came from, and that it fits. If there is none, it belongs to one that announced that
-/// address, or else to the first one. `fits(writer)` returns true if the datagram fits the writer.
+/// Returns the writer of a datagram; null if no reader here reads a writer with that short id. An attacker
+/// may announce writers with the short ids and the addresses of other writers. Among such twins, the result
+/// is one whose node announced the address `from` and for which `fits(writer)` is true. If there is none,
+/// it is one whose node announced that address, or else the first one.
 template <class Fits>
 IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& from, const Fits& fits) {
   if (is_of_last(short_id)) return last_;

@@ -1,5 +1,5 @@
-// Makes samples of decoded datagrams. It finds the writer of each datagram among those that are read here.
-// The class uses no clock, thread or I/O of its own.
+// Makes samples from decoded datagrams. It finds the writer of each datagram among those that are read
+// here. The class uses no clock, thread or I/O of its own.
 #pragma once
 
 #include <cstddef>
@@ -27,45 +27,47 @@ class Reassembly {
 
   Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
 
-  /// Sets what is wanted from now on. Unfinished samples of a writer that stays are kept; those of a writer
-  /// that goes are dropped. Writers with the same short id are distinguished by the addresses that their
-  /// nodes announced, and by what they announced of their samples.
+  /// Sets the requests from now on. Unfinished samples of a writer that stays are kept; those of a writer
+  /// that is not read any more are dropped. Writers with the same short id are distinguished by the
+  /// addresses that their nodes announced, and by the announced properties of their samples.
   void set_streams(std::span<const Stream> streams);
 
-  /// The address that the datagram came from matters only if several writers have the same short id. The
-  /// mask's words are taken from the datagram.
+  /// Accepts a datagram of a sample. The address that it came from matters only if several writers have the
+  /// same short id. The mask's words are taken from the datagram.
   Arrival accept(Datagram& d, const Envelope& envelope) { return accept_sample(d, d.label(), envelope); }
   Arrival accept(const Following& d, const Envelope& envelope) { return accept_sample(d, d.label, envelope); }
   Arrival accept(const Heartbeat& heartbeat, const Envelope& envelope);
-  /// Counts a datagram that makes no sense.
+  /// Counts a malformed datagram.
   void refuse(const Malformed& d);
 
-  /// What an offer asks this process to do.
+  /// The group that this process should join because of an offer.
   struct Joining {
     std::uint32_t group = 0;  ///< IPv4 address; 0: the offer withdrew the group
-    bool anew = false;        ///< join the group again, even if it was joined before
+    bool anew = false;        ///< true: the group has to be joined again, even if it was joined before
   };
-  /// Returns nothing if no reader here reads the offer's writer. Otherwise groups() may have changed.
+  /// Accepts an offer. Returns nothing if no reader here reads the offer's writer. Otherwise groups() may
+  /// have changed.
   std::optional<Joining> accept(const GroupOffer& offer, const Envelope& envelope);
-  /// Takes a probe. Ignored if its group is not known: the group may be offered later.
+  /// Takes a probe. Ignored if its group is not known, since the group may be offered later.
   void accept(const GroupProbe& probe, const Envelope& envelope);
   /// Returns the IPv4 addresses of all groups that were offered by writers that are read here.
   std::vector<std::uint32_t> groups() const;
   /// Sends the reports on groups that are due. Called after accept().
   void report_groups(const SendGroupReport& send);
 
-  /// Returns null unless the stream is reliable. Valid until set_streams().
+  /// Returns the window of the stream; null unless the stream is reliable. The pointer is valid until
+  /// set_streams().
   ArrivalWindow* window(std::size_t stream_index);
-  /// Sends the acks that are due, and asks for what is missing. Called after accept(), and at
+  /// Sends the acks that are due, with requests for missing parts. Called after accept(), and at
   /// next_answer().
   void answer(Time now, const SendAck& send);
   Time next_answer() const;
 
-  /// Returns where to send a report to a process that sent a mark, if a writer that is read here belongs to
-  /// that process.
+  /// Returns the address for a report to a process that sent a mark. Empty unless a writer that is read
+  /// here belongs to that process.
   std::optional<SocketAddress> report_address(const core::IpAddress& from, std::uint16_t port) const;
-  /// Notes that a sample or heartbeat of that stream came from this address, which its node need not have
-  /// announced.
+  /// Notes that a sample or heartbeat of that stream came from this address. The writer's node need not
+  /// have announced it.
   void came_from(std::size_t stream_index, const core::IpAddress& ip);
 
   /// Drops samples that have made no progress for too long.
@@ -79,7 +81,7 @@ class Reassembly {
   struct Known {
     explicit Known(ReassemblyMemory& shared) : writer(shared) {}
     IncomingWriter writer;
-    Known* twin = nullptr;  ///< the next writer with the same short id
+    Known* twin = nullptr;  ///< the next writer with the same short id; null: there is none
   };
 
   template <class Fits>
@@ -91,7 +93,7 @@ class Reassembly {
   bool is_of_last(std::uint32_t short_id) const {
     return last_ != nullptr && last_->facts().short_id() == short_id;
   }
-  /// Releases what the last datagram brought.
+  /// Releases the samples of the last datagram.
   void begin_datagram() {
     shared_.packed.clear();
     shared_.pack_buffers.clear();
@@ -103,10 +105,11 @@ class Reassembly {
 
   ReassemblyMemory shared_;
   std::unordered_map<core::EndpointId, std::unique_ptr<Known>> writers_;
-  std::unordered_map<std::uint32_t, Known*> by_short_id_;  ///< the first of the writers with that short id
+  /// By short id: the first of the writers with that id.
+  std::unordered_map<std::uint32_t, Known*> by_short_id_;
   std::vector<IncomingWriter*> by_stream_;
   IncomingWriter* last_ = nullptr;  ///< writer of the last datagram, if its short id is unique
-  /// The progress of the windows of writers that are not read any more; the newest is last.
+  /// The progress of the windows of writers that are not read any more. The newest entry is last.
   std::vector<std::pair<core::EndpointId, ArrivalWindow::Mark>> departed_;
   std::size_t windows_ = 0;  ///< number of reliable streams
 };

@@ -1,5 +1,5 @@
 // The limits, memory and counters that all writers that are read in a process share while their samples are
-// put together.
+// assembled.
 #pragma once
 
 #include <chrono>
@@ -20,16 +20,16 @@ namespace sft::udp {
 struct ReassemblyLimits {
   std::size_t sample_bytes = std::size_t{64} << 20;  ///< limit of one body, whatever its writer announced
   std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< limit of all unfinished bodies of one writer
-  std::size_t unfinished_per_variant = 4;                 ///< unfinished samples of one variant
-  std::size_t unfinished_per_writer = 32;                 ///< unfinished samples of one writer
-  /// All datagrams that came before the first one of their sample.
+  std::size_t unfinished_per_variant = 4;                 ///< limit of unfinished samples of one variant
+  std::size_t unfinished_per_writer = 32;                 ///< limit of unfinished samples of one writer
+  /// Limit of all datagrams that came before the first one of their sample.
   std::size_t parked_bytes = std::size_t{512} << 10;
-  std::size_t gaps = 4096;                 ///< gaps in one sample
+  std::size_t gaps = 4096;                 ///< limit of gaps in one sample
   std::chrono::milliseconds timeout{500};  ///< a sample without progress for this time is dropped
   ArrivalLimits channel{};                 ///< limits of the window of a reliable writer
 };
 
-/// Not thread-safe.
+/// The class is not thread-safe.
 class ReassemblyMemory {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -37,7 +37,7 @@ class ReassemblyMemory {
   ReassemblyMemory(const ReassemblyLimits& reassembly_limits, std::shared_ptr<core::BufferPool> sample_pool)
       : limits(reassembly_limits), pool(std::move(sample_pool)) {}
 
-  /// Returns an unfinished sample without data, which reuses the memory of an earlier one if possible.
+  /// Returns an unfinished sample without data. It reuses the memory of an earlier one if possible.
   UnfinishedSamples::Handle begin_sample(const SampleLabel& label, std::uint64_t place, Time now);
   /// Notes that a writer does not have this sample any more.
   void note_removed(const UnfinishedSample& sample);
@@ -47,31 +47,32 @@ class ReassemblyMemory {
   void note_parked(std::size_t bytes) { parked_bytes_ += bytes; }
   void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
 
-  /// Returns the part of the pool that is reserved for the samples that this node publishes. So neither
-  /// samples from others nor those that subscribers keep can prevent its publishers from publishing.
+  /// Returns the number of bytes of the pool that are reserved for the samples that this node publishes. So
+  /// neither received samples nor those that subscribers keep can prevent its publishers from publishing.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
   /// Notes that there was no memory for a sample.
   void note_refused(Time now) { refused_at_ = now; }
-  /// Returns true if there was no memory for a sample recently. Then unused samples have to release theirs.
+  /// Returns true if there was no memory for a sample recently. Then unfinished samples without progress
+  /// have to release their memory.
   bool is_short(Time now) const { return now - refused_at_ < limits.channel.confirm_timeout; }
 
-  /// Returns the time when the next unfinished sample may have to be dropped; empty while there are none.
+  /// Returns when the next unfinished sample may have to be dropped; empty if there is none.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
   void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
 
   const ReassemblyLimits limits;
   const std::shared_ptr<core::BufferPool> pool;
   core::Transport::Counters counters;
-  std::uint64_t datagrams = 0;             ///< number of datagrams of samples
-  bool group_reports_due = false;          ///< some writer waits for a report on its groups
+  std::uint64_t datagrams = 0;             ///< number of received datagrams of samples
+  bool group_reports_due = false;          ///< true if some writer waits for a report about its groups
   std::vector<core::SampleHandle> packed;  ///< the samples of the last packed datagram
   std::vector<core::SampleHandle>
-      pack_buffers;  ///< memory for the samples of the present packed datagram that are still to come
+      pack_buffers;  ///< memory for the remaining samples of the present packed datagram
 
  private:
   std::vector<UnfinishedSamples::Handle> recycled_;
-  std::size_t unfinished_ = 0;  ///< number of samples of all writers
+  std::size_t unfinished_ = 0;  ///< number of unfinished samples of all writers
   std::size_t parked_bytes_ = 0;
   Time refused_at_{};
   std::optional<Time> next_expiry_;

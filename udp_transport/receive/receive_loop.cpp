@@ -20,10 +20,10 @@ namespace sft::udp {
 
 namespace {
 using Clock = std::chrono::steady_clock;
-constexpr int trains_per_turn = 64;  // most trains before a waiting thread may have the role
+constexpr int trains_per_turn = 64;  // number of trains after which a waiting thread may get the role
 constexpr int trains_per_hand_over = 1024;
 
-/// Makes an eventfd or timerfd unreadable again.
+/// Reads an eventfd or timerfd, so that it is not readable any more.
 void read_away(int fd) noexcept {
   eventfd_t ignored = 0;
   ::eventfd_read(fd, &ignored);
@@ -121,14 +121,15 @@ void ReceiveLoop::receive_alone() {
   if (!works) give_up();
 }
 
-/// Stops receiving: the program has closed the descriptors of this loop (closefrom(3)), so that it cannot
-/// wait for anything any more.
+/// Stops receiving, because the program has closed the descriptors of this loop (closefrom(3)). The loop
+/// cannot wait for anything without them.
 void ReceiveLoop::give_up() {
   broken_.store(true, std::memory_order_relaxed);
   role_.close();
 }
 
-/// Waits for datagrams while waiting threads come and go, which take the role without waking this thread.
+/// Waits for datagrams. Called while threads that wait for samples take the role without waking this
+/// thread.
 void ReceiveLoop::poll(Time until) {
   const auto [datagrams, wake] = io_->descriptors();
   std::array<pollfd, 3> ready{{{.fd = datagrams, .events = POLLIN, .revents = 0},
@@ -181,7 +182,7 @@ bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
 
 void ReceiveLoop::wake_receiver() noexcept { ::eventfd_write(waiter_event_.get(), 1); }
 
-/// Waits while another thread receives, and delivers to this thread's reader.
+/// Waits while another thread receives and delivers to this thread's reader.
 void ReceiveLoop::wait_behind(const core::Waiting& waiting) noexcept {
   if (role_.wait_behind()) io_->wake();
   if (!waiting.bell.spin(waiting.seen, waiting.spin_until))
@@ -202,7 +203,8 @@ void ReceiveLoop::wait_in_role(const core::Waiting& waiting) noexcept {
   }
 }
 
-/// Called when a waiting thread has taken what its reader had, so that there may be room.
+/// Delivers to readers that had no room. Called when a waiting thread has taken the samples of its reader,
+/// so that there may be room.
 void ReceiveLoop::deliver_to_laggards() noexcept {
   if (!role_.begin()) return;
   const Time now = Clock::now();
@@ -211,8 +213,8 @@ void ReceiveLoop::deliver_to_laggards() noexcept {
   role_.end(next_deadline());
 }
 
-/// Receives only one train of datagrams, so that a thread that waits for a sample in it need not wait for
-/// further trains. Returns true if there was one.
+/// Receives only one train of datagrams, so that a thread that waits for a sample in this train need not
+/// wait for further trains. Returns true if there was a train.
 bool ReceiveLoop::receive_turn() noexcept {
   if (!role_.begin()) return false;
   const bool came = io_->receive_now(*this);
@@ -222,8 +224,8 @@ bool ReceiveLoop::receive_turn() noexcept {
   return came;
 }
 
-/// Ends a hand-over. A sample came by unicast, so those that were sent before it have come, too: they lie
-/// in the socket of groups, or were lost.
+/// Ends a hand-over. A sample came by unicast, so the samples that were sent before it have come, too: they
+/// are in the socket of groups, or were lost.
 void ReceiveLoop::end_hand_over() noexcept {
   if (!delivery_.hands_over()) [[likely]]
     return;
@@ -272,7 +274,7 @@ ReceiveLoop::Time ReceiveLoop::next_deadline() const {
 void ReceiveLoop::answer(Time now) noexcept try {
   reassembly_.answer(now, send_ack_);
   reassembly_.report_groups(send_group_report_);
-} catch (const std::bad_alloc&) {  // what is missing is asked for later
+} catch (const std::bad_alloc&) {  // missing parts are requested later
 }
 
 void ReceiveLoop::begin(ArrivalTime now) noexcept {
@@ -283,7 +285,7 @@ void ReceiveLoop::begin(ArrivalTime now) noexcept {
 void ReceiveLoop::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   Arrival arrival = demultiplexer_.accept(bytes, from, now_);
   if (arrival.is_empty()) return;
-  if (arrival.has_samples()) publish_counters();  // before listeners can read them
+  if (arrival.has_samples()) publish_counters();  // done before listeners can read the counters
   delivery_.deliver(arrival, now_.steady);
 }
 

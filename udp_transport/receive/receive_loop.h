@@ -22,8 +22,8 @@
 
 namespace sft::udp {
 
-/// The thread keeps its loop alive, so that a listener may destroy the transport that calls it. "The
-/// receiving thread" is the thread that has the role.
+/// The thread keeps its loop alive, so that a listener may destroy the transport that calls the listener.
+/// "The receiving thread" is the thread that has the role.
 class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_this<ReceiveLoop> {
  public:
   /// The functions of the sending half of the transport that the loop calls, on the receiving thread.
@@ -40,14 +40,14 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
               SendingHalf sending_half, const std::shared_ptr<GroupJoins>& joins);
 
   Result<void> start(const core::ThreadSpec& thread);
-  /// Ends receiving: nothing is received after this has returned. If a listener calls stop(), this holds
-  /// once the listener has returned.
+  /// Ends receiving: nothing is received after this has returned. If a listener calls stop(), that is true
+  /// only after the listener has returned.
   void stop();
 
-  // Any thread.
+  // Any thread may call the following functions.
 
-  /// Registers a reader. After this has returned, only the transport's own thread calls listeners, unless
-  /// the reader is only waited for.
+  /// Registers a reader. After this has returned, only the transport's own thread calls listeners. The
+  /// exception is a reader for which threads only wait.
   void add(const core::ReaderSpec& reader);
   void remove(const core::ReaderSpec& reader);
 
@@ -59,15 +59,15 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
   struct Health {
-    bool is_broken = false;   ///< the system does not let the socket receive any more
-    std::string fell_back{};  ///< see DatagramReceiver::fell_back()
+    bool is_broken = false;   ///< true if the system refuses to let the socket receive any more
+    std::string fell_back{};  ///< result of DatagramReceiver::fell_back()
   };
   Health health() const { return {broken_.load(std::memory_order_relaxed), io_->fell_back()}; }
 
  private:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The counters of the receiving thread, which any thread can read.
+  /// The counters of the receiving thread. Any thread can read them.
   class PublishedCounters {
    public:
     void store(const core::Transport::Counters& counters) noexcept;
@@ -101,24 +101,24 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   std::unique_ptr<DatagramReceiver> io_;
   std::thread thread_;
   ReceivingRole role_;
-  FileDescriptor alarm_;         ///< a timerfd; wakes the transport's thread after ReceivingRole::vacancy
-  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or is promised it
+  /// A timerfd, which wakes the transport's thread after ReceivingRole::vacancy.
+  FileDescriptor alarm_;
+  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or will get it
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
   PublishedCounters published_;
 
-  // Used by the transport's own thread. Spinning pays off as long as samples come about as fast as a thread
-  // can be woken. A callback that answers at once, and gets the next sample for that, is quicker from then
-  // on.
+  // Used by the transport's own thread. Spinning is useful if samples come about as fast as a thread can be
+  // woken. A callback that answers at once, and gets the next sample in reply, is faster with spinning.
   core::SpinChoice spinning_{3};
 
-  // Used by the receiving thread alone.
+  // The following members are used by the receiving thread only.
   const SendAck send_ack_;
   const Reassembly::SendGroupReport send_group_report_;
   Reassembly reassembly_;
   Demultiplexer demultiplexer_;
   Delivery delivery_;
-  ArrivalTime now_;  ///< when the present datagrams came
+  ArrivalTime now_;  ///< time when the present datagrams came
 };
 
 }  // namespace sft::udp

@@ -1,4 +1,5 @@
-// Labels of the samples that were completed or given up last. Further datagrams of these are ignored.
+// Labels of the samples that were completed or given up most recently. Further datagrams of these samples
+// are ignored.
 #pragma once
 
 #include <algorithm>

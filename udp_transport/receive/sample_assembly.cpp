@@ -69,8 +69,8 @@ std::uint64_t SampleAssembly::drop(const SampleLabel& label, std::uint64_t& coun
   return place;
 }
 
-/// Drops the oldest sample, of the same variant if there is one, but neither the sample of the label itself
-/// nor a reliable one. Returns false if there is no other.
+/// Drops the oldest sample, of the same variant if there is one. Never drops the sample with that label or
+/// a reliable sample. Returns false if there is no sample to drop.
 bool SampleAssembly::drop_oldest(const SampleLabel& same_variant_first) {
   const UnfinishedSample* oldest = nullptr;
   for (const auto& sample : unfinished_.loose()) {

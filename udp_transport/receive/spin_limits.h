@@ -1,4 +1,4 @@
-// The limits on spinning that the readers of a transport set. Any thread.
+// The limits on spinning that the readers of a transport set. Any thread may call the functions.
 #pragma once
 
 #include <atomic>

@@ -11,9 +11,10 @@ namespace sft::udp {
 
 namespace {
 
-constexpr std::size_t twins_max = 64;  // living writers with one short id that are read
+constexpr std::size_t twins_max = 64;  // limit of living writers with one short id that are read
 
-/// The indices of a stream's selections, by their hashes. There are many if many readers change theirs.
+/// The indices of a stream's selections, by their hashes. A stream has many selections if many readers
+/// change theirs.
 using SelectionPlaces = std::unordered_multimap<std::uint64_t, std::size_t>;
 
 void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
@@ -26,7 +27,7 @@ void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
   stream.selections.push_back(selection);
 }
 
-/// Combines what all readers of one writer ask for.
+/// Adds the requests of one reader to the stream of the writer.
 void join(Stream& stream, const TypeSupport* type, const core::Source& source,
           const std::vector<core::Accepted>& accepted, SelectionPlaces& places) {
   stream.writer = source.writer;
@@ -41,8 +42,8 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 
 }  // namespace
 
-/// A sample for this reader alone has waited behind the history, and may come late. A merged sample has
-/// whole fields, from which the reader takes its parts.
+/// A sample for this reader alone may come late, because it has waited behind the history. A merged sample
+/// has whole fields, from which the reader takes its parts.
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
@@ -79,10 +80,10 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
   return {};
 }
 
-/// Checks that the reader may connect. Datagrams carry half of the writer's id, and one writer has one
-/// type. A few writers with the same short id are distinguished by their addresses.
+/// Checks that the reader may connect. Datagrams carry only half of the writer's id, and a writer must have
+/// one type. A few writers with the same short id are distinguished by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
-  std::set<core::EndpointId> twins;  // living writers with that short id
+  std::set<core::EndpointId> twins;  // the living writers with that short id
   for (const Reader& other : readers_) {
     for (const core::Source& known : other.sources) {
       if (static_cast<std::uint32_t>(known.writer) != static_cast<std::uint32_t>(source.writer)) continue;

@@ -1,6 +1,6 @@
-// Tells the receiving thread which readers read which writers. That thread uses a published value that does
-// not change. A thread that removes a reader waits until no former value is in use; none is in use while
-// listeners run.
+// Passes the connections between readers and writers to the receiving thread. That thread uses a published
+// value that does not change. A thread that removes a reader waits until no former value is in use. No
+// value is in use while listeners run.
 #pragma once
 
 #include <memory>
@@ -19,16 +19,16 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the latest request is last
+  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the requests; the latest one is last
   bool reliable = false;
 
   /// Returns true if the sample is for this reader, whose requests before `first_request` are over.
   bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
-  /// Returns the last request that the writer knows of.
+  /// Returns the latest request of this reader that the writer knows.
   std::uint64_t heard_request() const;
 };
 
-/// What all readers of a transport ask for, by writer.
+/// The requests of all readers of a transport, by writer.
 struct Subscriptions {
   std::vector<Stream> streams;
   std::vector<std::vector<Subscriber>> subscribers;  ///< one vector for each stream
@@ -38,17 +38,17 @@ class SubscriptionDirectory {
  public:
   SubscriptionDirectory() { subscriptions_.replace(std::make_shared<Subscriptions>()); }
 
-  // Any thread.
+  // Any thread may call the following functions.
   void add(core::EndpointId reader, const std::shared_ptr<Inbox>& inbox, const TypeSupport& type);
   Result<void> connect(const Inbox& reader, const core::Source& source);
   void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
-  /// Removes the reader. When this returns, the reader's type is not used any more. Not called between
-  /// enter() and leave().
+  /// Removes the reader. When this returns, the reader's type is not used any more. Must not be called
+  /// between enter() and leave().
   void remove(const Inbox& reader);
 
-  // The receiving thread.
+  // The following functions are for the receiving thread.
 
   /// Returns the latest subscriptions. Their types may be used until leave().
   const std::shared_ptr<const Subscriptions>& enter() {
@@ -75,7 +75,7 @@ class SubscriptionDirectory {
   std::vector<Reader> readers_ SFT_GUARDED_BY(mutex_);
   core::Published<Subscriptions> subscriptions_;
 
-  // Used by the receiving thread.
+  // The following members are used by the receiving thread.
   std::optional<core::Published<Subscriptions>::Reading> reading_;
 };
 

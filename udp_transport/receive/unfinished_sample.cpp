@@ -26,7 +26,7 @@ UnfinishedSample::Added UnfinishedSample::add(std::uint32_t offset, std::span<co
   const std::uint32_t end = offset + static_cast<std::uint32_t>(payload.size());
   if (received_.intervals().size() >= gaps_max && received_.stands_alone(offset, end))
     return Added::too_many_gaps;
-  if (received_.add(offset, end) == 0) return Added::yes;  // repeated
+  if (received_.add(offset, end) == 0) return Added::yes;  // all bytes have come before
   std::memcpy(body_ + offset, payload.data(), payload.size());
   last_progress_ = now;
   return Added::yes;

@@ -1,5 +1,5 @@
-// One sample of which some datagrams have come. It has a buffer once its first datagram has come, and until
-// then keeps the payloads of earlier ones.
+// One sample of which some datagrams have come. It has a buffer once its first datagram has come. Until
+// then it keeps the payloads of the datagrams that came earlier.
 #pragma once
 
 #include <chrono>
@@ -18,13 +18,13 @@ class UnfinishedSample {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Begins anew, and reuses memory.
+  /// Begins another sample, with the memory of the former one.
   void begin(const SampleLabel& label, Time now);
 
   const SampleLabel& label() const { return first_.label; }
   Time last_progress() const { return last_progress_; }
 
-  /// Returns the place in its channel; 0: in none.
+  /// Returns the sample's place in its channel; 0: it is in no channel.
   std::uint64_t place() const { return place_; }
   void set_place(std::uint64_t place) { place_ = place; }
 
@@ -36,22 +36,23 @@ class UnfinishedSample {
   enum class Added : std::uint8_t {
     yes,
     beyond_body,    ///< the datagram was ignored
-    too_many_gaps,  ///< the datagram was ignored, since there would be one gap more
+    too_many_gaps,  ///< the datagram was ignored, since it would have made one gap too many
   };
-  /// REQUIRES: the sample is described.
+  /// Adds the payload. REQUIRES: the sample is described.
   Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
   const core::SampleHandle& buffer() const { return buffer_; }
   const IntervalSet& received() const { return received_; }
 
-  /// REQUIRES: the sample is not described yet.
+  /// Keeps the payload for unpark(). REQUIRES: the sample is not described yet.
   void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
   std::size_t parked_bytes() const { return parked_.size(); }
   static std::size_t bytes_to_park(std::span<const std::byte> payload) {
     return sizeof(Parked) + payload.size();
   }
-  /// Adds what was parked. If not all of it was added, the result says why. Afterwards nothing is parked.
+  /// Adds the parked payloads. If one of them could not be added, the result gives the reason. Afterwards
+  /// no payload is parked.
   Added unpark(std::size_t gaps_max, Time now);
 
   /// Releases the sample's memory, except for small vectors.
@@ -65,13 +66,13 @@ class UnfinishedSample {
   };
 
   std::uint64_t place_ = 0;
-  FirstHeader first_;  ///< has only the label until the sample is described
+  FirstHeader first_;  ///< the header; only its label is set until the sample is described
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;
-  std::vector<std::byte> parked_;  ///< {Parked, payload}* of datagrams that came before the first one
+  std::vector<std::byte> parked_;  ///< {Parked, payload}* of the datagrams that came before the first one
   Time last_progress_;
-  std::size_t index_ = 0;  ///< index in `UnfinishedSamples::placed_`
+  std::size_t index_ = 0;  ///< index of the sample in `UnfinishedSamples::placed_`
   UnfinishedSample* next_in_bucket_ = nullptr;
 };
 

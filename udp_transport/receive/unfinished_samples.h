@@ -1,6 +1,6 @@
 // The samples of one writer that have begun and are not whole yet. A sample is found by its label in
-// bounded time, however many have begun, because anybody who sends datagrams decides how many these are.
-// Uses no clock, thread or I/O.
+// bounded time, however many have begun, because forged datagrams can begin any number of samples. Uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -17,18 +17,19 @@ class UnfinishedSamples {
   using Handle = std::unique_ptr<UnfinishedSample>;
 
   bool empty() const { return loose_.empty() && placed_.empty(); }
-  /// Samples without a place in a channel; the oldest is first. Callers of add() limit their number.
+  /// Returns the samples without a place in a channel, the oldest first. Callers of add() limit their
+  /// number.
   const std::vector<Handle>& loose() const { return loose_; }
-  /// Samples that have a place in a channel, in any order.
+  /// Returns the samples that have a place in a channel, in any order.
   const std::vector<Handle>& placed() const { return placed_; }
 
-  /// Returns null if that sample has not begun. Valid until the sample is removed.
+  /// Returns the sample; null if it has not begun. The pointer is valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return empty() ? nullptr : search(label); }
-  /// Adds a sample. REQUIRES: no other one has its label.
+  /// Adds a sample. REQUIRES: no sample here has the same label.
   UnfinishedSample& add(Handle sample);
-  /// Removes a sample and returns it; null if it is not there.
+  /// Removes a sample and returns it; returns null if it is not here.
   Handle remove(const SampleLabel& label);
-  /// Gives a sample its place in the channel of the writer; 0: it has none any more.
+  /// Gives a sample its place in the channel of the writer. 0: the sample has no place any more.
   void set_place(UnfinishedSample& sample, std::uint64_t place);
   /// Removes the places in a channel from all samples.
   void forget_places();
@@ -48,9 +49,9 @@ class UnfinishedSamples {
   Handle take_placed(UnfinishedSample& sample);
 
   std::vector<Handle> loose_;
-  std::vector<Handle> placed_;  ///< each sample knows its index here
+  std::vector<Handle> placed_;  ///< each sample knows its index in this vector
   mutable std::vector<UnfinishedSample*> buckets_{
-      8};  ///< samples with a place; the number of buckets is a power of two
+      8};  ///< hash table of the samples with a place; the number of buckets is a power of two
   mutable UnfinishedSample* last_found_ = nullptr;
 };
 

@@ -1,5 +1,5 @@
-// The masks, parts of fields and conditions that readers of this process ask a writer for, and which of
-// them a datagram names.
+// The masks, parts of fields and conditions that readers of this process request from a writer. Finds the
+// ones that a datagram names.
 #pragma once
 
 #include <cstddef>
@@ -18,16 +18,18 @@ namespace sft::udp {
 
 class WantedMasks {
  public:
-  /// Sets what is wanted from now on. `type` outlives this object.
+  /// Sets the requested selections. `type` must outlive this object.
   void set(const TypeSupport& type, std::span<const Selection> selections);
 
   struct Named {
-    const FieldMask* mask = nullptr;  ///< null: no reader wants such samples; valid until the next call
-    std::uint64_t parts = 0;          ///< value of SampleBuffer::parts
-    std::uint64_t conditions = 0;     ///< the hash of the conditions under which the sample is sent; 0: none
+    /// The mask; null: no reader requests such samples; valid until the next call.
+    const FieldMask* mask = nullptr;
+    std::uint64_t parts = 0;       ///< value of SampleBuffer::parts
+    std::uint64_t conditions = 0;  ///< the hash of the conditions under which the sample is sent; 0: none
     bool malformed = false;
   };
-  /// Returns what a first, whole or packed datagram names. Takes the mask's words from its payload.
+  /// Returns the mask, parts and conditions that a first, whole or packed datagram names. Takes the mask's
+  /// words out of its payload.
   Named named_by(Datagram& d);
 
  private:
@@ -41,8 +43,8 @@ class WantedMasks {
 
   static constexpr std::size_t merged_max = 8;
   const TypeSupport* type_ = nullptr;
-  std::vector<Wanted> wanted_;     ///< in the order of their hashes
-  std::vector<FieldMask> merged_;  ///< unions met recently that contain a wanted mask
+  std::vector<Wanted> wanted_;     ///< sorted by hash
+  std::vector<FieldMask> merged_;  ///< recent unions of masks that contain a wanted mask
 };
 
 }  // namespace sft::udp

@@ -23,8 +23,8 @@ void ArrivalWindow::begin_with(Place place) {
   if (samples_.begin_with(place)) reported_end_.begin(ordinal_of(place));
 }
 
-/// Turns to the claim's channel if the claim counts; returns false if it does not. What is missing of the
-/// previous channel will not come any more.
+/// Evaluates the channel of a datagram, and changes to that channel if necessary. Returns false if the
+/// datagram does not count. After a change, missing samples of the previous channel will not come any more.
 bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) {
   switch (channels_.evaluate(observed, now)) {
     case ChannelMonitor::Verdict::present:
@@ -43,13 +43,13 @@ bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) 
   return true;
 }
 
-/// Continues with that ordinal of the present channel. Places count on.
+/// Continues with that ordinal of the present channel. Places continue to count up.
 void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
   samples_.lose_before(samples_.end(), !fresh_);
   places_.begin(ordinal, samples_.end());
 }
 
-/// Goes back to that ordinal, because it and those behind it were wrongly passed over.
+/// Goes back to that ordinal, because it and the ordinals behind it were wrongly passed over.
 void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
   ordinals_.go_on_with(ordinal);
@@ -60,7 +60,7 @@ void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
 ArrivalWindow::Met ArrivalWindow::meet(const ChannelMark& mark, Time now, bool same_datagram) {
   using State = ArrivedSamples::State;
   const auto channel = mark.in_short ? channels_.widen(mark.channel, whole_channels_end) : mark.channel;
-  if (!channel) return {Standing::beyond, 0};  // a heartbeat will name the channel in full
+  if (!channel) return {Standing::beyond, 0};  // a heartbeat will name the channel with its full number
   if (!turn_to({*channel, mark.ordinal, mark.ordinal, same_datagram}, now)) return {Standing::beyond, 0};
   samples_.schedule().heard(now);
   const Place place = places_.place_of(mark.ordinal);
@@ -98,8 +98,8 @@ ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time
   return meet(mark, now, same_datagram);
 }
 
-/// Asks a writer that is far ahead for a sample that it may not have any more, so that it says how far
-/// ahead it is.
+/// Requests the next sample from a writer that is far ahead, although the writer may not have that sample
+/// any more. The answer shows how far ahead the writer is.
 void ArrivalWindow::ask_for_next(Time now) {
   if (!fresh_) samples_.reach(samples_.next() + 1, now);
   pending_ack_.want();
@@ -148,8 +148,8 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
   readers_.end_requests(end + heartbeat.waiting);
 }
 
-/// Counts samples that the writer no longer has as lost. Returns false if the writer claims to be too far
-/// ahead. Samples before the first heartbeat of a writer were not for this process.
+/// Counts samples that the writer no longer has as lost. Returns false if the heartbeat is too far ahead to
+/// be credible. Samples before the first heartbeat of a writer were not for this process.
 bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time now) {
   constexpr double sent_per_s_max = 1 << 22;
   const std::uint64_t known_end = ordinal_of(samples_.end());
@@ -166,7 +166,7 @@ bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time n
   return true;
 }
 
-/// Returns true if everything that the writer has sent was passed over, and some of it has not arrived.
+/// Returns true if all sent samples in the heartbeat were passed over, and some of them have not arrived.
 bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   if (fresh_ || !reported_end_.is_news(heartbeat)) return false;
   const Place next = samples_.next();
@@ -174,9 +174,9 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
          ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
 }
 
-/// Returns true if a sample arrived that the writer has not published yet: the writer's heartbeats have
-/// said so for a while, and nothing new has arrived meanwhile. The writer's next sample would take that
-/// place.
+/// Returns true if a sample arrived that the writer has not published yet, so that the sample must have had
+/// a wrong place. The writer's heartbeats have shown that for a while, and nothing new has arrived
+/// meanwhile. The writer's next sample would take that place.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (!fresh_ && end < ordinal_of(samples_.next()) && places_.follows(end))

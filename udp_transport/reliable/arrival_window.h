@@ -1,7 +1,7 @@
 // The reader's end of a channel (wire_format.md). It decides which datagrams and heartbeats of the writer
-// count, and which place each sample has. It hands samples over to the readers of this process, and says
-// what to acknowledge and what to ask for. Uses no clock, thread or I/O: calls and times are passed in,
-// answers are returned.
+// count, and which place each sample has. It hands samples over to the readers of this process, and makes
+// the acks with their requests. Uses no clock, thread or I/O: calls and times are passed in, answers are
+// returned.
 #pragma once
 
 #include <algorithm>
@@ -38,71 +38,73 @@ class ArrivalWindow {
     std::uint64_t end = 0;  ///< ordinal behind the last known sample
   };
   std::optional<Mark> mark() const;
-  /// Continues for a writer that has readers again. In the same channel the window begins with the first
-  /// sample that it meets, not with those that were sent meanwhile.
+  /// Continues for a writer that has readers again. If the channel is the same, the window begins with the
+  /// first sample that comes now, and skips those that were sent meanwhile.
   void join(const Mark& left);
 
-  /// What becomes of a first datagram.
+  /// The decision about a first datagram.
   enum class Standing : std::uint8_t {
     wanted,
-    known,  ///< the sample, or this datagram of it, has come already or is not wanted any more
-    /// The sample belongs to an earlier channel, or there is no room for it; the writer will send it again.
+    known,  ///< the sample, or this datagram of it, has come already, or is not needed any more
+    /// The sample belongs to an earlier channel, or there is no room for it. The writer will send it again.
     beyond,
   };
   struct Met {
     Standing standing{};
     Place place = 0;
   };
-  /// `same_datagram`: the mark met before came in the same datagram.
+  /// Decides about a first datagram. `same_datagram` is true if the previous mark came in the same
+  /// datagram.
   Met meet(const ChannelMark& mark, Time now, bool same_datagram = false);
 
-  // The next three functions, and those of samples(), are about a place that meet() returned.
+  // The next three functions, and those of samples(), take a place that meet() returned.
 
   void whole(Place place, core::SampleHandle sample);
   /// Notes that the sample will not come, or is for no reader of this process.
   void pass(Place place);
-  /// Notes that the sample makes no sense, although each of its datagrams did. The first time it is asked
-  /// for again; the second time it is passed over.
+  /// Notes that the sample is invalid although each of its datagrams is valid. The first time, the sample
+  /// is requested again; the second time, it is passed over.
   void refuse_or_pass(Place place);
   ArrivedSamples& samples() { return samples_; }
 
   void hear(const Heartbeat& heartbeat, Time now);
 
   /// Returns the next sample for that reader, in order; empty if there is none yet. `accepts(buffer,
-  /// request)` says if a sample of which something has come is for the reader, whose requests before
+  /// request)` returns true if a sample that has begun to arrive is for the reader, whose requests before
   /// `request` are over.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
   /// Sets the readers of the writer. New readers begin with the first sample that has not arrived yet.
   void set_readers(const std::vector<core::EndpointId>& readers) { readers_.set(readers, samples_.next()); }
   /// Notes that the writer now serves that reader under that request or a later one. Samples under earlier
-  /// requests may still be under way, up to the place that the next heartbeat gives for the writer.
+  /// requests may still be under way, up to the end in the writer's next heartbeat.
   void heard(core::EndpointId reader, std::uint64_t request) { readers_.heard(reader, request); }
   /// Releases the samples that all readers have taken.
   void release();
 
-  /// Sets whether the writer waits for its readers. If so, samples that a reader has not taken are not
-  /// acknowledged, although they have come.
+  /// Sets if the writer waits for its readers. If so, a sample that has come is not acknowledged until all
+  /// readers have taken it.
   void set_awaited(bool awaited) { awaited_ = awaited; }
   /// Returns true if, after release(), there is a sample that some reader has not taken.
   bool holds_back() const { return samples_.slots().begin() < samples_.next(); }
   /// Returns true if the window goes on without waiting for lagging readers, or holds too much for them.
-  /// Then they are given samples even if that pushes out older ones.
+  /// Then samples are handed to readers even if older samples in their queues are dropped.
   bool overtakes() const { return overtakes_; }
 
-  /// Returns the time when samples().due_gaps() may find something; Time::max() if never.
+  /// Returns when samples().due_gaps() may return a gap; Time::max() if there will be none.
   Time next_look() const { return samples_.schedule().next_look(); }
   /// Returns the ordinal of a place in the present channel.
   std::uint64_t ordinal_of(Place place) const { return places_.ordinal_of(place); }
   /// Returns true if an ack is due now.
   bool ack_due() const { return pending_ack_.due(); }
-  /// Returns an ack without missing parts. It counts as sent.
+  /// Returns an ack without missing parts. The ack counts as sent.
   Ack ack(std::uint32_t writer);
 
   const ChannelMonitor& channels() const { return channels_; }
 
  private:
-  /// No writer keeps more samples than this, so a heartbeat that spans more is ignored.
+  /// The limit of a heartbeat's range. No writer keeps more samples, so a heartbeat with a longer range is
+  /// ignored.
   static constexpr std::uint64_t kept_max = OrdinalMonitor::remembered;
 
   bool turn_to(const ChannelMonitor::Observed& observed, Time now);
@@ -120,8 +122,8 @@ class ArrivalWindow {
   ChannelPlaces places_;
   OrdinalMonitor ordinals_;
   ReportedEnd reported_end_;
-  bool joining_ = false;  ///< no sample or heartbeat has come since join()
-  bool fresh_ = true;     ///< no ordinal of the channel is known yet
+  bool joining_ = false;  ///< true if no sample or heartbeat has come since join()
+  bool fresh_ = true;     ///< true if no ordinal of the channel is known yet
   ArrivedSamples samples_;
   ReaderCursors readers_;
   PendingAck pending_ack_;

@@ -46,7 +46,7 @@ void ArrivedSamples::lose_before(Place end, bool all_counted) {
   advance();
 }
 
-/// Gives up missing samples until the limit holds. Samples before the first missing one do not count,
+/// Gives up missing samples until the limit is met. Samples before the first missing one do not count,
 /// because these go to the readers now.
 void ArrivedSamples::hold_no_more_than_allowed() {
   while (held_bytes_ - ready_bytes_ > held_bytes_max_) lose_before(next_ + 1, false);
@@ -76,7 +76,7 @@ void ArrivedSamples::begun(Place place, const SampleLabel& label, core::SampleHa
 bool ArrivedSamples::whole(Place place, core::SampleHandle sample) {
   if (!slots_.contains(place)) return false;
   Slot& slot = slots_[place];
-  if (slot.state == State::passed) return false;  // the sample was given up
+  if (slot.state == State::passed) return false;  // the sample was given up, and is not needed any more
   held_bytes_ += sample->capacity;
   slot.sample = std::move(sample);
   slot.state = State::whole;
@@ -110,7 +110,8 @@ void ArrivedSamples::unconfirm(Place place, std::uint32_t sequence) {
   if (static_cast<std::uint32_t>(slots_[place].sample->sequence) != sequence) come_again(place);
 }
 
-/// Samples before the first missing one were acknowledged, so they do not come again.
+/// Requests those samples again that have a greater sequence. Samples before the first missing one were
+/// acknowledged, so they do not come again.
 void ArrivedSamples::distrust_above(std::uint64_t sequence) {
   for (Place place = slots_.begin(); place < slots_.end(); ++place) {
     const Slot& slot = slots_[place];
@@ -120,7 +121,7 @@ void ArrivedSamples::distrust_above(std::uint64_t sequence) {
 
 void ArrivedSamples::forget_unpublished(Place from, Time now) {
   from = std::max(from, first_wanted());
-  if (unpublished_end_ <= from) {  // what the writer denied before is published by now
+  if (unpublished_end_ <= from) {  // the writer has meanwhile published what it did not have before
     unpublished_end_ = end_ > from ? end_ : 0;
     unpublished_since_ = now;
     return;
@@ -136,7 +137,7 @@ void ArrivedSamples::forget_unpublished(Place from, Time now) {
   advance();
 }
 
-/// Empties the place, because the whole sample there was not the true one.
+/// Empties the place, because the sample there was wrong although it was whole.
 void ArrivedSamples::come_again(Place place) {
   Slot& slot = slots_[place];
   held_bytes_ -= slot.sample->capacity;

@@ -2,7 +2,7 @@
 // places. Uses no clock, thread or I/O.
 //
 // No sample before next() is missing or incomplete. Samples behind next() are held back, with a limit on
-// their bytes. Beyond that limit the oldest missing sample is lost. A sample that the writer no longer has
+// their bytes. If they exceed it, the oldest missing sample is lost. A sample that the writer no longer has
 // is lost, too.
 #pragma once
 
@@ -37,58 +37,59 @@ class ArrivedSamples {
   };
   struct Gap {
     Place place = 0;
-    std::optional<SampleLabel> label{};  ///< empty: nothing of the sample has come
+    /// Label of the encoding that has begun to come; empty: nothing of the sample has come.
+    std::optional<SampleLabel> label{};
   };
 
   explicit ArrivedSamples(const ArrivalLimits& limits)
       : samples_max_(limits.samples), held_bytes_max_(limits.held_bytes), schedule_(limits) {}
 
   /// Makes `place` the first place and returns true. Returns false if there are places already, or if
-  /// next() is behind it.
+  /// next() is behind `place`.
   bool begin_with(Place place);
   /// Adds all places before `end`. Returns false if there is no room for all of them; then those that fit
   /// are added.
   bool reach(Place end, Time now);
-  /// Gives up the samples before `end`, which will not come any more. `all_counted`: those without a place
-  /// yet count as lost, too.
+  /// Gives up the samples before `end`, which will not come any more. If `all_counted`, samples without a
+  /// place count as lost, too.
   void lose_before(Place end, bool all_counted);
   /// Gives up the oldest missing samples while the samples behind them hold more bytes than allowed.
   void hold_no_more_than_allowed();
   /// Releases the samples before `end`, all of which are whole or passed.
   void release_before(Place end);
 
-  // These functions, except give_back(), ignore a place that is not in slots().
+  // The following functions, except give_back(), ignore a place that is not in slots().
 
-  /// Notes that the sample is being put together in that buffer, whose mask and addressee are set.
+  /// Notes that the sample is being assembled in that buffer, whose mask and addressee are set.
   void begun(Place place, const SampleLabel& label, core::SampleHandle buffer);
-  /// Notes a whole sample. Returns false if it is not wanted any more.
+  /// Notes a whole sample. Returns false if the sample is not needed any more.
   bool whole(Place place, core::SampleHandle sample);
   void pass(Place place);
-  /// Asks for the sample again, because its datagrams make no sense.
+  /// Requests the sample again, because its datagrams are invalid.
   void refuse(Place place);
-  /// Notes that the sample makes no sense although each of its datagrams does. Returns true the second
+  /// Notes that the sample is invalid although each of its datagrams is valid. Returns true the second
   /// time.
   bool makes_no_sense_again(Place place);
-  /// Notes that a sample with that low half of a sequence came for that place. If another sample waits
-  /// there, one of the two is wrong, and the place has to be filled again.
+  /// Notes that a sample with that low half of a sequence came for that place. If another sample is at that
+  /// place, one of the two is wrong, and the place has to be filled again.
   void unconfirm(Place place, std::uint32_t sequence);
-  /// Asks again for samples with a greater sequence, because these sequences are wrong.
+  /// Requests again the samples with a greater sequence, because their sequences are wrong.
   void distrust_above(std::uint64_t sequence);
-  /// Notes that the writer has published nothing from `from` on. If it said so for
-  /// OrdinalMonitor::unconfirmed_after, of places that were known when it said so first, these places are
-  /// removed. Otherwise the writer's own samples would find them occupied.
+  /// Notes the writer's statement that it has published nothing from `from` on. If the same was stated for
+  /// OrdinalMonitor::unconfirmed_after, the places from there on that were known at the first statement are
+  /// removed. Otherwise the writer's next samples would find these places occupied.
   void forget_unpublished(Place from, Time now);
-  /// Notes that the sample begins anew, or that another sample begins there.
+  /// Notes that the sample at that place begins anew, or that another sample begins there.
   void give_back(Place place, Time now);
   /// Notes that a part of the sample came once more.
   void came_again(Place place);
-  /// Notes that `parts` parts of the sample were asked for.
+  /// Notes that `parts` parts of the sample were requested.
   void asked_for(Place place, std::uint32_t parts);
 
-  /// Returns the gaps that have lasted so long that their samples are to be asked for now. `came_at(label)`
-  /// returns when the last part of a sample arrived. At most `gaps_max` samples are asked for at a time,
-  /// and further ones as these come. Samples that have begun are given back if nothing makes progress, or
-  /// if memory is short, because the datagrams that began them may have been wrong.
+  /// Returns the gaps that have lasted so long that their samples should be requested now. `came_at(label)`
+  /// returns when the last part of a sample arrived. At most `gaps_max` samples are requested at a time,
+  /// and further ones when these have come. Samples that have begun are given back if nothing makes
+  /// progress, or if memory is short, because the datagrams that began them may have been wrong.
   template <class CameAt>
   std::vector<Gap> due_gaps(Time now, const CameAt& came_at, std::size_t gaps_max, bool memory_is_short);
   /// Schedules a call of due_gaps() at that time.
@@ -96,18 +97,18 @@ class ArrivedSamples {
   RepairSchedule& schedule() { return schedule_; }
   const RepairSchedule& schedule() const { return schedule_; }
 
-  /// Samples that had begun, and whose parts may be released.
+  /// Samples that had begun, and whose parts can be released now.
   struct Dropped {
     std::vector<SampleLabel> abandoned;   ///< samples that will not become whole
     std::vector<SampleLabel> given_back;  ///< samples that begin anew
     bool empty() const { return abandoned.empty() && given_back.empty(); }
   };
-  /// Returns the samples dropped since the caller cleared this last.
+  /// Returns the samples that were dropped since the caller last cleared this object.
   Dropped& dropped() { return dropped_; }
 
   const OrdinalRing<Slot>& slots() const { return slots_; }
-  Place next() const { return next_; }  ///< the first place that is missing or not whole
-  Place end() const { return end_; }    ///< behind the last known place
+  Place next() const { return next_; }  ///< the first place whose sample is missing or incomplete
+  Place end() const { return end_; }    ///< the place behind the last known one
   /// Returns the first place whose sample may still come.
   Place first_wanted() const { return std::max(next_, skip_to_); }
   std::size_t held_bytes() const { return held_bytes_; }
@@ -122,11 +123,11 @@ class ArrivedSamples {
   OrdinalRing<Slot> slots_{1};
   Place next_ = 1;
   Place end_ = 1;
-  Place skip_to_ = 1;          ///< samples before this are lost; at most `end_`
-  Place unpublished_end_ = 0;  ///< `end_` when the writer said that it had published less; 0: it did not
-  Time unpublished_since_{};   ///< time when the writer said that
+  Place skip_to_ = 1;          ///< samples before this place are lost; at most `end_`
+  Place unpublished_end_ = 0;  ///< `end_` when the writer stated that it had published less; 0: it did not
+  Time unpublished_since_{};   ///< time of that statement
   std::size_t held_bytes_ = 0;
-  std::size_t ready_bytes_ = 0;  ///< part of `held_bytes_` before `next_`
+  std::size_t ready_bytes_ = 0;  ///< the part of `held_bytes_` for samples before `next_`
   std::uint64_t lost_ = 0;
   Dropped dropped_;
   RepairSchedule schedule_;
@@ -136,7 +137,7 @@ template <class CameAt>
 std::vector<ArrivedSamples::Gap> ArrivedSamples::due_gaps(Time now, const CameAt& came_at,
                                                           std::size_t gaps_max, bool memory_is_short) {
   std::vector<Gap> gaps;
-  std::size_t awaited = 0;  // samples that were asked for too recently to ask again
+  std::size_t awaited = 0;  // number of samples whose last request is too recent for another one
   schedule_.begin_look(now);
   if (schedule_.is_forgotten(now)) return gaps;
   const Place end = slots_.end();

@@ -1,5 +1,5 @@
-// Tracks whether the sending thread attends to a channel, and when it checks the channel next. So the
-// thread is woken only for what it would not see in time. Uses no clock, thread or I/O.
+// Tracks if the sending thread attends to a channel, and when it checks the channel next. So the thread is
+// woken only for events that it would not notice in time. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -13,27 +13,28 @@ class Attention {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Returns true from attract() until rest().
+  /// Returns true if the sending thread attends to the channel, which it does from attract() until rest().
   bool is_paid() const { return is_paid_; }
   /// Notes that the channel needs the sending thread. Returns Wake::schedule if the thread does not attend
   /// to it yet.
   [[nodiscard]] Wake attract() {
     if (std::exchange(is_paid_, true)) return Wake::none;
-    looks_at_ = {};  // at once
+    looks_at_ = {};  // checks at once
     return Wake::schedule;
   }
   /// Notes that the channel has something to send. Returns Wake::look once until the next check.
   [[nodiscard]] Wake wake() { return std::exchange(is_woken_, true) ? Wake::none : Wake::look; }
-  /// Notes that something is due at that time. Returns Wake::look if the sending thread would check later.
+  /// Notes that something is due at that time. Returns Wake::look if the sending thread's next check is
+  /// later.
   [[nodiscard]] Wake look_by(Time due, Time now) {
     if (due >= looks_at_) return Wake::none;
     looks_at_ = now;
     return Wake::look;
   }
 
-  // The sending thread.
+  // The following functions are for the sending thread.
 
-  /// Notes that the sending thread checks for something to send.
+  /// Notes that the sending thread checks the channel for something to send.
   void looks() { is_woken_ = false; }
   /// Notes that the sending thread has maintained the channel, and will do so again by that time.
   void looks_again_by(Time time) { looks_at_ = time; }

@@ -6,10 +6,11 @@
 namespace sft::udp {
 
 namespace {
-/// About this many kept bytes stay in the caches. With fewer samples than this, sending would pause.
+/// The number of kept bytes that stay in the caches, and the number of samples below which sending would
+/// pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// A large sample is sent within this time on a fast link. On a slow link, or after a lost ack, a longer
-/// pause would not help.
+/// The longest wait for a large sample. A fast link sends it within this time. On a slow link, or after a
+/// lost ack, a longer wait would not help.
 constexpr std::chrono::milliseconds moment{10};
 
 Channel::Time now() { return std::chrono::steady_clock::now(); }
@@ -20,7 +21,7 @@ Heartbeat addressed(Heartbeat heartbeat, std::uint16_t port) {
 }
 }  // namespace
 
-/// Returns true if the window can keep the job without giving up others, or if the channel has ended.
+/// Returns true if the window can keep the job without giving up other jobs, or if the channel has ended.
 bool Channel::has_room_for(const Job& job) const {
   return life_.has_ended() || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
@@ -31,7 +32,7 @@ bool Channel::runs_ahead_with(const Job& job) const {
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
-/// Waits for room, with the mutex unlocked. Returns false if it did not have to wait.
+/// Waits for room, with the mutex unlocked. Returns false if there was no need to wait.
 bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock) {
   if (!runs_ahead_with(job)) [[likely]]
     return false;
@@ -114,7 +115,8 @@ Wake Channel::departed(std::uint64_t ordinal) {
   return looks_sooner(time);
 }
 
-/// Wakes the sending thread if it attends to this channel, and has to check it sooner than planned.
+/// Returns the wake that makes the sending thread check this channel earlier than planned. Returns
+/// Wake::none if that is not needed.
 Wake Channel::looks_sooner(Time now) {
   return attention_.is_paid() ? attention_.look_by(window_.next_look(now), now) : Wake::none;
 }
@@ -183,7 +185,8 @@ Channel::Care Channel::look_after() {
     life_.close();
     return {.heartbeat = addressed(window_.parting(), port_), .at_rest = true};
   }
-  const std::uint32_t moves = to_->moves();  // read once: a move between two reads would never be noticed
+  // Read only once, because a move between two reads would never be noticed.
+  const std::uint32_t moves = to_->moves();
   if (std::exchange(moves_, moves) != moves) window_.way_changed(time);
   Care care;
   if (const auto heartbeat = window_.heartbeat(time)) care.heartbeat = addressed(*heartbeat, port_);

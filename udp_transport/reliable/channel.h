@@ -26,7 +26,7 @@ class Channel {
   using Time = ResendWindow::Time;
   using Piece = ResendWindow::Piece;
 
-  /// `port` is the port that acks come to.
+  /// `port` receives the acks.
   Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
           std::shared_ptr<WriterTally> tally, std::uint16_t port,
           std::shared_ptr<const KeptMemory> memory = {})
@@ -38,7 +38,7 @@ class Channel {
         memory_(std::move(memory)),
         window_(writer, number, ResendLimits{}, 1, memory_) {}
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   std::uint32_t writer() const { return writer_; }
   std::uint32_t number() const { return number_; }
@@ -48,13 +48,13 @@ class Channel {
   struct Posted {
     std::optional<Piece> piece{};  ///< the caller sends this piece, and then calls finished() or put_back()
     Wake wake = Wake::none;
-    bool waited = false;  ///< the call has waited for room
+    bool waited = false;  ///< true if the call has waited for room
     ResendWindow::Kept kept{};
   };
-  /// Posts a sample. `at_once`: the caller wants to send it itself. With `timeout`, waits for at most that
-  /// time until no older sample has to be given up for this one, and subtracts the time that it waited. It
-  /// also waits for a moment if the kept samples exceed a processor's caches, because a publisher that is
-  /// faster than the sending would encode into memory that has left the caches.
+  /// Posts a sample. `at_once` is true if the caller wants to send the sample itself. With `timeout`, waits
+  /// for at most that time until no older sample has to be given up for this one, and subtracts the time of
+  /// waiting. It also waits for a moment if the kept samples exceed a processor's caches, because a
+  /// publisher that is faster than the sending would encode into memory that has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* timeout = nullptr);
   /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the
@@ -64,25 +64,25 @@ class Channel {
   /// Returns true if the sample is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
   /// Waits as post() does until the job can be posted without giving up an older sample. Returns false if
-  /// there is no room for it even then.
+  /// there is still no room.
   bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
-  /// Returns true if the job can be posted without giving up an older sample. If not, a later hear() wakes
-  /// the sending thread, which calls this.
+  /// Returns true if the job can be posted without giving up an older sample. Called by the sending thread.
+  /// If the result is false, a later hear() wakes that thread.
   bool has_room_or_tells(const Job& job);
-  /// Returns true if all channels of the node together keep so much that a channel that keeps `bytes` has
-  /// to give up some.
+  /// Returns true if all channels of the node together keep so many bytes that a channel that keeps `bytes`
+  /// has to give up some.
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
-  /// Posts a sample that a group sends, too. If the result has no `kept.elsewhere`, this channel sends the
-  /// sample as well.
+  /// Posts a sample that a group sends, too. If `kept.elsewhere` of the result is false, this channel sends
+  /// the sample as well.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// Notes that the sample was sent to the group. The sending thread may have to ask for acks sooner.
+  /// Notes that the sample was sent to the group. The sending thread may then have to request acks earlier.
   [[nodiscard]] Wake departed(std::uint64_t ordinal);
-  /// Returns the job of a sample that was sent to the group; null for others.
+  /// Returns the job of a sample that was sent to the group; null for other samples.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// Notes that the piece was sent at about `now`. The sending thread may have to ask for acks sooner,
-  /// because it may have checked before anything was sent.
+  /// Notes that the piece was sent at about `now`. The sending thread may then have to request acks
+  /// earlier, because its last check may have come before anything was sent.
   [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
   /// Notes that the publisher has sent a large sample up to this position. Heartbeats must not overtake it.
@@ -90,25 +90,25 @@ class Channel {
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
   /// Takes an ack. It may name another channel of the writer (ResendWindow::hear()).
   [[nodiscard]] Wake hear(const Ack& ack);
-  /// Returns true if acks of samples that were never sent have come. This channel ends then, and another
-  /// one has to begin.
+  /// Returns true if the receiver has acknowledged samples that were never sent. This channel ends then,
+  /// and another one has to begin.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
-  // The agent's thread.
+  // The following functions are for the agent's thread.
 
   /// Notes that the last reader of the channel has gone.
   void end();
-  /// Ends the channel at once, because other readers are served there now.
+  /// Ends the channel at once, because the destination now has other readers.
   void close();
   bool closed();
 
-  // The sending thread.
+  // The following functions are for the sending thread.
 
   std::optional<Piece> next(ResendWindow::Size size);
   struct Care {
     std::optional<Heartbeat> heartbeat{};
     Time next_look{};
-    bool at_rest = false;  ///< nothing is left to do until a sample is posted again
+    bool at_rest = false;  ///< true if there is nothing to do until the next sample is posted
   };
   Care look_after();
 

@@ -27,7 +27,7 @@ std::vector<std::shared_ptr<Channel>> ChannelRegistry::find_at(std::uint32_t wri
   return found;
 }
 
-/// New readers must not get what was sent to others before, so they need another channel.
+/// New readers need another channel, because they must not get samples that were sent to former readers.
 std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
                                                 const std::set<core::EndpointId>& readers) {
   Known& known = channels_[to.get()];

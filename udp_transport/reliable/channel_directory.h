@@ -16,11 +16,11 @@
 
 namespace sft::udp {
 
-/// Any thread.
+/// Any thread may call the functions.
 class ChannelRegistry {
  public:
   void add(const std::shared_ptr<Channel>& channel);
-  /// Returns null if there is no such channel any more.
+  /// Returns the channel; null if it does not exist any more.
   std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
   /// Returns the channels of that writer to receivers at that address.
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
@@ -34,7 +34,7 @@ class ChannelRegistry {
 /// The readers at each destination that are served reliably, under any masks.
 using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>;
 
-/// Used by the agent's thread. The registry outlives it.
+/// Used by the agent's thread. The registry must outlive this object.
 class ChannelDirectory {
  public:
   ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRegistry& registry,
@@ -48,15 +48,15 @@ class ChannelDirectory {
   ChannelDirectory(const ChannelDirectory&) = delete;
   ChannelDirectory& operator=(const ChannelDirectory&) = delete;
 
-  /// Returns the channel to these readers at that destination. A known channel goes on if at least one of
-  /// its readers stays; otherwise this is a new one.
+  /// Returns the channel to these readers at that destination. A known channel continues if at least one of
+  /// its readers stays. Otherwise a new channel is made.
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
-  /// Returns true if at least one channel can no longer be relied on. find() replaces it.
+  /// Returns true if at least one channel is faulty. find() replaces such a channel.
   bool any_channel_failed() const;
-  /// Ends the channels to all other destinations.
+  /// Ends the channels to destinations that are not in `readers`.
   void keep_to(const ReliableReaders& readers);
-  /// Returns true if channels were closed, or have ended, since this was called last.
+  /// Returns true if channels were closed, or have ended, since the last call.
   bool take_closed() { return std::exchange(closed_, false); }
 
  private:

@@ -1,5 +1,5 @@
-// The end of a channel. Without readers it lingers, so that the last samples are repaired, and then it is
-// closed. A closed channel sends nothing. Uses no clock, thread or I/O.
+// The last phase of a channel. A channel without readers continues for a while, so that its last samples
+// are repaired, and then it is closed. A closed channel sends nothing. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -21,10 +21,10 @@ class ChannelLife {
   void close() { is_closed_ = true; }
 
   bool is_closed() const { return is_closed_; }
-  /// Returns true if no reader waits for what is published now.
+  /// Returns true if no reader needs the samples that are published now.
   bool has_ended() const { return is_closed_ || ended_at_; }
   bool has_lingered(Time now) const { return ended_at_ && now - *ended_at_ > linger; }
-  /// Returns the time of the next check: `otherwise`, or the end of lingering if that is sooner.
+  /// Returns when the next check is due: at `otherwise`, or at the end of lingering if that is earlier.
   Time next_look(Time otherwise) const {
     return ended_at_ ? std::min(otherwise, *ended_at_ + linger + std::chrono::milliseconds(1)) : otherwise;
   }

@@ -1,6 +1,6 @@
-// The places that the ordinals of the present channel have in a writer. Places count up over all channels
-// of a writer, one after the other. So ordinal and place differ by the number of samples in the former
-// channels. Uses no clock, thread or I/O.
+// Assigns places to the ordinals of the present channel. Places count up over all channels of a writer, one
+// after the other. So ordinal and place differ by the number of samples in the former channels. Uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -17,12 +17,12 @@ class ChannelPlaces {
     base_ = place - ordinal;
     first_ordinal_ = ordinal;
   }
-  /// Returns false for an ordinal before those that are followed.
+  /// Returns true unless the ordinal is before the first one that is followed.
   bool follows(std::uint64_t ordinal) const { return ordinal >= first_ordinal_; }
-  /// Returns the place of that ordinal, or of the first followed one if that is later.
+  /// Returns the place of that ordinal, or of the first followed ordinal if that is later.
   Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
   std::uint64_t ordinal_of(Place place) const { return place - base_; }
-  /// Returns the place of the channel's first ordinal that is followed.
+  /// Returns the place of the first ordinal that is followed.
   Place first() const { return place_of(first_ordinal_); }
 
  private:

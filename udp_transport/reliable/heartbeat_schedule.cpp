@@ -10,8 +10,9 @@ void HeartbeatSchedule::sent(bool is_new, Kept kept, Time now) {
   if (unanswered_ == 0) plan(kept, now);
 }
 
-/// Learns the pause between samples. A much longer one, as after a burst, hardly counts. It can be
-/// negative, because two threads that send at the same time may note their samples in the wrong order.
+/// Updates the usual pause between samples. A much longer pause, as after a burst, hardly counts. The pause
+/// can be negative, because two threads that send at the same time may note their samples in the wrong
+/// order.
 void HeartbeatSchedule::learn_pause(Time::duration pause) {
   pause = std::max(pause, Time::duration{});
   if (usual_pause_ == Time::duration{}) {
@@ -34,8 +35,8 @@ void HeartbeatSchedule::way_changed(Kept kept, Time now) {
   next_ = now;
 }
 
-/// Returns the time when a heartbeat is useful. A loss is noticed with the next sample, so a heartbeat
-/// matters only if none comes as usual. It is sent then if there are heartbeats to spare.
+/// Returns when a heartbeat is useful. A loss is noticed with the next sample, so a heartbeat is needed
+/// only if no sample comes after the usual pause. It is sent then if the budget of heartbeats allows it.
 HeartbeatSchedule::Time HeartbeatSchedule::end_of_usual_pause() const {
   const Time affordable = paid_until_ - limits_.heartbeats_saved * limits_.heartbeat_pause;
   return std::max(sample_at_ + 2 * usual_pause_, affordable);
@@ -45,7 +46,7 @@ void HeartbeatSchedule::plan(Kept kept, Time now) {
   if (kept == Kept::nothing) {
     next_ = Time::max();
   } else if (heartbeat_at_ == Time{}) {
-    next_ = now;  // the first heartbeat names the port for acks
+    next_ = now;  // the first heartbeat gives the receiver the port for acks
   } else if (is_wanted_) {
     next_ = std::min(next_, std::max(now, heartbeat_at_ + limits_.heartbeat_delay));
   } else if (kept == Kept::more_than_half) {

@@ -1,5 +1,6 @@
-// Decides when a channel's next heartbeat is due (reliability.md): soon after the last sample, but rarely
-// while nothing is lost, and ever more rarely while no answer comes. Uses no clock, thread or I/O.
+// Decides when a channel's next heartbeat is due (reliability.md). It is due soon after the last sample.
+// Heartbeats are rare while nothing is lost, and become rarer while no answer comes. Uses no clock, thread
+// or I/O.
 #pragma once
 
 #include <chrono>
@@ -17,18 +18,17 @@ class HeartbeatSchedule {
 
   explicit HeartbeatSchedule(const ResendLimits& limits) : limits_(limits) {}
 
-  // `kept` is the amount that the channel keeps at that time.
+  // In the following functions `kept` is the amount that the channel keeps at that time.
 
-  /// Notes that a sample was sent or, if it is not new, a part of a sample was sent again.
+  /// Notes that a sample was sent, or that a part of a sample was sent again if `is_new` is false.
   void sent(bool is_new, Kept kept, Time now);
   /// Notes that the receiver has answered.
   void answered(Kept kept, Time now);
-  /// Notes that the receiver misses something that was sent.
+  /// Notes that the receiver misses a part that was sent.
   void lost(Time now) { lost_at_ = now; }
-  /// Notes that the receiver needs something that only a heartbeat tells. The next plan takes that into
-  /// account.
+  /// Notes that the receiver needs a heartbeat. The next plan takes that into account.
   void want() { is_wanted_ = true; }
-  /// Sends a heartbeat as soon as possible.
+  /// Notes that a heartbeat should be sent as soon as possible.
   void want_soon(Kept kept, Time now) {
     want();
     plan(kept, now);
@@ -36,9 +36,9 @@ class HeartbeatSchedule {
   /// Notes that the path to the receiver has changed. A heartbeat is due at once if anything is kept.
   void way_changed(Kept kept, Time now);
 
-  /// Returns true if a heartbeat is due; it counts as sent.
+  /// Returns true if a heartbeat is due; it then counts as sent.
   bool take(Kept kept, Time now);
-  /// Returns the time of the next check, if nothing happens until then; Time::max() if never.
+  /// Returns when the next check is due if nothing happens until then; Time::max() if there is none.
   Time next() const { return next_; }
   /// Returns the number of heartbeats since the last answer.
   int unanswered() const { return unanswered_; }
@@ -49,10 +49,11 @@ class HeartbeatSchedule {
   Time end_of_usual_pause() const;
 
   const ResendLimits limits_;
-  Time sample_at_{};              ///< when a sample, or a part of one, was sent last
+  Time sample_at_{};              ///< time of the last sample, or of a repeated part of one
   Time::duration usual_pause_{};  ///< usual pause between samples
-  Time heartbeat_at_{};           ///< when the last heartbeat was sent
-  Time paid_until_{};             ///< each heartbeat adds a `heartbeat_pause` to this
+  Time heartbeat_at_{};           ///< time of the last heartbeat
+  /// The budget of heartbeats: each one adds a `heartbeat_pause` to this time.
+  Time paid_until_{};
   std::optional<Time> lost_at_;
   int unanswered_ = 0;
   bool is_wanted_ = false;

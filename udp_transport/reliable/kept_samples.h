@@ -1,8 +1,8 @@
 // The samples that a channel keeps until they are acknowledged, in the order of their ordinals. Each of
 // them waits to be sent, is under way for the first time, or was sent. Uses no clock, thread or I/O.
 //
-// There are never more samples or bytes than allowed, except for the newest sample. The oldest samples are
-// given up for that.
+// There are never more samples or bytes than allowed, except for the newest sample. If necessary, the
+// oldest samples are given up.
 #pragma once
 
 #include <cstddef>
@@ -31,52 +31,54 @@ class KeptSamples {
     FirstHeader first;
     JobHandle job;
     std::uint32_t part = 0;        ///< index of the sample in its pack; 0 if the job is no pack
-    std::uint32_t sent_bytes = 0;  ///< bytes of its body that were sent before put_back()
+    std::uint32_t sent_bytes = 0;  ///< bytes of the sample's body that were sent before put_back()
     State state = State::waiting;
-    bool begun = false;  ///< at least a part of it was sent
+    bool begun = false;  ///< true if at least a part of it was sent
     bool elsewhere = false;
     std::size_t held_bytes() const { return job->held_bytes(part); }
     Size size() const { return size_of(first.total); }
   };
 
-  /// `memory` counts what all channels keep; null: there is no common limit.
+  /// `memory` counts the memory that all channels keep; null: there is no common limit.
   KeptSamples(const ResendLimits& limits, std::uint64_t first_ordinal,
               std::shared_ptr<const KeptMemory> memory);
 
   struct Kept {
     std::uint64_t ordinal = 0;
-    // Older samples that were given up and had never been sent:
+    // Older samples that were given up, and had never been sent.
     std::size_t dropped = 0;
     std::uint64_t dropped_bytes = 0;
     std::uint64_t dropped_whole_bytes = 0;
-    std::size_t unacknowledged = 0;  ///< samples given up that had been sent, and may still arrive
-    bool elsewhere = false;          ///< a group sends the sample, as was asked for
+    /// Samples that were given up after they were sent; they may still arrive.
+    std::size_t unacknowledged = 0;
+    bool elsewhere = false;  ///< true if a group sends the sample, as requested
   };
-  /// Keeps a sample, or each sample of a pack. `ordinal` of the result is that of the first kept one.
-  /// `elsewhere`: a group sends the sample. That is refused if more than half of the limit is kept.
+  /// Keeps a sample, or each sample of a pack. `ordinal` of the result is that of the first kept sample. If
+  /// `elsewhere`, a group sends the sample. That is refused if more than half of the limit is kept.
   Kept keep(const JobHandle& job, const FirstHeader& first, bool elsewhere);
-  /// Returns true if `samples` with `bytes` can be kept without giving up older ones.
+  /// Returns true if `samples` samples with `bytes` bytes can be kept without giving up older ones.
   bool can_keep(std::size_t samples, std::size_t bytes) const;
-  /// How much is kept, relative to the limits.
+  /// The amount that is kept, relative to the limits.
   enum class Amount : std::uint8_t { nothing, at_most_half, more_than_half };
   Amount amount() const;
 
-  /// Returns the ordinal of the first waiting sample of that size; end() if none waits.
+  /// Returns the ordinal of the first waiting sample of that size; end() if there is none.
   std::uint64_t first_waiting(Size size);
-  /// Begins to send the sample, and the waiting samples behind it in the same pack. Returns the number of
-  /// all these.
+  /// Marks the sample, and the waiting samples behind it in the same pack, as being sent. Returns the
+  /// number of these samples.
   std::uint32_t begin_sending(std::uint64_t ordinal);
-  /// Notes that `samples` samples have been sent. Those that are not kept any more do not count.
+  /// Notes that `samples` samples have been sent. Samples that are not kept any more are ignored.
   void sent(std::uint64_t ordinal, std::uint32_t samples);
-  /// Notes that a group has sent the sample. Returns true the first time; empty for a sample that no group
-  /// sends.
+  /// Notes that a group has sent the sample. Returns true the first time, and false later. Returns nothing
+  /// for a sample that no group sends.
   std::optional<bool> departed(std::uint64_t ordinal);
-  /// Puts `samples` samples back. Each is to be sent from byte `sent_bytes` of its body on.
+  /// Makes `samples` samples wait again. Each has to be sent from byte `sent_bytes` of its body on.
   void put_back(std::uint64_t ordinal, std::uint32_t samples, std::uint32_t sent_bytes);
-  /// Returns the ordinal before which each sample was sent or is gone.
+  /// Returns the ordinal before which each sample was sent or is not kept any more.
   std::uint64_t sent_end() const;
 
-  /// Releases samples that the receiver has, or has given up. It can have only samples that have begun.
+  /// Releases the samples before `next`, which the receiver has received or given up. Samples that have not
+  /// begun to be sent stay.
   void release_before(std::uint64_t next);
 
   bool contains(std::uint64_t ordinal) const { return entries_.contains(ordinal); }
@@ -97,8 +99,8 @@ class KeptSamples {
   const std::size_t bytes_max_;
   const std::shared_ptr<const KeptMemory> memory_;
   OrdinalRing<Entry> entries_;
-  std::uint64_t waiting_[2];  ///< by Size: no entry of that size before this ordinal waits
-  std::uint64_t sent_;        ///< each entry before this ordinal was sent
+  std::uint64_t waiting_[2];  ///< by Size: the ordinal before which no entry of that size waits
+  std::uint64_t sent_;        ///< the ordinal before which each entry was sent
   std::size_t bytes_ = 0;
 };
 

@@ -8,11 +8,12 @@
 namespace sft::udp {
 
 namespace {
-// The number of jobs that may wait without a channel: in a late lane, or in another lane until the first
-// report of its receiver. That takes a round trip, in which a program may publish a burst of small samples.
+// The number of jobs that may wait without a channel: in a late lane, and in any other lane until the first
+// report of its receiver. That report takes a round trip, in which a program may publish a burst of small
+// samples.
 constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
-// With a channel, as much may wait as the channel may keep.
+// With a channel, as many jobs may wait as the channel may keep.
 constexpr ResendLimits channel_limits;
 
 LaneQueue::Limits beyond_depth(bool late, bool has_channel) {
@@ -45,8 +46,9 @@ Lane::Posted Lane::post(JobHandle job) {
   return *posted;
 }
 
-/// Leaves a job that was not queued in `job`, and one that was given up for it in `oldest`, so that
-/// listeners are told without the lock. Returns nothing if another one has to be given up.
+/// Queues the job. A job that was not queued is left in `job`. A job that was given up for it is left in
+/// `oldest`, so that listeners are called without the lock. Returns nothing if another job has to be given
+/// up first.
 std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const core::Lock lock(mutex_);
   if (closed()) return Posted{};
@@ -63,7 +65,7 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
 }
 
-/// Notes whether the sending thread knows of the lane, which it does until next() finds no job.
+/// Notes if the sending thread knows the lane. It does until next() finds no job.
 void Lane::set_scheduled(bool scheduled) {
   scheduled_ = scheduled;
   const auto note = [&](std::atomic<std::uint32_t>& busy) {
@@ -92,8 +94,8 @@ bool Lane::has_room_for(const Job& job) const {
          (channel_ == nullptr || !channel_->must_give_up_some_of(queue_.bytes_with(job)));
 }
 
-/// Returns true before the first report of the receiver, unless it is mute, and for a moment after that
-/// report.
+/// Returns true before the first report of the receiver, unless the receiver is mute, and for a moment
+/// after that report.
 bool Lane::may_pile_up(Clock::time_point now) const {
   return burst_.awaits_report() ? !destination().window().is_mute(now) : burst_.is_just_reported(now);
 }

@@ -6,7 +6,7 @@ namespace sft::udp {
 
 bool LaneEnd::meets_merged(const LaneEnd& other) const {
   if (!is_merged() && !other.is_merged()) return false;
-  // Keeps the listeners alive while their receivers are used.
+  // These references keep the listeners alive while their receivers are used.
   const std::shared_ptr<LaneListener> group = group_.lock(), other_group = other.group_.lock();
   const Destination* const alone = to_.get();
   const Destination* const other_alone = other.to_.get();

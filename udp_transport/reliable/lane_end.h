@@ -1,5 +1,5 @@
-// Where the samples of a lane go: to one destination, or to the members of a multicast group, whose address
-// is the destination then.
+// The target of a lane's samples: one destination, or the members of a multicast group. For a group, the
+// destination has the group's address.
 #pragma once
 
 #include <atomic>
@@ -12,23 +12,23 @@
 
 namespace sft::udp {
 
-/// Learns of each job that a lane has finished with. Calls no function of the lane.
+/// Is notified of each job that a lane has finished with. Calls no function of the lane.
 class LaneListener {
  public:
   virtual ~LaneListener() = default;
-  /// Any thread. `lost`: the job was not sent completely.
+  /// Called by any thread. `lost` is true if the job was not sent completely.
   virtual void departed(const Job& job, bool lost) noexcept = 0;
-  /// Returns the receivers of what is sent to the lane's destination, which is a group. They do not change
-  /// during the life of the listener. Any thread.
+  /// Returns the receivers of data to the lane's destination, which is a group. The receivers do not change
+  /// during the life of the listener. Any thread may call this.
   virtual std::span<const Destination* const> receivers() const noexcept = 0;
 };
 
-/// Any thread, except for notify().
+/// Any thread may call the functions, except for notify().
 class LaneEnd {
  public:
   explicit LaneEnd(std::shared_ptr<Destination> to) : to_(std::move(to)) {}
 
-  /// Makes the lane lead to a group. Called before anything else.
+  /// Makes the lane lead to a group. Must be called before any other function.
   void notify(std::weak_ptr<LaneListener> group) {
     group_ = std::move(group);
     is_group_ = true;
@@ -36,15 +36,15 @@ class LaneEnd {
 
   Destination& destination() const { return *to_; }
   bool is_group() const { return is_group_; }
-  /// Sets whether the readers at the destination share all further samples, whatever their masks are.
+  /// Sets if the readers at the destination share all further samples, whatever their masks are.
   void set_shared(bool shared) { is_shared_.store(shared, std::memory_order_relaxed); }
-  /// Returns true if samples for this end are for readers with different masks. Before and afterwards each
+  /// Returns true if samples for this end are for readers with different masks. While it is false, each
   /// mask may have a lane of its own.
   bool is_merged() const { return is_group_ || is_shared_.load(std::memory_order_relaxed); }
-  /// Returns true if samples for both ends come to the same receiver, and some of them are merged. Then the
-  /// order has to be kept between the lanes.
+  /// Returns true if samples for both ends go to the same receiver, and some of them are merged. Then the
+  /// order between the lanes has to be kept.
   bool meets_merged(const LaneEnd& other) const;
-  /// Tells the group, if there is one, that the lane has finished with the job. A null job is ignored.
+  /// Notifies the group, if there is one, that the lane has finished with the job. A null job is ignored.
   void departed(const JobHandle& job, bool lost) const;
 
  private:

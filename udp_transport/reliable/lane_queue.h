@@ -16,7 +16,7 @@ class LaneQueue {
   /// Limits of posted jobs, if more than `depth` of them may wait.
   struct Limits {
     std::size_t jobs = 0;
-    std::size_t bytes = 0;  ///< bytes of memory that the jobs hold
+    std::size_t bytes = 0;  ///< limit of the memory that the jobs hold, in bytes
   };
 
   LaneQueue(std::size_t depth, const Limits& beyond_depth);
@@ -27,11 +27,11 @@ class LaneQueue {
   bool has_room_beyond_depth(const Job& job) const {
     return posted_.size() < beyond_depth_.jobs && bytes_with(job) <= beyond_depth_.bytes;
   }
-  /// Returns the memory that posted jobs hold, including this one. Retained samples do not count.
+  /// Returns the bytes of memory that the posted jobs and this job hold. Retained samples do not count.
   std::size_t bytes_with(const Job& job) const { return posted_bytes_ + job.held_bytes_in_all(); }
   bool empty() const { return posted_.empty() && retained_.empty(); }
 
-  /// Callers check for room before; the queue takes every job.
+  /// Adds the job. The queue takes every job, so callers must check for room before.
   void post(JobHandle job);
   /// Takes the oldest posted job. REQUIRES: a posted job waits.
   JobHandle pop_oldest();
@@ -39,7 +39,7 @@ class LaneQueue {
   void put_first(std::vector<JobHandle> retained);
 
   struct Next {
-    JobHandle job{};  ///< null: no job waits
+    JobHandle job{};  ///< the job to send; null: no job waits
     bool is_retained = false;
   };
   /// Takes the job that is to be sent next.
@@ -52,14 +52,14 @@ class LaneQueue {
     OrdinalRing<JobHandle> posted{0};
     std::vector<JobHandle> retained{};
   };
-  /// Takes everything.
+  /// Removes and returns all jobs.
   Contents clear();
 
  private:
   const std::size_t depth_;
   const Limits beyond_depth_;
-  std::vector<JobHandle> retained_;   ///< in reverse order: the newest is first
-  OrdinalRing<JobHandle> posted_{0};  ///< in order: the oldest is first
+  std::vector<JobHandle> retained_;   ///< retained samples in reverse order: the newest is first
+  OrdinalRing<JobHandle> posted_{0};  ///< posted jobs in order: the oldest is first
   std::size_t posted_bytes_ = 0;
   std::uint64_t first_sequence_ = 0;  ///< sequence of the lane's first sample; 0: there was none
 };

@@ -35,7 +35,7 @@ class OrdinalRing {
     assert(empty());
     items_.resize(std::max(items_.size(), std::bit_ceil(items)));
   }
-  /// Allocates only if there were never as many items before.
+  /// Adds an item. Allocates only if there were never as many items before.
   T& push_back(T item) {
     if (size_ == items_.size()) grow();
     ++size_;
@@ -50,7 +50,7 @@ class OrdinalRing {
     (*this)[end() - 1] = T{};
     --size_;
   }
-  /// Gives that ordinal to the next item. REQUIRES: the ring is empty.
+  /// Makes that ordinal the one of the next item. REQUIRES: the ring is empty.
   void begin_at(std::uint64_t ordinal) {
     assert(empty());
     begin_ = ordinal;

@@ -1,5 +1,5 @@
-// Decides when an ack is due: if one is wanted, or if enough has come since the last one. Uses no clock,
-// thread or I/O.
+// Decides when an ack is due: if an ack was requested, or if enough data has come since the last one. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -16,13 +16,13 @@ class PendingAck {
   explicit PendingAck(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
   void want() { wanted_ = true; }
-  /// Notes that a sample came, with `bytes` of body, or 0 if no reader here wants it.
+  /// Notes that a sample came, with `bytes` bytes of body, or with 0 if no reader here needs it.
   void came(std::size_t bytes) {
     bytes_ += bytes;
     ++samples_;
   }
-  /// Notes that readers have taken all samples before that place. If the last ack covered fewer because
-  /// readers had not taken them, an ack is due.
+  /// Notes that readers have taken all samples before that place. An ack is due if the last ack stopped
+  /// earlier because readers had not taken their samples.
   void taken(Place place) {
     if (!acked_all_ && acked_ < place) wanted_ = true;
   }

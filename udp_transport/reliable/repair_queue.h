@@ -1,7 +1,7 @@
-// The parts of samples that receivers ask for again, the oldest first, at a limited rate. Uses no clock,
+// The parts of samples that receivers request again, the oldest first, at a limited rate. Uses no clock,
 // thread or I/O.
 //
-// A part waits at most once, however often it is asked for, and is not sent again while it may still be
+// A part waits at most once, however often it is requested, and is not sent again while it may still be
 // under way.
 #pragma once
 
@@ -23,7 +23,7 @@ class RepairQueue {
   using Time = std::chrono::steady_clock::time_point;
   using Size = KeptSamples::Size;
 
-  /// Repairs that may wait; others have to be asked for again.
+  /// The number of repairs that may wait. Further ones have to be requested again.
   static constexpr std::size_t repairs_max = 512;
 
   explicit RepairQueue(std::uint64_t bytes_per_s);
@@ -33,17 +33,16 @@ class RepairQueue {
     BodyRange range;
   };
   void ask_for(const Repair& repair);
-  /// Discards the record of repairs that were sent at that time or earlier, because they have arrived by
+  /// Discards the records of repairs that were sent at that time or earlier, because these have arrived by
   /// now.
   void forget_sent_before(Time time);
-  /// Drops repairs of samples before that ordinal, which are not kept any more.
+  /// Drops the repairs of samples before that ordinal, because these samples are not kept any more.
   void drop_before(std::uint64_t ordinal);
-  /// Takes the oldest waiting part whose length is of that size, if the rate allows a repair now.
+  /// Takes the oldest waiting part whose length is in that class, if the rate allows a repair now.
   std::optional<Repair> next(Size size, Time now);
 
   bool empty() const { return waiting_.empty(); }
-  /// Returns the time when next() allows a repair; Time::max() if the last call returned one, or none
-  /// waited.
+  /// Returns when next() allows a repair; Time::max() if the last call returned one, or if none waited.
   Time next_ready(Time now) const { return is_paced_ ? pacer_.next_ready(now) : Time::max(); }
   std::uint64_t sent() const { return sent_; }  ///< number of parts sent so far
 
@@ -56,7 +55,7 @@ class RepairQueue {
   std::vector<Repair> waiting_;   ///< repairs that wait; the oldest is first
   std::deque<Sent> sent_lately_;  ///< repairs under way; the oldest is first
   Pacer pacer_;
-  bool is_paced_ = false;  ///< the last next() had to postpone a repair
+  bool is_paced_ = false;  ///< true if the last call of next() had to postpone a repair
   std::uint64_t sent_ = 0;
 };
 

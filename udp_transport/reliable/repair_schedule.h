@@ -1,7 +1,7 @@
-// Decides when a missing sample is asked for, for the first time and again, and when the window has to be
+// Decides when a missing sample is requested, for the first time and again, and when the window has to be
 // checked for such samples. Uses no clock, thread or I/O.
 //
-// The delay before asking adapts. It doubles if samples come twice because they were asked for too early,
+// The delay before a request adapts. It doubles if samples come twice because the request was too early,
 // and shrinks while they come once. It is never less than ArrivalLimits::ask_after.
 #pragma once
 
@@ -21,51 +21,52 @@ class RepairSchedule {
 
   static constexpr std::chrono::milliseconds delay_longest{100};
 
-  /// A sample that is missing, or has begun.
+  /// A sample that is missing, or that has begun to arrive.
   struct Entry {
-    std::uint8_t asked = 0;   ///< number of times asked since a part of the sample came
-    std::uint32_t parts = 0;  ///< parts asked for last that have not come twice
+    std::uint8_t asked = 0;   ///< number of requests since the last part of the sample came
+    std::uint32_t parts = 0;  ///< parts of the last request that have not come twice
     Time asked_at{};
     Time ask_at{};
-    Time::duration apart{};  ///< random extra delay
+    Time::duration apart{};  ///< random extra delay of requests
   };
 
   explicit RepairSchedule(const ArrivalLimits& limits)
       : limits_(limits), delay_(limits.ask_after), random_(limits.seed) {}
 
-  /// Notes that the writer was heard. After ArrivalLimits::forget_after without that, nothing is asked for.
+  /// Notes that a datagram of the writer came. Nothing is requested after ArrivalLimits::forget_after
+  /// without such a datagram.
   void heard(Time now) { heard_at_ = now; }
   Time heard_at() const { return heard_at_; }
   bool is_forgotten(Time now) const { return now - heard_at_ > limits_.forget_after; }
 
-  /// Asks at random times from now on, since other processes get the same samples and may miss the same
-  /// ones at the same time.
+  /// From now on, requests are sent at random times. Other processes get the same samples, and may miss the
+  /// same ones at the same time.
   void spread() { spread_ = limits_.spread; }
 
   /// Returns the entry of a sample that is known from now on, and has not come.
   Entry noticed(Time now);
-  /// Notes that the sample has to come again. It is not asked for at once.
+  /// Notes that the sample has to come again. It is not requested at once.
   void noticed_again(Entry& entry) const { entry.ask_at = heard_at_ + delay_ + entry.apart; }
-  /// Returns the time when the sample is to be asked for. `came` is the time when the last part of it came,
-  /// or Time{} if nothing has.
+  /// Returns when the sample should be requested. `came` is the time when the last part of it came, or
+  /// Time{} if no part has come.
   Time due(Entry& entry, Time came) const;
-  /// Notes that the sample is asked for now, and returns the time when it is to be asked for again.
+  /// Notes that the sample is requested now. Returns when it should be requested again.
   Time ask(Entry& entry, Time now) const;
-  /// Notes that `parts` parts of the sample were asked for.
+  /// Notes that `parts` parts of the sample were requested.
   static void asked_for(Entry& entry, std::uint32_t parts) { entry.parts = parts > 0 ? parts : 1; }
-  /// Notes that a part of the sample came once more. If as many parts come again as were asked for, that
-  /// was too early; networks themselves repeat only a few.
+  /// Notes that a part of the sample came once more. If all requested parts come again, the request was too
+  /// early. Repetitions by the network concern only a few parts.
   void came_again(Entry& entry);
   /// Notes that the sample is whole.
   void came_whole(const Entry& entry);
-  /// Returns the time when a part that is noticed as missing now may be asked for.
+  /// Returns when a part that is found missing now may be requested.
   Time soon(Time now) const { return now + delay_; }
 
-  /// Returns true if nothing that has begun makes progress, although the writer is heard: the first missing
-  /// sample, whose last part came at `first_came`, is still the one at `next`.
+  /// Returns true if no sample that has begun makes progress although datagrams of the writer come: the
+  /// first missing sample, whose last part came at `first_came`, is still the one at `next`.
   bool is_stuck(std::uint64_t next, Time first_came, Time now);
-  /// Returns true if a sample whose last part came at that time has to begin anew while is_stuck(), or
-  /// while memory is short.
+  /// Returns true if a sample whose last part came at `came` has to begin anew. Called while is_stuck()
+  /// returns true, or while memory is short.
   bool has_timed_out(Time came, Time now) const { return now - came >= limits_.confirm_timeout; }
 
   /// Notes that a check for missing samples begins now.
@@ -73,7 +74,7 @@ class RepairSchedule {
     look_at_ = Time::max();
     looked_at_ = now;
   }
-  /// Schedules the next check. Checks are rarer the more samples the window holds.
+  /// Schedules the next check. Checks are less frequent if the window holds more samples.
   void look_at(Time time, std::size_t samples);
   void nothing_is_missing() { look_at_ = Time::max(); }
   Time next_look() const { return look_at_; }
@@ -86,7 +87,7 @@ class RepairSchedule {
   Time heard_at_{};
   Time look_at_ = Time::max();
   Time looked_at_{};
-  std::uint64_t first_missing_ = 0;  ///< the first missing place when is_stuck() was called last
+  std::uint64_t first_missing_ = 0;  ///< the first missing place at the last call of is_stuck()
   Time first_missing_since_{};
 };
 

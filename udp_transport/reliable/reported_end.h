@@ -1,5 +1,5 @@
-// The end of a channel as heartbeats report it, if that contradicts what has come. Uses no clock, thread or
-// I/O.
+// The end of a channel in the writer's heartbeats, if it contradicts samples that have come. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -24,10 +24,10 @@ class ReportedEnd {
     return heartbeat.end != heartbeat.first && heartbeat.end > new_from_;
   }
 
-  /// Notes that nothing contradicts the writer, or that a new sample came.
+  /// Notes that nothing contradicts the writer's heartbeats, or that a new sample came.
   void agrees() { end_ = 0; }
-  /// Notes that the writer says that it has published nothing from `end` on, although such a sample came.
-  /// Returns true if it has said the same for OrdinalMonitor::unconfirmed_after.
+  /// Notes that a heartbeat ends at `end`, although a sample from there on has come. Returns true if
+  /// heartbeats have had the same end for OrdinalMonitor::unconfirmed_after.
   bool insists_on(std::uint64_t end, Time now) {
     if (std::exchange(end_, end) == end) return now - since_ >= OrdinalMonitor::unconfirmed_after;
     since_ = now;
@@ -35,8 +35,8 @@ class ReportedEnd {
   }
 
  private:
-  std::uint64_t new_from_ = 0;  ///< reports of ordinals before this one are no news
-  std::uint64_t end_ = 0;       ///< reported end that is less than what has come; 0: none
+  std::uint64_t new_from_ = 0;  ///< heartbeats about ordinals before this one contain nothing new
+  std::uint64_t end_ = 0;       ///< reported end that is before a sample that has come; 0: none
   Time since_{};
 };
 

@@ -44,7 +44,7 @@ bool ResendWindow::has_work() {
          kept_.first_waiting(Size::large) != kept_.end();
 }
 
-/// Returns a repair or a sample. They take turns, so that neither starves the other.
+/// Returns a repair or a sample. Repairs and samples take turns, so that neither blocks the other.
 std::optional<ResendWindow::Piece> ResendWindow::next(Size size, Time now) {
   const bool repair_first = !std::exchange(repair_was_last_, false);
   std::optional<Piece> piece = repair_first ? next_repair(size, now) : next_sample(size);
@@ -116,8 +116,9 @@ void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   heartbeats_.answered(kept_.amount(), now);
 }
 
-/// Handles a part that is asked for. A sample that is under way for the first time comes anyway. If the
-/// sample is gone, or was never published, a heartbeat says which samples there are.
+/// Handles a request for a part. Nothing is done for a sample that is under way for the first time, since
+/// it comes anyway. If the sample is not kept any more, or was never published, a heartbeat names the
+/// samples that are kept.
 void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   const std::uint64_t ordinal = widen_sequence(next, part.ordinal);
   if (!kept_.contains(ordinal)) return heartbeats_.want();
@@ -128,7 +129,7 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
 
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (!heartbeats_.take(kept_.amount(), now)) return {};
-  // The receiver may have taken another channel for this one, so samples name it in full.
+  // The receiver may take this channel for another one, so samples name it with its full number.
   if (heartbeats_.unanswered() > 1) heard_ = false;
   const std::uint64_t end = kept_.sent_end();
   return Heartbeat{.writer = writer_,

@@ -1,5 +1,5 @@
-// The threads that wait for room in a channel. The publisher's thread sleeps; the sending thread goes on
-// with something else and is notified. All functions are called with the lock of the channel.
+// The threads that wait for room in a channel. The publisher's thread sleeps. The sending thread continues
+// with other work and is notified. All functions are called with the lock of the channel.
 #pragma once
 
 #include <chrono>
@@ -12,18 +12,19 @@ namespace sft::udp {
 
 class RoomWaiters {
  public:
-  /// Called by the publisher in a loop: waits until there may be room. Returns false at `time`. `lock` is
-  /// that of the channel, which is unlocked while this waits.
+  /// Waits until there may be room. Returns false if `time` has come. The publisher calls it in a loop.
+  /// `lock` is that of the channel, and is unlocked during the wait.
   bool wait_until(core::Lock& lock, std::chrono::steady_clock::time_point time) {
     publisher_waits_ = true;
     const bool in_time = may_have_room_.wait_until(lock, time);
     publisher_waits_ = false;
     return in_time;
   }
-  /// Sets whether the sending thread has something that waits for room.
+  /// Sets if the sending thread has a job that waits for room.
   void note_sending_thread(bool waits) { sending_thread_waits_ = waits; }
 
-  /// Notes that less is kept than before. Returns Wake::look if the sending thread waits for that.
+  /// Notes that the channel keeps less than before. Returns Wake::look if the sending thread waits for
+  /// that.
   [[nodiscard]] Wake notify() {
     if (publisher_waits_) may_have_room_.notify_one();
     return std::exchange(sending_thread_waits_, false) ? Wake::look : Wake::none;

@@ -11,7 +11,7 @@ namespace {
 
 std::uint64_t distance(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
-/// Returns how far ahead a writer can be after that silence.
+/// Returns the largest distance that a writer's sequence can advance during that silence.
 std::uint64_t reach_after(SequenceMonitor::Time::duration silence) {
   using Seconds = std::chrono::duration<double>;
   constexpr double longest_s = 1e6;
@@ -39,8 +39,8 @@ bool SequenceMonitor::evaluate(const Observed& observed, Time now) {
   return true;
 }
 
-/// Returns true if a far sequence counts. Wrong numbers are rarely near each other, and true ones come
-/// between them while the writer is heard.
+/// Returns true if a sequence far from the newest one counts. Wrong numbers are rarely near each other, and
+/// while the writer sends, correct ones come between them.
 bool SequenceMonitor::evaluate_far(const Observed& observed, Time now) {
   if (std::exchange(last_unconfirmed_, observed.datagram) == observed.datagram) return false;
   if (distance(observed.sequence, far_.last) > reach) far_ = {};
@@ -70,7 +70,7 @@ void SequenceMonitor::advance(const Observed& observed, Time now) {
   far_ = late_ = later_ = {};
 }
 
-/// Counts small steps. The samples of one packed datagram are one step; otherwise the stamp of a single
+/// Counts small steps. The samples of one packed datagram are one step. Otherwise the stamp of a single
 /// datagram would be trusted at once.
 void SequenceMonitor::count_step(const Observed& observed, Time now) {
   const bool is_small = observed.sequence > newest() && observed.sequence - newest() <= small_step;
@@ -92,8 +92,8 @@ std::uint64_t SequenceMonitor::widen(std::uint32_t low) const {
   return steady_ != 0 && distance(goes_on, steady_) <= reach ? goes_on : widen_sequence(newest(), low);
 }
 
-/// Returns true if the stamp of the sample shows that it was published after the newest one came. The stamp
-/// of the newest one is not used, since it may be as wrong as its sequence.
+/// Returns true if the stamp of the sample shows that it was published after the newest sample came. The
+/// stamp of the newest sample is not used, since it may be as wrong as its sequence.
 bool SequenceMonitor::is_younger(const Observed& observed) const {
   if (steady_ == 0) return false;
   const auto since_steady = static_cast<std::int64_t>(static_cast<std::uint64_t>(observed.stamp_ns) -

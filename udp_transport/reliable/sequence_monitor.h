@@ -1,9 +1,9 @@
 // Decides which sequences of one writer count, since a network can change bits. One wrong number must not
-// make a reader drop true samples, all of which would look late after it. Uses no clock, thread or I/O.
+// make a reader drop valid samples, all of which would look late after it. Uses no clock, thread or I/O.
 //
-// A sequence far from the newest one counts only if nothing but such sequences comes. If only late samples
-// come, the newest sequence was wrong. In both cases the numbering begins anew, and each sample tells its
-// readers so (SampleBuffer::numbering).
+// A sequence far from the newest one counts only if no near sequences come between such sequences. If only
+// late samples come, the newest sequence was wrong. In both cases the numbering begins anew, and
+// SampleBuffer::numbering of each sample tells the readers so.
 #pragma once
 
 #include <chrono>
@@ -15,29 +15,30 @@ class SequenceMonitor {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A sequence that is less than this ahead of the newest one counts at once.
+  /// A sequence that is ahead of the newest one by less than this counts at once.
   static constexpr std::uint64_t reach = std::uint64_t{1} << 16;
-  /// While a writer is not heard, this much is added to `reach` for each second. No writer publishes more.
+  /// While no datagram of the writer comes, this number is added to `reach` for each second. No writer
+  /// publishes more.
   static constexpr std::uint64_t published_per_s_max = std::uint64_t{1} << 22;
-  /// A sequence that is more than this behind the newest one is far from it, too.
+  /// A sequence that is behind the newest one by more than this is far from it, too.
   static constexpr std::uint64_t reach_back = std::uint64_t{1} << 26;
-  /// The numbering begins anew at the earliest this long after the first datagram that suggests it, because
-  /// datagrams that were held up on the way come all at once.
+  /// The least time between the first datagram that suggests a new numbering and its beginning. Datagrams
+  /// that were delayed on the way come all at once, within a shorter time.
   static constexpr std::chrono::milliseconds newest_unconfirmed_after{250};
   /// Two late datagrams are enough if their stamps show that they were published after the newest sample.
-  /// Other late datagrams, which may be repairs or come by a slow path, have to be this many.
+  /// Other late datagrams, which may be repairs or come by a slow path, are needed in this number.
   static constexpr std::uint32_t late_in_a_row = 64;
 
   struct Observed {
     std::uint64_t sequence = 0;
-    /// The place in the channel of the writer; 0: in none. A sample whose place is behind, too, is a
-    /// repair.
+    /// The sample's place in the channel of the writer; 0: it is in no channel. If the place is behind the
+    /// newest one, too, the sample is a repair.
     std::uint64_t place = 0;
-    /// A different number for each datagram, not 0, because a datagram must not confirm itself.
+    /// The number of the datagram, different for each and not 0. A datagram must not confirm itself.
     std::uint64_t datagram = 0;
     std::int64_t stamp_ns = 0;  ///< time of publishing, by the writer's clock
   };
-  /// Returns true if a sample with these claims may be delivered.
+  /// Returns true if a sample with these values may be delivered.
   bool accepts(const Observed& observed, Time now) {
     const bool is_next =
         newest() != 0 && observed.sequence > newest() && observed.sequence - newest() <= reach;
@@ -46,20 +47,20 @@ class SequenceMonitor {
     advance(observed, now);
     return true;
   }
-  /// Returns the 64-bit sequence that has these low bits and is nearest to where the numbering went on in
-  /// small steps, or else to the newest sequence.
+  /// Returns the 64-bit sequence with these low bits that is nearest to the last sequence reached in small
+  /// steps, or else to the newest sequence.
   std::uint64_t widen(std::uint32_t low) const;
 
   std::uint64_t newest() const { return newest_.sequence; }
-  /// Called when a numbering has just begun anew: returns true if everything above it was certainly wrong.
-  /// If only the number of late samples suggests that, these may have been repairs.
+  /// Called when a numbering has just begun anew. Returns true if all sequences above the new one were
+  /// certainly wrong. If only the number of late samples suggests that, these may have been repairs.
   bool newest_was_wrong() const { return newest_was_wrong_; }
-  /// Counts how often the numbering began anew.
+  /// Returns the number of times that the numbering has begun anew.
   std::uint32_t numbering() const { return numbering_; }
 
  private:
-  /// Datagrams in a row that suggest the same. Their order means nothing, because datagrams overtake each
-  /// other, and repairs come between new samples. But a numbering continues with a new sequence.
+  /// Datagrams in a row that suggest the same change. Their order means nothing, because datagrams overtake
+  /// each other, and repairs come between new samples. But a numbering continues with a new sequence.
   struct Row {
     std::uint32_t datagrams = 0;
     std::uint64_t last = 0;
@@ -78,7 +79,7 @@ class SequenceMonitor {
   void begin_anew(const Observed& observed, Time now, bool newest_was_wrong);
   bool is_younger(const Observed& observed) const;
 
-  Observed newest_{};  ///< sequence 0: there is no newest one yet
+  Observed newest_{};  ///< the newest sample; its sequence is 0 if there is none yet
   Time advanced_at_{};
   static constexpr std::uint64_t small_step = 64;
   static constexpr std::uint32_t steady_steps = 4;

@@ -1,6 +1,6 @@
-// Tells if small samples may pile up in a lane beyond its depth. They may while its receiver has not
-// reported, and for a moment after the report, so that a burst is sent before any of its samples is dropped
-// for others. Uses no clock, thread or I/O.
+// Decides if small samples may pile up in a lane beyond its depth. They may while its receiver has not
+// reported, and for a moment after the report. So a burst is sent before any of its samples is dropped for
+// newer ones. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -23,12 +23,12 @@ class UnprovenBurst {
     reported_at_.reset();
   }
   bool awaits_report() const { return awaits_report_; }
-  /// Notes that a job is posted, and that the receiver has reported since the previous job.
+  /// Notes that a job is posted, and that the receiver has reported since the previous job was posted.
   void reported(Time now) {
     awaits_report_ = false;
     if (std::exchange(small_ones_wait_, false)) reported_at_ = now;
   }
-  /// Returns true for a moment after the report, if small jobs had waited for it.
+  /// Returns true for a short time after the report, if small jobs had waited for the report.
   bool is_just_reported(Time now) const { return reported_at_ && now - *reported_at_ < goes_on; }
 
  private:

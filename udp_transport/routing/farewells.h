@@ -1,6 +1,7 @@
-// Tells the members of multicast groups that are over that they are not in these groups any more
-// (multicast.md). A farewell is not urgent, and farewells to all members of a large group together would be
-// as many bytes as some samples. So only a few members are told at a time. Uses no clock, thread or I/O.
+// Sends farewells to the members of multicast groups that are over: messages that they are not in these
+// groups any more (multicast.md). A farewell is not urgent, and farewells to all members of a large group
+// at once would be as many bytes as some samples. So each call sends only a few. Uses no clock, thread or
+// I/O.
 #pragma once
 
 #include <algorithm>
@@ -17,14 +18,14 @@ class Farewells {
  public:
   using Time = MulticastGroup::Time;
 
-  /// Samples that are under way arrive before that.
+  /// The delay of a farewell. Samples that are under way arrive before.
   static constexpr std::chrono::seconds farewell_after{1};
-  /// A call tells `notified_at_once` members. If more are due, it tells one in `part_notified_at_once` of
-  /// them, if that is more.
+  /// The number of farewells per call: `notified_at_once`, or one `part_notified_at_once`-th of those that
+  /// are due, if that is more.
   static constexpr std::size_t notified_at_once = 8, part_notified_at_once = 8;
 
-  /// Notes that the group is over. The farewell to a member also ends that member's former groups, so each
-  /// destination is in the list once.
+  /// Notes that the group is over. A farewell to a member also ends its membership of all former groups, so
+  /// each destination is in the list once.
   void note(const std::shared_ptr<MulticastGroup>& group, Time now) {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
       const Destination* to = &group->members()[i].lane->destination();
@@ -49,7 +50,7 @@ class Farewells {
   }
 
  private:
-  /// The latest group of a destination that is over.
+  /// A farewell to a member of the destination's latest group that is over.
   struct Farewell {
     std::shared_ptr<MulticastGroup> group;
     std::size_t member = 0;

@@ -13,10 +13,10 @@ namespace sft::udp {
 
 namespace {
 
-/// Masks of types with more leaves have no words on the wire, only hashes.
+/// The limit of leaves. Masks of types with more leaves have no words on the wire, only hashes.
 constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 
-/// Costs more than anything else, but is small enough for exact sums of bytes.
+/// A cost above all real costs, but small enough for exact sums of bytes.
 constexpr double too_much_body = 1e12;
 
 constexpr const char* unsettled = "it asks for that only since just now, or often for something else";
@@ -141,8 +141,8 @@ std::size_t GroupKeeper::possible(Time now) const {
       std::ranges::count_if(candidates_, [&](const auto& item) { return is_settled(item.second, now); }));
 }
 
-/// Measures samples also for a single destination that may be in a group later, so that the plan is ready
-/// when another one comes.
+/// Starts or stops measuring the sizes of samples. They are also measured if only one destination may be in
+/// a group, so that the plan is ready when another one comes.
 void GroupKeeper::choose_sizes(Time now) {
   const bool measures = std::exchange(sizes_, nullptr) != nullptr;
   if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
@@ -155,7 +155,8 @@ void GroupKeeper::choose_sizes(Time now) {
   sizes_->follow(*setup_.type, asked);
 }
 
-/// Serves a destination alone from now on if it cannot be in a group any more, or asks for something else.
+/// Removes destinations from the plan if they cannot be in a group any more, or have changed their request.
+/// They are served alone from now on.
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
     const auto known = candidates_.find(to);
@@ -175,7 +176,7 @@ void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes
 
 namespace {
 
-/// Returns the length of datagrams that arrive at each member, as far as is known.
+/// Returns the length of datagrams that arrive at each member, as far as is known, in bytes.
 std::size_t datagram_bytes_of(const std::vector<MulticastGroup::Member>& members) {
   std::size_t bytes = datagram_bytes_max;
   for (const MulticastGroup::Member& member : members)
@@ -183,7 +184,7 @@ std::size_t datagram_bytes_of(const std::vector<MulticastGroup::Member>& members
   return bytes;
 }
 
-/// The path to a member has turned out to take less since the group was made.
+/// Returns true if the path to a member has turned out to take less since the group was made.
 bool is_too_long(const MulticastGroup& group) {
   return group.lane()->destination().path().datagram_bytes() > datagram_bytes_of(group.members());
 }
@@ -228,7 +229,8 @@ bool GroupKeeper::is_planned(const Destination* to, const Candidate& candidate) 
   });
 }
 
-/// Leaves out destinations whose fields have never been sent: these wait for a sample.
+/// Returns the destinations that can be planned. Destinations whose fields have never been sent are left
+/// out, since a sample with these fields is needed first.
 std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places,
                                                             Time now) {
   std::vector<PlanDestination> destinations;
@@ -264,11 +266,11 @@ bool GroupKeeper::replan(Time now) {
   hasten(now);
   if (!may_plan(now)) return is_shared_otherwise;
   const bool is_better = plan(now) || is_shared_otherwise;
-  return is_better || (came && !member_came(now));  // then why() of the new members has another answer
+  return is_better || (came && !member_came(now));  // then why() returns another text for the new members
 }
 
-/// Returns true if a destination is new, or asks for other fields than before. Those whose fields have
-/// never been sent wait for a sample.
+/// Returns true if a destination is new, or requests other fields than before. Destinations whose fields
+/// have never been sent do not count until a sample has them.
 bool GroupKeeper::member_came(Time now) const {
   return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
            const auto known = planned_for_.destinations.find(item.first);
@@ -278,23 +280,25 @@ bool GroupKeeper::member_came(Time now) const {
          });
 }
 
-/// Plans soon if a destination is new.
+/// Makes replan() plan soon if a destination is new.
 void GroupKeeper::hasten(Time now) {
   if (member_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
 }
 
-/// The bytes of a sample are known only after one was published.
+/// Returns true if a plan can be made now. That needs a published sample, because the sizes are not known
+/// before.
 bool GroupKeeper::may_plan(Time now) const {
   return sizes_ != nullptr && sizes_->samples() > 0 && now >= replan_at_ && possible(now) > 1;
 }
 
-/// Returns false if the plan was made for the same destinations, and for about the same bytes and rates.
+/// Returns false if the present plan was made for the same destinations, and for about the same bytes and
+/// rates.
 bool GroupKeeper::is_news(std::span<const Destination* const> places,
                           std::span<const PlanDestination> all) const {
   const auto differ = [](double before, double now, double least = 0.01) {
     return std::abs(now - before) > least * before;
   };
-  constexpr double of_rates = 0.25;  // rates differ from second to second
+  constexpr double of_rates = 0.25;  // tolerance of rates, which vary from second to second
   const auto& before = planned_for_.destinations;
   if (planned_for_.member_left || places.size() != before.size()) return true;
   if (differ(planned_for_.samples_per_s, measured_.rate->per_s(), of_rates)) return true;
@@ -366,8 +370,8 @@ bool GroupKeeper::any_given_up(Time now) {
 }
 
 /// Returns an address from 239.255.16.0 to 239.255.239.255, a range that leaves out addresses which other
-/// software is known to use. Two writers may share one by chance; then receivers ignore what the other
-/// writer sends.
+/// software is known to use. Two writers may share an address by chance. Receivers then ignore samples of
+/// the writer that they did not subscribe to.
 std::uint32_t GroupKeeper::address(std::size_t place) const {
   const std::uint32_t mixed = (setup_.writer + static_cast<std::uint32_t>(place)) * 2654435769U >> 16;
   return private_groups | (16 + (mixed >> 8) % 224) << 8 | (mixed & 0xff);

@@ -1,5 +1,5 @@
-// Maintains the multicast groups of one writer: decides by the cost model which groups there should be, and
-// makes them (multicast.md). Used by the agent's thread, except for why().
+// Maintains the multicast groups of one writer. It decides by the cost model which groups there should be,
+// and makes them (multicast.md). Used by the agent's thread, except for why().
 #pragma once
 
 #include <chrono>
@@ -36,12 +36,12 @@ class GroupKeeper {
                                                              std::size_t datagram_bytes)>;
   struct Setup {
     std::uint32_t writer = 0;
-    const TypeSupport* type = nullptr;  ///< outlives this object
+    const TypeSupport* type = nullptr;  ///< must outlive this object
     Multicast use = Multicast::automatic;
     std::uint16_t report_port = 0;
     std::size_t queue_depth = 4;
     std::shared_ptr<WriterTally> tally;
-    GroupRegistry* registry = nullptr;  ///< outlives this object
+    GroupRegistry* registry = nullptr;  ///< must outlive this object
     Connect connect;
     PlanLimits limits{};
     /// Returns the present links of this host.
@@ -49,27 +49,26 @@ class GroupKeeper {
   };
   explicit GroupKeeper(Setup setup);
 
-  // Called when routes are made anew, in this order:
+  // The following functions are called in this order when routes are made anew:
 
-  /// Merges the bundles of each group's members into one that serves all of them. A destination that has
-  /// just come, or asks for something else, is served alone until it is calm. Readers of one process may
-  /// share a copy, too.
+  /// Merges the bundles of each group's members into one bundle. A destination that is new, or has changed
+  /// its request, is served alone until it is calm. Readers of one process may share a copy, too.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// Returns the group at that place with these members, known or new.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
   void merged(Time now);
 
-  /// The sizes that have to be measured; null if no destination can be in a group.
+  /// Returns the sizes that have to be measured; null if no destination can be in a group.
   const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }
 
   /// Returns true if other groups would be better. Then routes have to be made anew.
   bool replan(Time now);
   /// Sends the offers, probes and farewells that are due.
   void maintain(Time now);
-  /// Returns when replan() or maintain() has urgent work; Time::max() if none is planned.
+  /// Returns when replan() or maintain() has urgent work; Time::max() if there is none.
   Time next_duty(Time now) const;
 
-  /// Returns in which group a reader is, or why it is in none. Any thread.
+  /// Returns a text that names the group of a reader, or says why it is in none. Any thread may call this.
   std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
 
  private:
@@ -77,32 +76,33 @@ class GroupKeeper {
     std::shared_ptr<Destination> to;
     std::vector<Selection> asked{};
     Selection together{};  ///< one_copy() for all of `asked`
-    /// If only some samples are for the readers there, what all of them ask for.
+    /// The union of the readers' requests, if only some samples are for the readers there.
     std::optional<core::Wanted> some_samples{};
-    std::shared_ptr<const core::Gate> gate{};  ///< gate of these samples; null: every sample is for them
+    /// The gate of these samples; null: every sample is for the readers.
+    std::shared_ptr<const core::Gate> gate{};
     bool reliable = false;
-    bool gets_more = false;             ///< the destination is sent more than a group is
+    bool gets_more = false;             ///< true if the destination needs samples that the group does not get
     Time settled_at{};                  ///< before this time the destination is in no group
     std::optional<std::size_t> link{};  ///< index in `links_`; empty: the destination cannot be in a group
     std::string refusal{};              ///< why the destination cannot be in a group
-    std::size_t division = 0;           ///< number of its division (divide())
+    std::size_t division = 0;           ///< number of the destination's division (divide())
   };
   struct Planned {
     std::size_t place = 0;                       ///< place of the group, which determines its address
-    std::optional<core::Wanted> some_samples{};  ///< what the members ask for, as in Candidate
+    std::optional<core::Wanted> some_samples{};  ///< the members' requests, as in Candidate
     std::vector<const Destination*> members{};
   };
-  /// The destinations and the rate that the present plan was made for.
+  /// The destinations and the rate for which the present plan was made.
   struct PlannedFor {
     std::map<const Destination*, PlanDestination> destinations{};
     double samples_per_s = 0;
-    bool member_left = false;  ///< a member has left since the plan was made
+    bool member_left = false;  ///< true if a member has left since the plan was made
   };
 
-  /// What is known of samples, whether or not it is needed at present.
+  /// Measured values of samples. They are kept even while they are not needed.
   struct Measured {
     std::shared_ptr<BodySizes> sizes{};
-    std::optional<SampleRate> rate{};  ///< empty until samples are measured
+    std::optional<SampleRate> rate{};  ///< the rate of samples; empty until samples are measured
     PassRates passing{};
   };
 
@@ -130,22 +130,23 @@ class GroupKeeper {
   static void send(MulticastGroup& to, const GroupProbe& probe);
   void explain(const std::vector<RouteBundle>& routes, Time now);
 
-  /// Readers come in bunches, so groups are not made more often than this.
+  /// The least time between two plans, because several readers often come at the same time.
   static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes unreached_pause{
-      1};  ///< before a member that heard nothing is offered another group
-  /// Pause without groups after samples were published together.
+      1};  ///< pause before the group is offered again to a member that received nothing
+  /// The time without groups after samples were published together.
   static constexpr std::chrono::seconds packed_pause{10};
 
   const Setup setup_;
-  const bool too_many_leaves_;  ///< masks of such types have no words on the wire
+  /// True if the type has so many leaves that its masks have no words on the wire.
+  const bool too_many_leaves_;
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;
   SettlingTimes settling_times_;
   MaskSharing sharing_;
   Measured measured_;
-  std::shared_ptr<BodySizes> sizes_;  ///< `measured_.sizes`, or null if they are not needed
+  std::shared_ptr<BodySizes> sizes_;  ///< `measured_.sizes`; null while sizes are not needed
   PlannedFor planned_for_;
   std::vector<Planned> planned_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_, found_;
@@ -154,7 +155,7 @@ class GroupKeeper {
   Time packed_until_{};
   std::uint32_t last_number_ = 0;
   Time replan_at_{};
-  Time planned_at_{};  ///< when the plan changed last
+  Time planned_at_{};  ///< time of the last change of the plan
   GroupReasons reasons_;
 };
 

@@ -1,5 +1,5 @@
-// What a program is told about each reader: in which multicast group it is and what the group costs it, or
-// why it is in none. Written by the agent's thread, read by any thread.
+// The information for programs about each reader: the multicast group that it is in and the costs of that,
+// or the reason why it is in none. Written by the agent's thread, read by any thread.
 #pragma once
 
 #include <map>
@@ -20,11 +20,11 @@ class GroupReasons {
   struct Reader {
     const Destination* to = nullptr;
     std::string refusal{};  ///< why the destination cannot be in a group; empty: it can
-    Selection asked{};      ///< what the reader asks for
-    /// Size of the parts in `asked`, if there are any and they are measured.
+    Selection asked{};      ///< the reader's request
+    /// The size of the parts in `asked`; null if there are no parts, or none measured.
     std::shared_ptr<const PartSize> part{};
-    bool shares = false;       ///< the readers there share one copy if they are in no group
-    bool has_company = false;  ///< other destinations could share a group with it
+    bool shares = false;       ///< true if the readers there share one copy while they are in no group
+    bool has_company = false;  ///< true if another destination could share a group with this one
   };
   using Readers = std::map<core::EndpointId, Reader>;
   using Groups = std::vector<std::shared_ptr<MulticastGroup>>;
@@ -33,12 +33,12 @@ class GroupReasons {
   void set_readers(Readers readers, std::shared_ptr<BodySizes> sizes);
   void set_groups(Groups groups);
 
-  /// Returns an empty string if no such reader is served. Any thread.
+  /// Returns the text about the reader; empty if no such reader is served. Any thread may call this.
   std::string of(core::EndpointId reader) const;
 
  private:
-  /// Returns a text with the number of bytes that this reader would get without having asked for them, if it
-  /// shared one copy with all readers for whose destination `is_there` returns true.
+  /// Returns a text with the number of unrequested bytes that this reader would get if it shared one copy
+  /// with all readers for whose destination `is_there` returns true.
   template <class IsThere>
   std::string unwanted(const Reader& reader, const IsThere& is_there) const SFT_REQUIRES(mutex_);
   std::string alone(const Reader& reader) const SFT_REQUIRES(mutex_);

@@ -57,8 +57,9 @@ bool MaskSharing::is_undecided(const BodySizes& sizes) const {
   });
 }
 
-/// One copy has no more bytes than all copies together, unless some readers ask for parts of fields that it
-/// has whole. But with one copy a reader of few fields waits for many.
+/// Returns true if one copy for all readers is better. It has no more bytes than all single copies
+/// together, unless some readers request parts of fields that it has whole. But with one copy a reader of
+/// few fields waits for many.
 bool MaskSharing::is_better_shared(const Place& place, const BodySizes& sizes) const {
   const double body = sizes.bytes_of(place.together);
   const bool is_asked_for = std::ranges::find(place.asked, place.together) != place.asked.end();
@@ -90,7 +91,7 @@ void MaskSharing::merge(std::vector<RouteBundle>& routes) const {
     if (!place.shares) continue;
     const auto is_it = [it = to](const Destination* one) { return one == it; };
     RouteBundle together = take_out(routes, is_it);
-    if (together.destinations.empty()) continue;  // the destination is in a multicast group
+    if (together.destinations.empty()) continue;  // nothing to merge: the destination is in a multicast group
     const auto known = std::ranges::find_if(routes, [&](const RouteBundle& bundle) {
       return bundle.merged && !bundle.multicast && bundle.wanted == together.wanted;
     });

@@ -1,6 +1,6 @@
-// Decides which processes are sent one copy of a sample that serves all their readers, instead of one copy
-// for each of their selections (multicast.md). That needs no multicast. Uses no clock, thread or I/O; used
-// by the agent's thread.
+// Decides which processes get one copy of a sample for all their readers, instead of one copy for each of
+// their selections (multicast.md). That needs no multicast. Uses no clock, thread or I/O; used by the
+// agent's thread.
 #pragma once
 
 #include <chrono>
@@ -23,26 +23,26 @@ class MaskSharing {
   /// stop sharing when half of that surplus is gone.
   explicit MaskSharing(const PlanLimits& limits) : limits_(limits) {}
 
-  /// Notes what the readers of each destination ask for. Leaves out destinations with a reader that is not
-  /// sent just each sample: one with a maximum rate, with conditions, with retained samples, or in shared
-  /// memory.
+  /// Notes the requests of the readers at each destination. Leaves out destinations with a reader that does
+  /// not get just each sample: a reader with a maximum rate, with conditions, with retained samples, or in
+  /// shared memory.
   void look_at(const std::vector<RouteBundle>& routes);
-  /// Returns true if some destination is sent several copies, so that their sizes matter.
+  /// Returns true if some destination is sent several copies, so that their sizes have to be measured.
   bool is_possible() const { return !several_.empty(); }
 
-  /// Decides again where selections have changed, and everywhere once in each `pause`. Returns true if a
-  /// decision has changed. Where the size of some field is not known yet, the former decision holds, and
-  /// the next sample is measured.
+  /// Decides again for destinations with new selections, and for all destinations once in each `pause`.
+  /// Returns true if a decision has changed. If the size of some field is not known yet, the former
+  /// decision stays in force, and the next sample is measured.
   bool decide(BodySizes& sizes, Time now);
-  /// Returns true if selections have changed that decide() would decide on now.
+  /// Returns true if selections have changed, and decide() would make a decision about them now.
   bool is_undecided(const BodySizes& sizes) const;
   bool shares(const Destination* to) const;
 
-  /// Returns the bytes on the wire of one sample to a destination that asks for these selections; it may be
-  /// one only.
+  /// Returns the bytes on the wire of one sample to a destination with these selections, of which there may
+  /// be one or several.
   double bytes_to(const Destination* to, const std::vector<Selection>& asked, PlaceMark place,
                   const BodySizes& sizes) const;
-  /// Merges the bundles of each destination that shares one copy, and is in no multicast group, into one.
+  /// For each destination that shares one copy and is in no multicast group, merges its bundles into one.
   void merge(std::vector<RouteBundle>& routes) const;
 
  private:

@@ -1,4 +1,4 @@
-// How many samples pass each gate of a writer per second.
+// The number of samples per second that pass each gate of a writer.
 #pragma once
 
 #include <map>
@@ -13,15 +13,15 @@ class PassRates {
  public:
   using Time = PassRate::Time;
 
-  /// Counts from now on which samples pass the gate, unless that is counted already.
+  /// From now on, counts the samples that pass the gate, unless they are counted already.
   void follow(const std::shared_ptr<const core::Gate>& gate, Time now) {
     rates_.try_emplace(gate, now, gate->passed());
   }
-  /// Removes gates that nothing else uses any more.
+  /// Removes gates that only this object still refers to.
   void forget_unused() {
     std::erase_if(rates_, [](const auto& item) { return item.first.use_count() == 1; });
   }
-  /// Returns the rate. REQUIRES: the gate is followed.
+  /// Returns the rate of samples that pass the gate. REQUIRES: the gate is followed (follow()).
   double per_s(const std::shared_ptr<const core::Gate>& gate, Time now) {
     return rates_.at(gate).per_s(now, gate->passed());
   }

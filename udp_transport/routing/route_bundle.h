@@ -1,5 +1,5 @@
-// Bundles routes: readers with equal masks and limits share an encoding, and those behind one socket share
-// a copy of it.
+// Groups routes into bundles. Readers with equal masks and limits share an encoding, and readers behind one
+// socket share a copy of it.
 #pragma once
 
 #include <cstddef>
@@ -25,14 +25,14 @@ struct RouteBundle {
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
   ReliableReaders reliable{};  ///< the readers that are served reliably
-  /// The place of the multicast group that sends to all destinations; empty if none does.
+  /// The place of the multicast group that sends to all destinations; empty if no group does.
   std::optional<std::size_t> multicast{};
-  /// The readers may ask for different things, and `wanted` is one_copy() for all of them.
+  /// True if the readers may have different requests; then `wanted` is one_copy() for all of them.
   bool merged = false;
 
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
-  /// Returns true if the readers are not sent each sample as it is published: they have a gate, retained
+  /// Returns true if the readers do not get each sample as it is published: they have a gate, retained
   /// samples, or a fallback route.
   bool is_for_some_samples() const {
     return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.gate().is_open();
@@ -42,9 +42,9 @@ struct RouteBundle {
 /// Returns the bundles. Routes that do not lead to a UDP address are left out. Fallback bundles come last.
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
 
-/// Takes the routes to these destinations out of all bundles that are not merged, and returns them as one
-/// merged bundle. Bundles may be left without destinations. REQUIRES: the same samples are for all readers
-/// there.
+/// Takes the routes to the destinations for which `is_one` returns true out of all bundles that are not
+/// merged, and returns these routes as one merged bundle. Bundles may be left without destinations.
+/// REQUIRES: the same samples are for all readers there.
 RouteBundle take_out(std::vector<RouteBundle>& routes, const std::function<bool(const Destination*)>& is_one);
 
 }  // namespace sft::udp

@@ -7,8 +7,8 @@ namespace sft::udp {
 
 namespace {
 
-/// Returns the words of the mask. None if the hash says it all, or if the selection has parts or
-/// conditions: only those who asked for it know its hash.
+/// Returns the words of the mask. There are none if the hash is enough, or if the selection has parts or
+/// conditions: only the readers that requested it know its hash.
 std::vector<std::uint64_t> words_to_send(const Selection& selection) {
   std::vector<std::uint64_t> words;
   const FieldMask& mask = selection.mask();
@@ -21,8 +21,8 @@ std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::
   return std::make_shared<WireMask>(WireMask{number, selection.hash(), words_to_send(selection)});
 }
 
-/// Enters the readers into the table's page. Samples that a gate withholds on fallback routes are not
-/// counted here, since the transport that serves these readers counts them.
+/// Enters the readers into the table's page. For fallback routes, samples that a gate withholds are not
+/// counted here: the other transport, which serves these readers, counts them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
@@ -52,8 +52,8 @@ ReliableReaders reliable_readers(const std::vector<RouteBundle>& bundles) {
   return all;
 }
 
-/// Returns true if another audience is sent the same by the same lane, since readers in one process share a
-/// socket.
+/// Returns true if a lane of another audience carries the same samples there, because readers in one
+/// process share a socket.
 bool is_reached_anyway(const RouteTable& table, const Audience& fallback, std::size_t lane) {
   return std::any_of(table.audiences.begin(), table.audiences.end(), [&](const Audience& audience) {
     if (&audience == &fallback || audience.wire != fallback.wire) return false;
@@ -107,7 +107,7 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
 }
 
 /// Returns the lane of a late reader. A new lane is held until the history of its reader is known. If the
-/// reader has moved, it gets a new one, because queued jobs do not reach it any more.
+/// reader has moved, it gets a new lane, because jobs in the old queue do not reach it any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to,
                                                   const std::shared_ptr<Channel>& channel) {
@@ -157,7 +157,8 @@ void VariantDirectory::next_round() {
     const auto oldest =
         std::min_element(variants_.begin(), variants_.end(),
                          [](const Variant& a, const Variant& b) { return a.last_use < b.last_use; });
-    if (oldest->last_use + 1 >= round_) return;  // all variants that are left were in use until now
+    // Even the oldest of the remaining variants was in use until now.
+    if (oldest->last_use + 1 >= round_) return;
     std::swap(*oldest, variants_.back());
     variants_.pop_back();
   }

@@ -1,4 +1,5 @@
-// The audiences of a writer: its readers by mask and maximum rate, with the numbers of these on the wire.
+// The audiences of a writer: its readers grouped by mask and maximum rate, with the variant numbers on the
+// wire.
 #pragma once
 
 #include <cstdint>
@@ -19,40 +20,42 @@
 
 namespace sft::udp {
 
-/// Readers with equal masks and limits. They share an encoding, and each destination has a lane of its own. A
+/// Readers with equal masks and limits. They share an encoding, and there is a lane for each destination. A
 /// late reader is an audience of its own, so that its samples can begin with the retained ones.
 struct Audience {
   detail::ProjectionPlan plan;
-  std::shared_ptr<const core::Gate> gate;  ///< null: every sample is for the audience
-  core::EndpointId late_reader = 0;        ///< 0: the audience is not a late reader
-  bool fallback = false;  ///< the audience also gets samples that are only for fallback routes
+  /// The gate of the audience; null: every sample is for the audience.
+  std::shared_ptr<const core::Gate> gate;
+  core::EndpointId late_reader = 0;  ///< the late reader that is the audience; 0: there is none
+  bool fallback = false;  ///< true if the audience also gets samples that are only for fallback routes
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
-  /// One for each lane; null if no reader there is served reliably.
+  /// The channel for each lane; null if no reader there is served reliably.
   std::vector<std::shared_ptr<Channel>> channels{};
-  /// If not null, this group sends to the whole audience, and lanes send only to members that do not hear
-  /// the group. A member has the same index as its lane.
+  /// If not null, this group sends to the whole audience, and lanes send only to members that do not
+  /// receive the group. A member has the same index as its lane.
   std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
-  /// Small samples that are published together may share datagrams. Then all samples of one mask leave
-  /// before the first one of another mask. So no destination may be sent several masks: a reader there that
-  /// changes from one mask to another would miss some samples.
+  /// True if small samples that are published together may share datagrams. In that case all samples of one
+  /// mask leave before the first sample of another mask. So no destination may be sent several masks: a
+  /// reader that changes its mask would miss some samples.
   bool packs = false;
-  /// Readers of the audience may ask for different things, and `wire` is a mask that contains all of them.
+  /// True if readers of the audience may have different requests. Then `wire` is a mask that contains all
+  /// of them.
   bool merged = false;
 
   /// Returns true if the present sample is for the audience. Used by the publisher's thread.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
-/// Immutable: a change of routes makes another table.
+/// An immutable table: a change of routes makes another table.
 struct RouteTable {
   std::vector<Audience> audiences;  ///< audiences of fallback routes come last
-  core::DeliveryBook::Page page;    ///< says which tallies count for which reader
-  /// The lane to each reader, without fallback lanes.
+  core::DeliveryBook::Page page;    ///< assigns the tallies to readers
+  /// The lane to each reader, except fallback lanes.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
-  std::size_t usual = 0;               ///< number of audiences that are not fallback ones
+  std::size_t usual = 0;               ///< number of audiences that are not fallback audiences
   std::shared_ptr<BodySizes> sizes{};  ///< sizes that have to be measured; null: none
 
   /// Returns the audiences that the sample may be for.
@@ -63,14 +66,14 @@ struct RouteTable {
   const Audience* of_late_reader(core::EndpointId reader) const;
 };
 
-/// The variants: what readers ask of a writer now, and what they asked for before. Each variant has its
-/// number and its lanes, so that its samples stay in order while routes change. A late reader has one lane,
-/// whatever it asks for. A number is reused only after all others have been used in between.
+/// The variants: the present and former requests of readers to a writer. Each variant has its number and
+/// its lanes, so that its samples stay in order while routes change. A late reader has one lane, whatever
+/// it requests. A number is reused only after all other numbers have been used in between.
 class VariantDirectory {
  public:
   struct Variant {
     core::Wanted wanted;
-    core::EndpointId late_reader;  ///< 0: the variant is not for a late reader
+    core::EndpointId late_reader;  ///< the late reader of the variant; 0: there is none
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
@@ -80,11 +83,12 @@ class VariantDirectory {
     }
   };
 
-  /// `channels` outlives the directory. Null: no reader is served reliably.
+  /// `channels` must outlive the directory. Null: no reader is served reliably.
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
                    ChannelDirectory* channels = nullptr);
 
-  /// Returns the variant for such readers, known or new. Valid until the next call.
+  /// Returns the variant for readers with that request, known or new. The reference is valid until the next
+  /// call.
   Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
   /// Returns the lane of the variant to that destination, known or new.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
@@ -99,22 +103,23 @@ class VariantDirectory {
   }
 
   /// Closes and removes all lanes except those to these destinations. Lanes of late readers that are not in
-  /// `late_readers` are removed, too, but send what they have.
+  /// `late_readers` are removed, too, but their queued samples are still sent.
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
-  /// Returns true if the sending thread should check its lanes: since the last call, lanes or channels were
-  /// closed, or a destination has moved. Other changes of what readers ask for do not matter to it.
+  /// Returns true if the sending thread should check its lanes, because lanes or channels were closed or a
+  /// destination has moved since the last call. Other changes of requests do not matter to that thread.
   bool concern_sender() {
     const bool closed_channels = channels_ != nullptr && channels_->take_closed();
     const bool some_moved = std::exchange(known_moves_, moves_) != moves_;
     return std::exchange(closed_, false) || closed_channels || some_moved;
   }
 
-  /// Returns true if the history of that late reader has departed, and nothing waits in its lane.
+  /// Returns true if the history of that late reader has departed, and no sample waits in its lane.
   bool late_lane_idle(core::EndpointId reader) const;
 
-  /// Removes the longest unused variants beyond a few. Called between rounds of find().
+  /// Removes those variants that have been unused for the longest time, except a few. Called between rounds
+  /// of find().
   void next_round();
 
  private:
@@ -132,11 +137,11 @@ class VariantDirectory {
   std::uint16_t next_number_ = 0;
   std::uint64_t round_ = 0;
   bool closed_ = false;
-  std::uint64_t moves_ = 0;        ///< moves of the destinations of all lanes of this round
-  std::uint64_t known_moves_ = 0;  ///< `moves_` when concern_sender() was called last
+  std::uint64_t moves_ = 0;        ///< sum of the moves of the destinations of all lanes of this round
+  std::uint64_t known_moves_ = 0;  ///< value of `moves_` at the last call of concern_sender()
 };
 
-/// Returns the table of a writer of `type`, which outlives the table. Routes that do not lead to a UDP
+/// Returns the table of a writer of `type`, which must outlive the table. Routes that do not lead to a UDP
 /// address are left out. Lanes to destinations without a route are closed. Without a keeper there are no
 /// multicast groups.
 std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,

@@ -1,4 +1,4 @@
-// How much of a sample may be sent now.
+// Computes the part of a sample that may be sent now.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,8 @@
 
 namespace sft::udp {
 
-/// Returns how many socket bytes of one sample may go to the destination now, by its window and by the limits
-/// of the writer and of all writers. Any thread.
+/// Returns the number of socket bytes of one sample that may be sent to the destination now. Its window,
+/// the limit of the writer, and the limit of all writers together determine it. Any thread may call this.
 std::size_t allowance(Destination& to, RateLimit& of_writer, RateLimit& of_all, ResendWindow::Size size,
                       Destination::Time now);
 

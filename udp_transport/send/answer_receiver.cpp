@@ -7,8 +7,9 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::size_t answers_at_once = 64;  // strangers may send more than can be handled
-}
+// A limit, because attackers may send more datagrams than can be handled.
+constexpr std::size_t answers_at_once = 64;
+}  // namespace
 
 void AnswerReceiver::listen() {
   std::array<std::byte, datagram_bytes_min> answer;

@@ -1,4 +1,4 @@
-// Takes answers from the socket for answers, on the sending thread.
+// Takes the datagrams from the socket for answers, on the sending thread.
 #pragma once
 
 #include <chrono>
@@ -17,14 +17,14 @@ class AnswerReceiver {
  public:
   using Hear = std::function<Wake(std::span<const std::byte> datagram, const SocketAddress& from,
                                   std::chrono::steady_clock::time_point)>;
-  /// Both arguments outlive this object.
+  /// Both arguments must outlive this object.
   AnswerReceiver(DatagramSender& io, NextRound& round) : io_(io), round_(round) {}
 
-  /// Sets the function that handles answers; an empty one ignores them. Called before the sending thread
-  /// begins.
+  /// Sets the function that handles answers. With an empty function, answers are ignored. Called before the
+  /// sending thread begins.
   void tell(Hear hear) { hear_ = std::move(hear); }
   /// Takes the answers that have come, without waiting. The sending thread also calls this between the
-  /// system calls for a large sample, so that the sample goes on without a pause as long as answers come in
+  /// system calls for a large sample. So that sample is sent without a pause as long as answers come in
   /// time.
   void listen();
 

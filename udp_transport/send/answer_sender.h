@@ -1,5 +1,5 @@
-// Sends answers: acks to the writers that are read reliably, and reports to all senders that ask for them.
-// All answers leave through the receiving socket, so a sender that asks for many costs neither a descriptor
+// Sends answers: acks to the writers that are read reliably, and reports to all senders that request them.
+// All answers leave through the receiving socket, so a sender that requests many costs neither a descriptor
 // nor memory.
 #pragma once
 
@@ -11,12 +11,12 @@
 
 namespace sft::udp {
 
-/// Used by the receiving thread.
+/// All functions are called by the receiving thread.
 class AnswerSender {
  public:
   explicit AnswerSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
 
-  /// Sends the answer either at once or not at all. If it cannot be sent, a later one replaces it.
+  /// Sends the answer either at once or not at all. If it cannot be sent, a later answer replaces it.
   void send(const SocketAddress& to, const Ack& ack);
   void send(const SocketAddress& to, const FlowReport& report);
   void send(const SocketAddress& to, const GroupReport& report);

@@ -13,13 +13,14 @@ namespace sft::udp {
 
 class BestEffortDelivery {
  public:
-  /// The draft and the direct path outlive the delivery.
+  /// The draft and the direct path must outlive this object.
   BestEffortDelivery(std::shared_ptr<SendSide> side, Draft& draft, DirectPath& direct)
       : side_(std::move(side)), draft_(draft), direct_(direct) {}
 
-  /// Returns how many samples do not get there: the present ones, or older ones that were given up.
+  /// Returns the number of samples that do not get to the destination: the present ones, or older ones that
+  /// were given up.
   std::size_t send(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample);
-  /// Leaves the job to the lane. Returns 1 if older jobs were given up for it.
+  /// Queues the job in the lane. Returns 1 if older jobs were given up for it.
   std::size_t enqueue(const std::shared_ptr<Lane>& lane);
 
  private:

@@ -34,7 +34,7 @@ void ChannelFlows::forget_resting() {
   std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
 }
 
-/// Sends small samples until there are none left, or no room; large samples take turns.
+/// Sends small samples until none is left, or there is no room. Large samples take turns.
 void ChannelFlows::advance(SendFlow& flow) {
   for (std::size_t samples = 0; samples < small_samples_per_turn; ++samples) {
     if (!flow.piece) {
@@ -45,7 +45,7 @@ void ChannelFlows::advance(SendFlow& flow) {
                              flow.piece->range);
     }
     if (FlowSender::is_under_way(sender_.send_some(flow))) return;
-    // Or it was lost, and will be asked for.
+    // A datagram that was not sent counts as sent, too: it was lost, and will be requested again.
     static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));
     flow.piece.reset();
     flow.fragments.reset();
@@ -60,7 +60,7 @@ void ChannelFlows::look_after(Attended& attended) {
   round_.by(care.next_look);
   if (!care.at_rest) return;
   attended.channel.reset();
-  round_.at_once();  // the channel, and what it keeps, are released after the round
+  round_.at_once();  // the channel, and the samples that it keeps, are released in the next round
 }
 
 /// Sends a heartbeat by a connection that cannot overtake the samples that it reports.

@@ -1,4 +1,4 @@
-// The channels that the sending thread serves. It sends their samples, repairs and heartbeats.
+// The channels that the sending thread handles. Sends their samples, repairs and heartbeats.
 #pragma once
 
 #include <cstddef>
@@ -11,25 +11,25 @@
 
 namespace sft::udp {
 
-/// Used by the sending thread.
+/// All functions are called by the sending thread.
 class ChannelFlows {
  public:
-  /// Both arguments outlive this object.
+  /// Both arguments must outlive this object.
   ChannelFlows(FlowSender& sender, NextRound& round) : sender_(sender), round_(round) {}
 
   void add(std::shared_ptr<Channel> channel);
   /// Sends the small samples and the heartbeats that are due.
   void send_small();
-  /// Gives one channel its turn with a large sample; `which` is less than count().
+  /// Gives one channel its turn with a large sample. `which` is an index below count().
   void send_large(std::size_t which);
   std::size_t count() const { return attended_.size(); }
-  /// Removes the channels that need no attention any more.
+  /// Removes the channels that the sending thread need not attend to any more.
   void forget_resting();
   void clear() { attended_.clear(); }
 
  private:
   struct Attended {
-    std::shared_ptr<Channel> channel;  ///< null: removed at the end of the round
+    std::shared_ptr<Channel> channel;  ///< the channel; null: the entry is removed at the end of the round
     SendFlow small, large;
   };
   void advance(SendFlow& flow);

@@ -8,13 +8,14 @@ namespace sft::udp {
 class DeferredWork {
  public:
   virtual ~DeferredWork() = default;
-  /// Does a part of it that takes no more than some milliseconds. True if something is left, for which it is
-  /// called again once others have had their turn.
+  /// Does a part of the work that takes some milliseconds at most. Returns true if something is left. The
+  /// function is then called again after other work has had its turn.
   virtual bool carry_out() noexcept = 0;
 
  private:
   friend class ScheduledWork;
-  std::shared_ptr<DeferredWork> next_;  ///< the work that was added before, while this one is scheduled
+  /// The work that was scheduled before this one, while both are scheduled.
+  std::shared_ptr<DeferredWork> next_;
 };
 
 }  // namespace sft::udp

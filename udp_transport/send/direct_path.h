@@ -1,5 +1,5 @@
-// Sends at once, on the thread that publishes: small samples, and large ones from where the program has
-// them.
+// Sends samples at once, on the thread that publishes: small samples, and large ones from the program's
+// memory.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@
 
 namespace sft::udp {
 
-/// Used by one thread.
+/// An object is used by one thread only.
 class DirectPath {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -23,18 +23,19 @@ class DirectPath {
   DirectPath(std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally)
       : side_(std::move(side)), tally_(std::move(tally)) {}
 
-  /// Called when another sample is sent from now on, which has to be cut first.
+  /// Called before another sample is sent. That sample has to be cut first.
   void begin_sample() { cut_for_ = 0; }
 
-  /// Returns true if there is room for more at the destination. Otherwise the sending thread goes on once
+  /// Returns true if there is room for more at the destination. Otherwise the sending thread continues once
   /// there is room. Before the first report of the destination the whole job has to fit.
   bool may_send(Destination& to, const Job& job, Time now);
-  /// Sends a job of that lane. Returns `would_wait` if the sending thread has to do it, because the body is
-  /// not small or the send buffer is full.
+  /// Sends a job of that lane. Returns `would_wait` if the sending thread has to send it, because the body
+  /// is not small or the send buffer is full.
   SendOutcome send(Lane& lane, Job& job);
-  /// Sends a piece of that channel. If it cannot leave at once, the sending thread has to send it.
+  /// Sends a piece of that channel. If it cannot leave at once, the result wakes the sending thread, which
+  /// sends it.
   Wake send(Channel& channel, const Channel::Piece& piece, Time now);
-  /// Sends as much of a large body as may be sent now. Returns how many bytes of the body were sent.
+  /// Sends as much of a large body as may be sent now. Returns the number of bytes that were sent.
   std::uint32_t send_some(const EncodedBody& body, Destination& to);
 
  private:
@@ -43,8 +44,8 @@ class DirectPath {
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
-  Batch batch_;  ///< datagrams of the present sample
-  /// The datagram length that the batch was cut for; 0: the batch has nothing of the present sample.
+  Batch batch_;  ///< the datagrams of the present sample
+  /// The datagram length for which the batch was cut; 0: the batch has no datagrams of the present sample.
   std::size_t cut_for_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// The job of the present sample, until a lane or a channel has it.
+// The job of the present sample, until it is given to a lane or a channel.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace sft::udp {
 
-/// Used by one thread.
+/// An object is used by one thread only.
 class Draft {
  public:
   explicit Draft(std::shared_ptr<JobPool> jobs) : jobs_(std::move(jobs)) {}
@@ -22,27 +22,27 @@ class Draft {
   Job& job() const { return *handle_; }
   const JobHandle& handle() const { return handle_; }
 
-  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, that holds a
-  /// copy of the body instead. A pack has no sample, since it holds copies.
+  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, the job holds
+  /// a copy of the body instead. A pack has no sample, since it holds copies.
   void keep(const core::SampleHandle& sample) {
     if (!handle_->sample && !is_kept_) handle_->sample = sample;
     is_kept_ = is_kept_ || handle_->is_pack();
   }
-  /// Copies the body of a small job for a channel. The body of a pack is a copy already.
+  /// Copies the body of a small job that a channel will keep. The body of a pack is a copy already.
   void copy_for_channel() {
     if (!std::exchange(is_kept_, true) && !handle_->is_pack()) handle_->copy_body();
   }
-  /// Prepares a large job for channels. Only as many samples in borrowed memory are kept there as are
-  /// needed while readers keep up, so that other readers of that memory miss none. Further samples are
-  /// copied into `pool`, which may be null.
+  /// Prepares a large job for channels. They keep samples in borrowed memory only in the number that is
+  /// needed while readers keep up, so that enough of this memory is left to other readers. Further samples
+  /// are copied into `pool`, which may be null.
   void keep_in_channels(const core::SampleHandle& sample, const std::shared_ptr<core::BufferPool>& pool);
 
-  /// Ends the sample, which has been sent to the whole audience. The job is used again unless a lane or a
-  /// channel has it.
+  /// Ends the sample, after it has been sent to the whole audience. The job is used again unless a lane or
+  /// a channel has it.
   void release() {
     if (std::exchange(is_kept_, false) || handle_->sample) handle_ = {};
   }
-  /// Gives up the job in any case.
+  /// Gives up the job, even if it could be used again.
   void reset() {
     handle_ = {};
     is_kept_ = false;
@@ -52,7 +52,7 @@ class Draft {
  private:
   const std::shared_ptr<JobPool> jobs_;
   JobHandle handle_;
-  bool is_kept_ = false;  ///< a channel keeps the job
+  bool is_kept_ = false;  ///< true if a channel keeps the job
 };
 
 }  // namespace sft::udp

@@ -1,5 +1,5 @@
-// The samples of one writer under the masks beyond the first few. The publisher's thread hands these over
-// to the sending thread, so that many masks do not hold up the publisher.
+// The samples of one writer under all masks except the first few. The publisher's thread hands these
+// samples over to the sending thread, so that many masks do not delay the publisher.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,7 @@ class FanOut final : public DeferredWork {
   FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally,
          std::shared_ptr<JobPool> jobs);
 
-  /// A sample, and the audiences that it still has to be sent to: those of [first, end) that have no gate.
+  /// A sample, and the audiences to which it still has to be sent: those in [first, end) that have no gate.
   struct DeferredSample {
     core::SampleHandle sample;
     std::shared_ptr<const RouteTable> routes;
@@ -32,24 +32,24 @@ class FanOut final : public DeferredWork {
     std::size_t end = 0;
   };
 
-  // The publisher's thread.
+  // The following functions are for the publisher's thread.
 
-  /// Returns true if nothing remains, so that a sample that is sent now overtakes nothing.
+  /// Returns true if no sample remains, so that a sample that is sent now overtakes nothing.
   bool done() const { return done_.load(std::memory_order_acquire); }
   /// Returns true if large samples are handed over for all masks (PublisherOptions::asynchronous).
   bool takes_large() const { return takes_large_; }
 
   struct Posted {
     Wake wake = Wake::none;
-    std::size_t dropped = 0;  ///< number of older samples given up, since there were too many
+    std::size_t dropped = 0;  ///< number of older samples that were given up because there were too many
   };
   Posted post(DeferredSample deferred) noexcept;
 
-  /// Waits until nothing remains, or the sending thread has stopped. The writer's type may be destroyed
-  /// then.
+  /// Waits until no sample remains, or the sending thread has stopped. After that, the writer's type may be
+  /// destroyed.
   void finish() noexcept;
 
-  /// Called by the sending thread.
+  /// Sends a part of the deferred samples. Called by the sending thread.
   bool carry_out() noexcept override;
 
  private:
@@ -57,7 +57,7 @@ class FanOut final : public DeferredWork {
     return deferred.sample->capacity > direct_bytes_max;
   }
   std::optional<DeferredSample> take_surplus_before(const DeferredSample& newcomer) noexcept;
-  /// REQUIRES: the queue is not empty.
+  /// Takes out the oldest sample. REQUIRES: the queue is not empty.
   DeferredSample pop_oldest() noexcept SFT_REQUIRES(mutex_);
   std::optional<DeferredSample> take() noexcept;
   static std::span<const Audience> audiences_of(const DeferredSample& deferred) {

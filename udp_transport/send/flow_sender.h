@@ -1,5 +1,5 @@
 // Sends as much of a flow as its destination and the rate limits allow, and schedules when the sending
-// thread goes on with it.
+// thread continues with it.
 #pragma once
 
 #include <array>
@@ -17,30 +17,31 @@
 
 namespace sft::udp {
 
-/// Used by the sending thread.
+/// All functions are called by the sending thread.
 class FlowSender {
  public:
   using Time = SendFlow::Time;
   enum class Progress : std::uint8_t {
     none,   ///< nothing was sent: the flow has to wait
-    some,   ///< a part was sent, and there is more
-    whole,  ///< all has left
+    some,   ///< a part was sent, and the rest has to follow
+    whole,  ///< the whole sample has left
     lost,
   };
   static bool is_under_way(Progress progress) {
     return progress == Progress::none || progress == Progress::some;
   }
-  /// A flow whose connection is full for longer than this is lost. The memory of its sample is worth more
-  /// elsewhere, and a receiver that had a part of the sample has given it up.
+  /// A flow whose connection is full for longer than this is given up. Other samples need its memory more,
+  /// and a receiver that had a part of the sample has given that up.
   static constexpr std::chrono::seconds timeout{2};
 
-  /// `limit` is that of all writers. All arguments outlive this object.
+  /// `limit` is the rate limit of all writers together. All arguments must outlive this object.
   FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerReceiver& answers, NextRound& round)
       : limit_(limit), local_turns_(local_turns), answers_(answers), round_(round) {}
 
-  /// Sends what may be sent in one turn. Takes answers meanwhile, and yields to readers on this host.
+  /// Sends the data that may be sent in one turn. Takes answers meanwhile, and yields to readers on this
+  /// host.
   Progress send_some(SendFlow& flow);
-  /// Sends what may be sent in one call.
+  /// Sends the data that may be sent in one call.
   Progress send_a_few(SendFlow& flow, Time now);
 
  private:
@@ -49,10 +50,10 @@ class FlowSender {
   void account_for(SendFlow& flow, Connection& by, std::size_t batches, Time now);
   Progress wait_for_room(SendFlow& flow, Connection& by, Time now);
 
-  static constexpr int calls_per_turn = 8;  ///< system calls before the next flow has its turn
+  static constexpr int calls_per_turn = 8;  ///< number of system calls before the next flow has its turn
   static constexpr std::size_t batches_per_call = 8;
-  /// In socket bytes. Such data is still in the nearest caches when the kernel copies it, and a receiver
-  /// that sleeps is woken by the first call.
+  /// The limit of one call, in socket bytes. Data of this size is still in the nearest caches when the
+  /// kernel copies it, and the first call of several wakes a receiver that sleeps.
   static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   RateLimit& limit_;
@@ -62,7 +63,8 @@ class FlowSender {
   // The batches of the present call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;
-  std::array<std::optional<Fragmenter>, batches_per_call> rest_;  ///< the fragmenter behind each batch
+  /// For each batch, the state of the fragmenter after it.
+  std::array<std::optional<Fragmenter>, batches_per_call> rest_;
 };
 
 }  // namespace sft::udp

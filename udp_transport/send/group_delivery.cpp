@@ -5,9 +5,9 @@
 
 namespace sft::udp {
 
-/// Sends to all members. Each reliable member keeps the job in its channel, for repairs, or to send it if
-/// the member does not hear the group or the group has no room. Copies for best-effort members that do not
-/// hear the group have no mark of the group.
+/// Sends to all members. Each reliable member keeps the job in its channel. The channel repairs the sample,
+/// or sends it if the member does not receive the group or the group has no room. Copies for best-effort
+/// members that do not receive the group have no mark of the group.
 std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample,
                                 const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
@@ -27,7 +27,8 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   }
   const MulticastGroup::BestEffort others = group.best_effort();
   if (has_room || others.some_hear) {
-    // Channels share the job by now, with headers of their own. The job's header is for the group alone.
+    // Channels share the job by now, and have headers of their own. So only the group uses the job's
+    // header.
     job.first.flags |= group_follows;
     job.first.group = {group.name().number, static_cast<std::uint32_t>(sample->sequence >> 32), ordinal};
     missed += send_to_group(audience, body) ? 0 : 1;
@@ -36,8 +37,8 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
 }
 
-/// Waits for room if the publisher waits for its readers: for each reliable member, before anything of the
-/// sample leaves.
+/// If the publisher waits for its readers, waits for room in the channel of each reliable member before any
+/// part of the sample is sent.
 void GroupDelivery::await_room(const Audience& audience) {
   std::chrono::nanoseconds* const timeout = unicast_.reliable.timeout();
   if (timeout == nullptr) return;
@@ -46,7 +47,7 @@ void GroupDelivery::await_room(const Audience& audience) {
   }
 }
 
-/// Sends to the best-effort members that do not hear the group.
+/// Sends to the best-effort members that do not receive the group.
 std::size_t GroupDelivery::send_to_unconfirmed_members(const Audience& audience,
                                                        const core::SampleHandle& sample) {
   Job& job = draft_.begin();
@@ -79,12 +80,13 @@ bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHa
   const std::shared_ptr<Lane>& lane = group.lane();
   Job& job = draft_.job();
   Sender& sender = side_->sender;
-  if (!group.is_answered()) {  // the members that heard the group are silent
+  if (!group.is_answered()) {  // all members that received the group are silent
     sender.wake(group.note_departed(job, true));
     return false;
   }
   if (group.broken()) {
-    sender.wake(group.note_departed(job, false));  // the members that would have heard the sample ask for it
+    // The members that should have received the sample will request it.
+    sender.wake(group.note_departed(job, false));
     return true;
   }
   const SendOutcome outcome = lane->is_clear() ? direct_.send(*lane, job) : SendOutcome::would_wait;

@@ -1,4 +1,4 @@
-// Sends the present sample to a multicast group, and separately to those members that do not hear the
+// Sends the present sample to a multicast group, and separately to the members that do not receive the
 // group.
 #pragma once
 
@@ -17,14 +17,14 @@ namespace sft::udp {
 
 class GroupDelivery {
  public:
-  /// All arguments except `side` outlive the delivery.
+  /// All arguments except `side` must outlive this object.
   GroupDelivery(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, Draft& draft,
                 DirectPath& direct, UnicastDelivery& unicast)
       : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
 
   /// REQUIRES: the audience has a multicast group. `body` holds the bytes of the job: it is the sample, or
-  /// memory with the parts that were taken from the sample. Returns how many destinations do not get the
-  /// sample.
+  /// memory with the parts that were taken from the sample. Returns the number of destinations that do not
+  /// get the sample.
   std::size_t send(const Audience& audience, const core::SampleHandle& sample,
                    const core::SampleHandle& body);
 

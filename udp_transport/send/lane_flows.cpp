@@ -9,10 +9,10 @@ namespace {
 using Progress = FlowSender::Progress;
 using Size = SendFlow::Size;
 
-/// The time that a group waits for an older sample that is sent to one of its members alone.
+/// The longest time for which a group waits for an older sample to one of its members alone.
 constexpr std::chrono::milliseconds member_stalls_max{10};
 
-/// REQUIRES: both flows have a job of the same writer.
+/// Returns true if the job of `one` is older. REQUIRES: both flows have a job of the same writer.
 bool is_older(const SendFlow& one, const SendFlow& other) {
   const auto sequence = [](const SendFlow& flow) { return flow.lane->current()->first.label.sequence; };
   return static_cast<std::int32_t>(sequence(one) - sequence(other)) < 0;
@@ -52,8 +52,8 @@ bool LaneFlows::begin(SendFlow& flow) {
   return true;
 }
 
-/// Hands the history of a late reader, and the jobs that waited behind it, to the channel while there is
-/// room, so that the channel gives up nothing for jobs that can wait here. Returns false if no job remains.
+/// Hands the history of a late reader, and the jobs behind it, to the channel while there is room. The
+/// channel need not give up samples for jobs that can wait here. Returns false if no job remains.
 bool LaneFlows::pass_on(SendFlow& flow) {
   Lane& lane = *flow.lane;
   if (lane.closed()) flow.waits_for_room = false;
@@ -70,7 +70,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
   return false;
 }
 
-/// Sends what the flow may send now, and takes its next job when that is done.
+/// Sends as much as the flow may send now, and takes its next job when the present one is done.
 void LaneFlows::advance(SendFlow& flow) {
   if (const SendFlow* other = holder_of(flow)) return note_stall(flow, other->stalled_since);
   const Progress progress = sender_.send_some(flow);
@@ -86,17 +86,17 @@ void LaneFlows::advance(SendFlow& flow) {
   if (!begin(flow)) flow.lane.reset();
 }
 
-/// Schedules when groups that wait for the flow may pass it. A flow that waits for another one stalls as
-/// long as that one does.
+/// Schedules when groups that wait for the flow may pass it. A flow that waits for another flow counts as
+/// stalled since the other one stalled.
 void LaneFlows::note_stall(SendFlow& flow, std::optional<SendFlow::Time> since) {
   if (since && !flow.stalled_since) round_.by(*since + member_stalls_max);
   flow.stalled_since = since;
 }
 
-/// Returns a flow that has to go on before this one; null if there is none. Large samples of one writer go
-/// to a destination one after another, under any masks: a receiver assembles only a few at a time, and the
-/// first one is whole sooner. Small samples may pass between them. If a receiver gets one sample by a group
-/// or in a shared copy, and another one by another lane, the older one goes first.
+/// Returns a flow that has to be sent before this one; null if there is none. Large samples of one writer
+/// go to a destination one after another, under any masks. So the first one is whole sooner, and a receiver
+/// assembles only a few at a time. Small samples may pass between them. If a receiver gets one sample by a
+/// group or in a shared copy, and another one by another lane, the older sample goes first.
 const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   if (flow.fragments->begun()) return nullptr;
   const Destination& to = flow.lane->destination();
@@ -111,7 +111,8 @@ const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   return holder == flows_.end() ? nullptr : &*holder;
 }
 
-/// Returns true if a group may pass a flow to one of its members that has stalled for long enough.
+/// Returns true if the group's flow `flow` may pass `other`, a flow to one of its members that has stalled
+/// for long enough.
 bool LaneFlows::may_pass(const SendFlow& flow, const SendFlow& other) {
   if (!flow.lane->end().is_group() || other.lane->end().is_group() || !other.stalled_since) return false;
   const SendFlow::Time at = *other.stalled_since + member_stalls_max;

@@ -1,6 +1,6 @@
 // Makes the sending thread yield to publishers and their readers on this host. That thread can be busy for
-// milliseconds with a sample for other hosts. A scheduler may let it go on for that long while the thread
-// that publishes, or a reader that was woken, waits for a processor.
+// milliseconds with a sample for other hosts. Meanwhile a scheduler may not run the thread that publishes,
+// or a reader that was woken.
 #pragma once
 
 #include <atomic>
@@ -13,18 +13,20 @@ namespace sft::udp {
 class LocalTurns {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// The time from when the sending thread sees that a turn is over. Readers are woken by another thread of
-  /// their process, one after another.
+  /// The time for readers to wake up, from when the sending thread notices the end of a turn. Another
+  /// thread of their process wakes them, one after another.
   static constexpr std::chrono::milliseconds time_to_wake{1};
 
-  // Publishers call these when they begin and end publishing a sample to readers on this host. Any thread.
+  // Publishers call these functions when they begin and end publishing a sample to readers on this host.
+  // Any thread may call them.
 
   void begin() noexcept { state_.fetch_add(one_under_way, std::memory_order_relaxed); }
   void end() noexcept { state_.fetch_add(one_over - one_under_way, std::memory_order_relaxed); }
 
-  // The sending thread.
+  // The following functions are for the sending thread.
 
-  /// Returns true while there is such a turn, and for a moment after it, when its readers wake up.
+  /// Returns true while a publisher publishes to readers on this host, and for a moment after it, in which
+  /// its readers wake up.
   bool is_due(Time now) noexcept {
     const std::uint64_t state = state_.load(std::memory_order_relaxed);
     const auto over = static_cast<std::uint32_t>(state >> 32);
@@ -38,7 +40,7 @@ class LocalTurns {
 
   /// The number of turns under way in the lower half, and of finished turns in the upper half.
   std::atomic<std::uint64_t> state_{0};
-  /// Number of finished turns when seen last; on a cache line of its own.
+  /// Number of finished turns at the last check. It has a cache line of its own.
   alignas(64) std::uint32_t over_ = 0;
   Time until_{};
 };

@@ -1,4 +1,4 @@
-// The time of the sending thread's next round, until which it sleeps. Uses no clock, thread or I/O.
+// The time of the sending thread's next round. The thread sleeps until then. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,7 @@ class NextRound {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Begins a round. So far nothing asks for another one.
+  /// Begins a round. The next round is not scheduled yet.
   void begin() { time_ = Time::max(); }
   void at_once() { time_ = {}; }
   void by(Time time) { time_ = std::min(time_, time); }

@@ -6,13 +6,15 @@
 namespace sft::udp {
 
 namespace {
-/// One system call takes a pack of this length, whatever the lengths of its samples are.
+/// The limit of a pack's length in bytes. One system call takes such a pack, whatever the lengths of its
+/// samples are.
 constexpr std::size_t pack_bytes_most = 44'000;
 constexpr std::size_t pack_datagrams = 30;
-/// A quarter of the samples that are acknowledged at a time or kept, so that the next pack can be filled
-/// meanwhile.
+/// The limit of samples in a pack: a quarter of those that are acknowledged at a time or kept. So the next
+/// pack can be filled meanwhile.
 constexpr std::size_t pack_samples_max = 1024;
-/// A datagram has room for at least this many samples. With fewer, sharing it would gain little.
+/// The number of samples for which a datagram must have room. Sharing a datagram among fewer would gain
+/// little.
 constexpr std::size_t samples_per_datagram_min = 4;
 }  // namespace
 
@@ -30,7 +32,7 @@ Packer::Pack& Packer::pack_for(const Audience& audience) {
     datagram_bytes = std::min(datagram_bytes, lane->destination().path().datagram_bytes());
   const std::size_t header =
       first_header_bytes + channel_bytes + length_bytes + audience.wire->words.size() * sizeof(std::uint64_t);
-  // Every path takes such a sample in one datagram, so that no packed sample ever has to be cut.
+  // A sample of this length fits into one datagram on every path, so that no packed sample has to be cut.
   const std::size_t sample_bytes = std::min({datagram_bytes_min - header, side_->max_sample_bytes,
                                              (datagram_bytes - header) / samples_per_datagram_min});
   return packs_.emplace_back(Pack{&audience, jobs_->take(), sample_bytes,

@@ -13,10 +13,10 @@
 
 namespace sft::udp {
 
-/// Used by one thread.
+/// An object is used by one thread only.
 class Packer {
  public:
-  /// The encoder outlives the packer. No sample is longer than SendSide::max_sample_bytes.
+  /// The encoder must outlive the packer. No sample is longer than SendSide::max_sample_bytes.
   Packer(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, std::shared_ptr<JobPool> jobs)
       : side_(std::move(side)), encoder_(encoder), jobs_(std::move(jobs)) {}
 
@@ -25,10 +25,10 @@ class Packer {
     full,   ///< the sample has to wait until the packs are sent
     unfit,  ///< the sample is not small, or must not be packed; it is sent alone, after the packs
   };
-  /// Copies a small sample into the pack of the audience. The audience lives until the packs are taken.
+  /// Copies a small sample into the pack of the audience. The audience must live until the packs are taken.
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept;
 
-  /// A pack that can be sent.
+  /// A pack that is ready to be sent.
   struct Pack {
     const Audience* audience;
     JobHandle job;
@@ -51,7 +51,7 @@ class Packer {
   const std::shared_ptr<SendSide> side_;
   const SampleEncoder& encoder_;
   const std::shared_ptr<JobPool> jobs_;
-  JobHandle projected_;  ///< the body of the present sample
+  JobHandle projected_;  ///< the body of the present sample, as it was projected
   std::vector<Pack> packs_;
 };
 

@@ -5,7 +5,7 @@
 namespace sft::udp {
 
 namespace {
-/// After each copy of this length the channel is asked if the rest is still needed.
+/// The length of a copy after which the channel is asked if the rest is still needed.
 constexpr std::size_t copied_at_a_time = 128 * 1024;
 }  // namespace
 
@@ -24,7 +24,7 @@ std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,
   return channel == nullptr ? send_once(lane, sample) : send_reliably(*lane, channel, sample);
 }
 
-/// Copies the body only if the sending thread has to send the rest.
+/// Sends by best effort. The body is copied only if the sending thread has to send the rest.
 std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
                                          const core::SampleHandle& sample) {
   Job& job = draft_.job();
@@ -37,7 +37,8 @@ std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
   return unicast_.best_effort.enqueue(lane);
 }
 
-/// Copies what may have to be sent again, except what has been acknowledged by then.
+/// Sends reliably. Copies the parts that may have to be sent again, except those that have been
+/// acknowledged by then.
 std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
                                                             const std::shared_ptr<Channel>& channel,
                                                             const core::SampleHandle& sample) {

@@ -1,4 +1,4 @@
-// Sends a large sample from where the program has it, before its body is copied.
+// Sends a large sample from the program's memory, before its body is copied.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +15,14 @@ namespace sft::udp {
 
 class PostponedDelivery {
  public:
-  /// The draft, the direct path and the unicast delivery outlive this one.
+  /// The draft, the direct path and the unicast delivery must outlive this object.
   PostponedDelivery(Draft& draft, DirectPath& direct, UnicastDelivery& unicast)
       : draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// Returns true if nothing has to be sent before the sample, and there is a connection for it.
+  /// Returns true if no other sample has to be sent before this one, and there is a connection for it.
   static bool is_possible(const Audience& audience);
-  /// Sends through the only lane of the audience. Returns how many samples do not get there. Empty if
-  /// something else has to be sent first; then nothing was sent.
+  /// Sends through the only lane of the audience. Returns the number of samples that do not get to the
+  /// destination. Empty if another sample has to be sent first; in that case nothing was sent.
   std::optional<std::size_t> send(const Audience& audience, const core::SampleHandle& sample);
 
  private:

@@ -12,20 +12,20 @@
 
 namespace sft::udp {
 
-/// Any thread, except for number().
+/// Any thread may call the functions, except for number().
 class SampleEncoder {
  public:
   SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
       : writer_(static_cast<std::uint32_t>(spec.id)), type_(*spec.type), side_(std::move(side)) {}
 
   /// Returns false if there is nothing to send, because the sample is malformed or too large. If large
-  /// parts of fields were asked for, the body lies in memory of the node itself, which the job then has as
-  /// its sample.
+  /// parts of fields were requested, the body is in memory of the node itself, and the job has that memory
+  /// as its sample.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
-  /// Called by the publisher's thread if the sample has passed the gate of the audience, if there is one.
-  /// Writes its number among the passed samples. Retained samples pass no gate.
+  /// Writes the number of the sample among those that passed the gate of the audience, if there is a gate.
+  /// Called by the publisher's thread if the sample has passed. Retained samples pass no gate.
   static void number(const Audience& audience, Job& job);
-  /// Writes the whole header, except the length of the body.
+  /// Writes all fields of the header, except the length of the body.
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
   /// Projects the sample to the mask of the audience. Returns false if the sample is malformed.
   bool project(const Audience& audience, const core::SampleBuffer& sample, detail::Projection& body) const {

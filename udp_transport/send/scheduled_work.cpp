@@ -5,8 +5,8 @@
 namespace sft::udp {
 
 namespace {
-/// Adds to one of two lists that change places with each take(). A list gets the capacity that the other
-/// one has reached at once, instead of doubling step by step.
+/// Adds to one of two lists that change places with each take(). A list is given the capacity that the
+/// other one has reached at once, instead of growing step by step.
 template <class One>
 void add_to(std::vector<One>& list, One one, std::size_t& room) {
   list.reserve(room);
@@ -53,8 +53,8 @@ void ScheduledWork::close() {
   deferred_.reset();
 }
 
-/// If nothing was added, lists are not exchanged. So the publisher's thread finds memory as soon as
-/// something has been taken twice, however often the sending thread found nothing.
+/// If nothing was added, the lists are not exchanged. So the publisher's thread needs no allocation once
+/// lists with work have been taken twice, however often the sending thread found nothing.
 void ScheduledWork::take(Taken& taken) {
   const core::Lock lock(mutex_);
   if (!added_.lanes.empty()) taken.lanes.swap(added_.lanes);
@@ -69,7 +69,8 @@ void ScheduledWork::carry_out_all_deferred() {
     any_deferred_.store(false, std::memory_order_relaxed);
   }
   while (work != nullptr) {
-    std::shared_ptr<DeferredWork> next = std::move(work->next_);  // the work may be scheduled again at once
+    // Copied first, because the work may be scheduled again at once.
+    std::shared_ptr<DeferredWork> next = std::move(work->next_);
     if (work->carry_out()) add(work);
     work = std::move(next);
   }

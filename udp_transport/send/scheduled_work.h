@@ -17,20 +17,20 @@ namespace sft::udp {
 
 class ScheduledWork {
  public:
-  /// The sending thread sleeps in `io`, which outlives this object.
+  /// The sending thread sleeps in `io`, which must outlive this object.
   explicit ScheduledWork(DatagramSender& io) : io_(io) {}
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   void add(std::shared_ptr<Lane> lane);
   void add(std::shared_ptr<Channel> channel);
-  /// Adds work, which must have been carried out before it is added again. Allocates nothing.
+  /// Adds work. Work that was added before must have been carried out. Allocates nothing.
   void add(std::shared_ptr<DeferredWork> work) noexcept;
-  /// Releases everything that was not taken, and ignores what is added later, because deferred work shares
-  /// ownership of the sending thread.
+  /// Releases all work that was not taken, and ignores work that is added later, because deferred work
+  /// shares ownership of the sending thread.
   void close();
 
-  // The sending thread.
+  // The following functions are for the sending thread.
 
   struct Taken {
     Taken() {
@@ -40,17 +40,18 @@ class ScheduledWork {
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
 
-    static constexpr std::size_t few = 16;  ///< for this many lanes or channels nothing is allocated later
+    /// Up to this number of lanes or channels, nothing is allocated later.
+    static constexpr std::size_t few = 16;
   };
-  /// Takes the lanes and channels that were added since the last call. `taken` is empty before. If
-  /// something is taken, its former memory is used for what is added next.
+  /// Takes the lanes and channels that were added since the last call. `taken` must be empty. If something
+  /// is taken, the former memory of `taken` is used for later additions.
   void take(Taken& taken);
   void carry_out_deferred() {
     if (any_deferred_.load(std::memory_order_acquire)) carry_out_all_deferred();
   }
 
  private:
-  /// The capacities that these lists have reached.
+  /// The capacities that the lists of added lanes and channels have reached.
   struct Room {
     std::size_t lanes = 0, channels = 0;
   };
@@ -64,7 +65,7 @@ class ScheduledWork {
   Taken added_ SFT_GUARDED_BY(mutex_);
   Room room_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<DeferredWork> deferred_
-      SFT_GUARDED_BY(mutex_);  ///< the last work added; each one knows the one before
+      SFT_GUARDED_BY(mutex_);  ///< the work that was added last; each work refers to the previous one
   std::atomic<bool> any_deferred_{false};
 };
 

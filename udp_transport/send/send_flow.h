@@ -1,5 +1,4 @@
-// The present job of one lane, or of one of a channel's two queues, as far as the sending thread has sent
-// it.
+// The present job of one lane, or of one of a channel's two queues, and the progress of sending it.
 #pragma once
 
 #include <chrono>
@@ -18,20 +17,21 @@ struct SendFlow {
   using Time = Clock::time_point;
   using Size = ResendWindow::Size;
 
-  std::shared_ptr<Lane> lane{};  ///< null: the flow belongs to the channel
+  std::shared_ptr<Lane> lane{};  ///< the lane of the flow; null: the flow belongs to the channel
   std::shared_ptr<Channel> channel{};
   Size size{};
   std::optional<Fragmenter> fragments{};
-  std::optional<Time> full_since{};     ///< when the flow's connection became full, if nothing was sent since
-  std::optional<Time> stalled_since{};  ///< when the flow stalled, if nothing was sent since
-  bool waits_for_room = false;          ///< the lane's current job has no room in the lane's channel
-  std::uint64_t behind = 0;  ///< the destination's position behind the latest part of a large sample
-  std::optional<Channel::Piece> piece{};  ///< keeps what the fragments refer to
+  /// Time when the flow's connection became full, if nothing was sent since.
+  std::optional<Time> full_since{};
+  std::optional<Time> stalled_since{};  ///< time when the flow stalled, if nothing was sent since
+  bool waits_for_room = false;          ///< true if the lane's current job has no room in the lane's channel
+  std::uint64_t behind = 0;  ///< the destination's position after the latest part of a large sample
+  std::optional<Channel::Piece> piece{};  ///< the piece, which keeps the memory that the fragments refer to
 
   Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
   WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
-  /// Returns the connection that the flow is sent by. A small sample overtakes large samples, unless it has
-  /// to arrive behind one of them.
+  /// Returns the connection for the flow. A small sample overtakes large samples, unless it has to arrive
+  /// behind one of them.
   Connection& connection() const {
     if (size == Size::large) return destination().bulk();
     return lane ? destination().connection_after(lane->behind()) : destination().connection();

@@ -24,18 +24,18 @@
 
 namespace sft::udp {
 
-/// Something that the agent's thread has to maintain now and then.
+/// A task that the agent's thread has to perform now and then.
 class Periodic {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Returns when it has to be called again; Time::max() if that is not urgent.
+  /// Performs the task. Returns when it has to be called again; Time::max() if that is not urgent.
   virtual Time maintain(Time now) = 0;
 
  protected:
   ~Periodic() = default;
 };
 
-/// Any thread, except where a comment says otherwise.
+/// Any thread may call the functions, except where a comment names a thread.
 class PeriodicTasks {
  public:
   using Time = Periodic::Time;
@@ -45,7 +45,7 @@ class PeriodicTasks {
     const auto maintain = [&one](Time now, Time& next) { next = std::min(next, one.maintain(now)); };
     all_.push_back({&one, std::make_shared<Maintain>(maintain)});
   }
-  /// Removes a task. When this returns, it is not called any more, and no call is in progress.
+  /// Removes a task. When this returns, the task is not called any more, and no call of it is in progress.
   void remove(const Periodic& one) {
     core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
@@ -54,8 +54,8 @@ class PeriodicTasks {
     lock.unlock();
     removed->clear();
   }
-  /// Calls each task in turn, without keeping others out meanwhile. Allocates nothing while there are no
-  /// more tasks than before. The agent's thread.
+  /// Calls each task in turn, without holding the mutex meanwhile. Allocates nothing while there are no
+  /// more tasks than before. Called by the agent's thread.
   void maintain(Time now) {
     {
       const core::Lock lock(mutex_);
@@ -65,9 +65,10 @@ class PeriodicTasks {
     for (const Entry& entry : round_) (*entry.maintain)(now, next_);
     round_.clear();
   }
-  /// Makes the next call of maintain() happen by that time. The agent's thread.
+  /// Schedules the next call of maintain() for that time at the latest. Called by the agent's thread.
   void maintain_by(Time next) { next_ = std::min(next_, next); }
-  /// Returns when maintain() has to be called again; Time::max() if that is not urgent. The agent's thread.
+  /// Returns when maintain() has to be called again; Time::max() if that is not urgent. Called by the
+  /// agent's thread.
   Time next() const { return next_; }
 
  private:
@@ -83,7 +84,7 @@ class PeriodicTasks {
   Time next_ = Time::max();
 };
 
-/// Lives as long as the transport, and any of its writers.
+/// The shared state. It lives as long as the transport, or any of its writers.
 struct SendSide {
   SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& to_each,
            std::uint64_t max_bytes_per_s = 0)
@@ -96,15 +97,15 @@ struct SendSide {
   ChannelRegistry channels;
   GroupRegistry groups;
   PeriodicTasks writers;
-  DestinationLimits limits;  ///< limits of each destination; multicast groups get a copy
+  DestinationLimits limits;  ///< limits of each destination; each multicast group gets a copy
   Multicast multicast = Multicast::automatic;
-  // These two are used by the agent's thread.
+  // The next two members are used by the agent's thread.
   core::NetworkMonitor network_watch;
   KnownMulticastLinks links{network_watch};
   std::uint16_t answer_port = 0;     ///< port that acks and reports come to
   std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
   std::size_t queue_depth = 0;
-  /// The node's own memory; samples elsewhere are in borrowed memory. May be null.
+  /// The node's own memory. Samples in any other memory are borrowed. May be null.
   std::shared_ptr<core::BufferPool> pool;
   std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
   std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_rejected{0};

@@ -5,7 +5,7 @@
 namespace sft::udp {
 
 namespace {
-constexpr unsigned long timer_slack_ns = 1000;  // the default would add 50 us to pauses as short as that
+constexpr unsigned long timer_slack_ns = 1000;  // the default slack would add 50 us to short pauses
 }
 
 Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s)
@@ -45,7 +45,7 @@ void Sender::run() {
     channels_.send_small();
     send_large();
     io_->await(round_.time());
-    // Removed only now, because await() may have waited for their connections.
+    // Flows are removed only now, because await() may have waited for their connections.
     lanes_.forget_idle();
     channels_.forget_resting();
   }
@@ -61,9 +61,9 @@ void Sender::take_over_scheduled() {
   taken_.channels.clear();
 }
 
-/// Gives each large flow its turn, and begins with another one each time, so that each gets its turn even
-/// if there is room for only a few. Deferred work is carried out in between: a deferred sample is small, or
-/// becomes a flow itself.
+/// Gives each large flow its turn. Each call begins with another flow, so that all get their turn even if
+/// there is room for only a few. Deferred work is carried out between the turns: a deferred sample is
+/// small, or becomes a flow itself.
 void Sender::send_large() {
   const std::size_t count = lanes_.count() + channels_.count();
   if (count == 0) return;

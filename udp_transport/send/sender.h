@@ -1,6 +1,6 @@
-// The sending thread: sends what publishers have queued, as fast as each destination takes it. No
-// destination waits for another: if a send buffer is full, others go on. Small samples go before large
-// ones, and large ones take turns.
+// The sending thread sends the samples that publishers have queued, as fast as each destination takes them.
+// No destination waits for another: if a send buffer is full, the others continue. Small samples go before
+// large ones, and large ones take turns.
 #pragma once
 
 #include <atomic>
@@ -33,14 +33,14 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// Handles an answer that comes to answer_port(), on the sending thread, as hear_answer() does.
+  /// The function that handles an answer from answer_port(), on the sending thread, like hear_answer().
   using Hear = AnswerReceiver::Hear;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
-  /// Ends the thread. Queued samples are not sent any more. Not called by the sending thread.
+  /// Ends the thread. Queued samples are not sent any more. Must not be called by the sending thread.
   void stop();
   bool stopped() const { return stopped_.load(std::memory_order_acquire); }
 
-  // Any thread.
+  // Any thread may call the following functions.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
   /// Sends one datagram without a connection, either at once or not at all.
@@ -50,27 +50,28 @@ class Sender {
   /// Returns the rate limit of all writers together.
   RateLimit& limit() { return limit_; }
   LocalTurns& local_turns() { return local_turns_; }
-  /// Returns the port that answers come to; 0: there is none of its own.
+  /// Returns the port to which answers come; 0: there is no separate port for answers.
   std::uint16_t answer_port() const { return io_->answer_port(); }
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
     return io_->connect_group(group, own);
   }
-  /// Called if a lane that was idle has something to send, a channel that was at rest needs attention, or
-  /// there is deferred work (ScheduledWork).
+  /// Called if an idle lane has something to send, a channel at rest needs attention, or there is deferred
+  /// work (ScheduledWork).
   template <class One>
   void schedule(std::shared_ptr<One> one) {
     scheduled_.add(std::move(one));
   }
-  /// Makes the thread check all lanes and channels at once, since lanes were closed, or channels have
+  /// Makes the thread check all lanes and channels at once. Called when lanes were closed, or channels have
   /// something to send.
   void look_again() noexcept { io_->wake(); }
-  /// Wakes the sending thread for a lane, a channel or work, as far as `wake` says.
+  /// Wakes the sending thread for a lane, a channel or work, if `wake` requires that.
   template <class One>
   void wake(Wake wake, const std::shared_ptr<One>& one) {
     if (wake == Wake::schedule) return schedule(one);
     if (wake == Wake::look) look_again();
   }
-  /// Wakes the sending thread if there is nothing to schedule.
+  /// Wakes the sending thread if `wake` requires that. Used if there is no lane, channel or work to
+  /// schedule.
   void wake(Wake wake) noexcept {
     if (wake != Wake::none) look_again();
   }
@@ -87,14 +88,14 @@ class Sender {
   std::thread thread_;
   std::atomic<bool> stopped_{false};
 
-  // Used by the sending thread alone.
+  // The following members are used by the sending thread only.
   NextRound round_;
   AnswerReceiver answers_;
   FlowSender flow_sender_;
   LaneFlows lanes_;
   ChannelFlows channels_;
   ScheduledWork::Taken taken_;
-  std::size_t turn_ = 0;  ///< determines which large flow comes first in a round
+  std::size_t turn_ = 0;  ///< determines which large flow has the first turn in a round
 };
 
 }  // namespace sft::udp

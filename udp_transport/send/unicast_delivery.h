@@ -1,4 +1,4 @@
-// Sends the present sample to each destination separately, reliably if a reader there asks for that.
+// Sends the present sample to each destination separately, reliably if a reader there requests that.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,7 @@ struct UnicastDelivery {
                   bool waits_for_readers)
       : best_effort(side, draft, direct), reliable(side, draft, direct, best_effort, waits_for_readers) {}
 
-  /// Returns how many samples do not get to the destination of that lane.
+  /// Returns the number of samples that do not get to the destination of that lane.
   std::size_t send(const Audience& audience, std::size_t lane, const core::SampleHandle& sample) {
     const std::shared_ptr<Channel>& channel = audience.channels[lane];
     return channel != nullptr ? reliable.send(audience.lanes[lane], channel)

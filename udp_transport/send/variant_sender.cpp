@@ -30,13 +30,15 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     sample->complete();
   }
   return send_body(audience, sample, sample);
-} catch (const std::bad_alloc&) {  // buffers grow with the samples that they hold
+  // Allocation is possible, because buffers grow with the samples that they hold.
+} catch (const std::bad_alloc&) {
   audience.tally->dropped();
   draft_.reset();
   return audience.lanes.size();
 }
 
-/// `body` holds the bytes of the job: it is the sample, or memory with the parts that were taken from it.
+/// Sends a sample. `body` holds the bytes of the job: it is the sample, or memory with the parts that were
+/// taken from the sample.
 std::size_t VariantSender::send_body(const Audience& audience, const core::SampleHandle& sample,
                                      const core::SampleHandle& body) {
   return audience.multicast == nullptr ? distribute(audience, body) : group_.send(audience, sample, body);
@@ -54,7 +56,7 @@ std::size_t VariantSender::send_postponed(const Audience& audience, const core::
 }
 
 /// Sends the job to each destination separately. Usually all destinations miss the same samples of a pack.
-/// What channels keep is copied before the sending thread gets the job from any lane.
+/// The data that channels keep is copied before the sending thread gets the job from any lane.
 std::size_t VariantSender::distribute(const Audience& audience, const core::SampleHandle& sample) {
   Job& job = draft_.job();
   direct_.begin_sample();

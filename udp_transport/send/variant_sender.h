@@ -19,7 +19,7 @@
 
 namespace sft::udp {
 
-/// Used by one thread, except for encode().
+/// An object is used by one thread only, except for encode().
 class VariantSender {
  public:
   VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -27,24 +27,26 @@ class VariantSender {
   VariantSender(const VariantSender&) = delete;
   VariantSender& operator=(const VariantSender&) = delete;
 
-  /// Returns how many destinations do not get the sample, or lose an older one for it.
+  /// Returns the number of destinations that do not get the sample, or lose an older one for it.
   std::size_t send(const Audience& audience, const core::SampleHandle& sample) noexcept;
 
   using Hold = Packer::Hold;
-  /// Copies a small sample. flush() sends it in datagrams that it shares with others. The audience lives
-  /// until flush().
+  /// Copies a small sample. flush() sends it in datagrams that it shares with other samples. The audience
+  /// must live until flush().
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept {
     return packer_.hold(audience, sample);
   }
-  /// Returns how many samples do not get to some destination, or made it lose an older one. Each sample
-  /// counts once, since the packs of all audiences have the same samples.
+  /// Sends the held samples. Returns the number of samples that do not get to some destination, or made it
+  /// lose an older one. Each sample counts once, since the packs of all audiences have the same samples.
   std::size_t flush() noexcept;
 
-  /// Sets how long the publisher may wait in all until a reliable sample makes no reader lose an older one.
+  /// Sets the time that the publisher may wait in all for room, so that a reliable sample makes no reader
+  /// lose an older one.
   void set_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.set_timeout(timeout); }
   void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.cap_timeout(timeout); }
 
-  /// Returns false if there is nothing to send, because the sample is malformed or too large. Any thread.
+  /// Returns false if there is nothing to send, because the sample is malformed or too large. Any thread
+  /// may call this.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
     return encoder_.encode(audience, sample, job);
   }

@@ -8,7 +8,7 @@ namespace sft::udp {
 
 namespace {
 
-// The offsets of the fields that all kinds of samples share, and then those of fields of single kinds.
+// The offsets of header fields: first those in all kinds of samples, then those in single kinds.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_stamp = 16, at_mask = 24;
 constexpr std::size_t at_near_variant = 1, at_near_writer = 2, at_near_sequence = 6, at_near_offset = 10;
@@ -16,7 +16,7 @@ constexpr std::size_t at_far_offset = 12;
 constexpr std::size_t at_samples = 12, at_bytes_each = 14;
 constexpr std::size_t at_short_ordinal = 12;
 constexpr std::size_t at_single_stamp = 12, at_single_mask = 20;
-// The bits in the first 32 bits of a whole datagram.
+// The bit positions of flags and numbers in the first 32 bits of a whole datagram.
 constexpr unsigned words_bit = 8, merged_bit = 9, narrow_bit = 10, short_variant_bit = 11;
 constexpr unsigned short_channel_bit = 21;
 static_assert(whole_variants_end == 1U << (short_channel_bit - short_variant_bit) &&
@@ -47,7 +47,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
-/// Returns the kind that the bytes claim to be; empty if they are no datagram of this version.
+/// Returns the kind that the bytes name; empty if the bytes are no datagram of this version.
 std::optional<DatagramKind> kind_of_bytes(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
@@ -166,8 +166,8 @@ std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
 }
 
-/// Reads a single datagram as the first one of a sample that has no other. The total follows from its
-/// length.
+/// Reads a single datagram, as if it were the first datagram of a sample without further ones. The total
+/// follows from its length.
 std::optional<Datagram> read_single(std::span<const std::byte> bytes) noexcept {
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
   const auto mask = load_mask(bytes, at_single_mask, (flags & narrow_mask) != 0);
@@ -359,7 +359,7 @@ void each_field(Is<GroupProbe> auto& probe, const auto& field) noexcept {
   field(16, probe.ordinal);
 }
 
-/// Writes `bytes` bytes. Those that belong to no field are 0.
+/// Writes `bytes` bytes. Bytes that belong to no field are 0.
 template <class T>
 void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out) noexcept {
   std::memset(out, 0, bytes);
@@ -367,7 +367,7 @@ void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out)
   each_field(from, Store{out});
 }
 
-/// Reads a datagram of `length` bytes. Empty if it has another length, or any flag.
+/// Reads a datagram of `length` bytes. Returns empty if the datagram has another length, or any flag.
 template <class T>
 std::optional<T> read(std::span<const std::byte> bytes, std::size_t length) noexcept {
   if (bytes.size() != length || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
@@ -458,7 +458,7 @@ void encode(const GroupProbe& probe, std::byte* out) noexcept {
   encode(DatagramKind::group_probe, probe, group_probe_bytes, out);
 }
 
-/// Refuses a datagram without payload, since it says nothing.
+/// Reads a following datagram. Refuses one without payload, since it has no content.
 static std::optional<Following> read_following(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= following_header_bytes) return {};
   const auto offset = load<std::uint16_t>(&bytes[at_near_offset]) |
@@ -529,7 +529,7 @@ bool PackedBodies::sound() const noexcept {
     if (rest_.size() - at < bytes) return false;
     at += bytes;
   }
-  return true;  // bytes behind the last body are padding
+  return true;  // the rest is padding
 }
 
 std::span<const std::byte> PackedBodies::next() noexcept {

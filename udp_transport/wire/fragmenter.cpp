@@ -9,7 +9,7 @@ namespace sft::udp {
 
 void Batch::clear() { part_count_ = staged_ = bytes_ = datagrams_ = 0; }
 
-/// Returns room for bytes that are sent right behind all others of the batch.
+/// Returns memory for `bytes` bytes, which are sent right behind everything in the batch so far.
 std::byte* Batch::stage(std::size_t bytes) {
   std::byte* place = staging_.get() + staged_;
   const bool extends =
@@ -70,7 +70,7 @@ void Fragmenter::next(Batch& batch, std::size_t bytes_max, std::size_t datagrams
   } while (!done() && batch.datagrams_ < datagrams_max && bytes_with_next(batch) <= bytes_max);
 }
 
-/// Returns the length of the batch with another datagram.
+/// Returns the length of the batch after one more datagram.
 std::size_t Fragmenter::bytes_with_next(const Batch& batch) const {
   if (body_.packed) return batch.datagrams_ * batch.segment_bytes_ + next_pack().bytes;
   const std::size_t header = FollowingHeader{body_.first.label, offset_}.bytes();
@@ -126,8 +126,8 @@ Fragmenter::Pack Fragmenter::next_pack() const {
   return pack;
 }
 
-/// Appends a packed datagram. All datagrams of a batch but the last have to be equally long. Where their
-/// lengths differ, zeros fill the rest.
+/// Appends a packed datagram. All datagrams of a batch except the last must be equally long, so zeros fill
+/// up shorter ones.
 void Fragmenter::append_packed(Batch& batch) {
   if (batch.datagrams_ > 0) batch.pad();
   const Pack pack = next_pack();

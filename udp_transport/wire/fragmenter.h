@@ -16,16 +16,16 @@
 
 namespace sft::udp {
 
-/// Limits of one system call, which older kernels have, too.
+/// The limits of one system call, which hold for older kernels, too.
 inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
 inline constexpr std::size_t batch_datagrams_max = 64;
 
-/// Runs of a body that are shorter than this are copied behind the header before them. That is cheaper than
-/// an iovec for each.
+/// The length in bytes below which runs of a body are copied behind the header before them. Copying such a
+/// run costs less than an iovec of its own.
 inline constexpr std::size_t copy_bytes_max = 2048;
 
-/// Datagrams for one system call. A batch refers to the body that they were cut from, and holds headers and
-/// short runs itself.
+/// Datagrams for one system call. A batch refers to the body from which its datagrams were cut. The batch
+/// itself holds headers and short runs.
 class Batch {
  public:
   Batch() : staging_(new std::byte[batch_bytes_max]) {}  // its pages are not touched before they are needed
@@ -56,12 +56,13 @@ class Batch {
   std::uint16_t segment_bytes_ = 0;
 };
 
-/// A body, and how datagrams name it. The spans outlive the fragmenter.
+/// A body, and how datagrams name it. The spans must outlive the fragmenter.
 struct EncodedBody {
   FirstHeader first;                          ///< its total is the number of bytes of the body
-  std::span<const std::uint64_t> mask_words;  ///< sent if the header's flag says so
+  std::span<const std::uint64_t> mask_words;  ///< sent only if the header has the flag mask_words_follow
   std::span<const detail::Segment> segments;
-  /// Each segment is a small sample, and they follow one another. They are cut into packed datagrams.
+  /// True if each segment is a small sample, and the samples follow one another. Such samples are cut into
+  /// packed datagrams.
   bool packed = false;
 };
 
@@ -76,16 +77,17 @@ class Fragmenter {
  public:
   Fragmenter(const EncodedBody& body, std::size_t datagram_bytes, BodyRange range = {});
 
-  std::size_t bytes() const { return body_.first.total; }  ///< length of the body
+  std::size_t bytes() const { return body_.first.total; }  ///< length of the body in bytes
   bool begun() const { return begun_; }
   /// Returns the offset in the body up to which datagrams have been cut.
   std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
-  /// Cuts the rest into datagrams of that length.
+  /// Cuts the rest of the body into datagrams of that length.
   void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
-  /// Replaces the batch by the next datagrams: at least one, even if the limits have no room for it.
+  /// Replaces the content of `batch` by the next datagrams: at least one, even if the limits leave no room
+  /// for it.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
             std::size_t datagrams_max = batch_datagrams_max);
 

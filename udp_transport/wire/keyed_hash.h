@@ -1,5 +1,5 @@
-// SipHash-2-4: a hash that looks random to anyone who does not know the key, and is always the same for the
-// same words.
+// SipHash-2-4, a hash with a key. Its values look random to anyone who does not know the key. Equal words
+// have equal hashes.
 #pragma once
 
 #include <array>
@@ -30,7 +30,8 @@ inline std::uint64_t keyed_hash(const HashKey& key, std::span<const std::uint64_
     v[0] ^= word;
   };
   for (const std::uint64_t word : words) take(word);
-  take(std::uint64_t{words.size()} << 59);  // its length in bytes, modulo 256, is the highest byte
+  // The highest byte of the last word is the length in bytes, modulo 256.
+  take(std::uint64_t{words.size()} << 59);
   v[2] ^= 0xff;
   mix(4);
   return v[0] ^ v[1] ^ v[2] ^ v[3];

@@ -8,14 +8,14 @@ extern "C" {
 #endif
 
 struct sft_output {
-  const char* header;        ///< path of the header to write; its directory exists
+  const char* header;        ///< path of the header to write; its directory must exist
   const char* dependencies;  ///< path of the make rule to write; "": none
-  /// Directories, separated by colons: <root>/a/b/C.idl is included as <a/b/C.hpp>. If several roots contain
-  /// a file, the innermost one is used.
+  /// Directories, separated by colons. A file <root>/a/b/C.idl is included as <a/b/C.hpp>. If several roots
+  /// contain a file, the innermost root is used.
   const char* roots;
-  const char* base_dir;  ///< another root, or null
-  /// The namespace around all types, "my::robot". Includes of generated headers begin with its folder,
-  /// <my/robot/...>. "": there is none.
+  const char* base_dir;  ///< another root; null: there is none
+  /// The namespace around all types, such as "my::robot". Includes of generated headers begin with its
+  /// folder, <my/robot/...>. "": there is no such namespace.
   const char* outer_namespace;
 };
 

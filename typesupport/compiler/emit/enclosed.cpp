@@ -10,7 +10,8 @@
 namespace sft::idl {
 namespace {
 
-/// Returns each name of "my::robot", and an empty name where one is missing, so that it is refused.
+/// Returns the names of which "my::robot" consists. If a name is missing, the result has an empty name in
+/// its place, so that it is refused.
 std::vector<std::string_view> names_in(std::string_view outer) {
   std::vector<std::string_view> names;
   for (std::size_t at = outer.find("::"); at != outer.npos; at = outer.find("::")) {

@@ -14,7 +14,7 @@ namespace sft::idl {
 /// and must not outlive the model.
 class Enclosed {
  public:
-  /// `outer` is as in C++, "my::robot". If it is empty, the file stays as it was. Throws std::runtime_error
+  /// `outer` has the form "my::robot". If it is empty, the file stays as it was. Throws std::runtime_error
   /// if C++ or the generated code could not use the namespace.
   Enclosed(const sft_file& file, std::string_view outer);
   Enclosed(const Enclosed&) = delete;
@@ -25,7 +25,7 @@ class Enclosed {
  private:
   void enclose(const char*& scoped);
 
-  const std::string prefix_;  ///< for example "::my::robot"
+  const std::string prefix_;  ///< the namespace as a prefix, such as "::my::robot"
   std::deque<std::string> names_;
   std::deque<std::vector<sft_member>> members_;
   std::vector<sft_declaration> declarations_;

@@ -1,4 +1,4 @@
-// Writes the third section of a header: names of fields as static members, so that
+// Writes the third section of a header: the names of fields as static members. So
 // Cloud::Field::header.stamp.sec names a leaf.
 #pragma once
 

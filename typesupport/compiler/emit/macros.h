@@ -10,8 +10,8 @@ namespace sft::idl {
 /// EINVAL, INT8_MAX and others.
 bool is_macro(std::string_view name);
 
-/// Returns the names in this C++ text that are known to be macros elsewhere: in Qt, X11 or Windows, or by a
-/// compiler's option -D. A header with these names has to disable the macros until its end.
+/// Returns the names in this C++ text that other software is known to define as macros: Qt, X11, Windows,
+/// or a compiler's option -D. A header with these names has to disable the macros until its end.
 std::vector<std::string_view> foreign_macros_in(std::string_view text);
 
 }  // namespace sft::idl

@@ -19,9 +19,9 @@ struct Constant {
   std::string name;
 };
 
-/// Refers to the model, and must not outlive it.
+/// A struct. The object refers to the model, and must not outlive it.
 struct Message {
-  std::string_view idl_name;  ///< for example "sensor_msgs::msg::PointCloud2"
+  std::string_view idl_name;  ///< the name in IDL, such as "sensor_msgs::msg::PointCloud2"
   std::string name;           ///< the name in C++, "PointCloud2"
   std::string qualified;      ///< the name in C++, "::sensor_msgs::msg::PointCloud2"
   std::vector<Constant> constants;
@@ -36,19 +36,19 @@ struct Message {
 /// X_Constants of the same scope, as in ROS.
 Message make_message(const sft_file& file, const sft_declaration& declaration);
 
-/// Returns true if a constant belongs to a struct of this file, and not to its namespace.
+/// Returns true if a constant belongs to a struct of this file. Otherwise it belongs to its namespace.
 bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 
 /// Returns true if a loan can reserve the field to be written in place: a sequence of primitives or
 /// enumerations.
 bool is_reservable(const Field& field);
 
-/// Returns true if the view gets points(). A call compiles only if the types of the fields are those of a
-/// cloud, too.
+/// Returns true if the view gets a function points(). A call of it compiles only if the fields also have
+/// the types of a cloud.
 bool is_cloud(const Message& message);
 
-/// Returns true if LoanSizes and LoanView name the field: it is reservable, or a struct, which may contain
-/// such fields.
+/// Returns true if LoanSizes and LoanView have a member for the field: the field is reservable, or is a
+/// struct, which may contain such fields.
 bool has_loan_size(const Field& field);
 
 }  // namespace sft::idl

@@ -25,7 +25,7 @@ constexpr std::array keywords = std::to_array<std::string_view>(
      "using",       "virtual",  "void",       "volatile",  "wchar_t",   "while",        "xor",
      "xor_eq"});
 
-/// The names that every generated struct, its View and its LoanView define, besides the fields of the
+/// The names that every generated struct, its View and its LoanView define in addition to the fields of the
 /// message.
 constexpr std::array class_names = std::to_array<std::string_view>(
     {"Field", "Fields", "LoanSizes", "LoanView", "View", "reservations", "to_owned"});

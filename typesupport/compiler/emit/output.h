@@ -1,4 +1,4 @@
-// Writes files that are complete or do not exist.
+// Writes files so that they are either complete or do not exist.
 #pragma once
 
 #include <filesystem>

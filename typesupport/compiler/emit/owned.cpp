@@ -28,8 +28,8 @@ void emit_enumeration(Code& code, const sft_declaration& enumeration) {
   code.line("}};");
 }
 
-/// Writes the operators that the standard library's bitmask types have. They work on the integers, because
-/// enumerators name single bits only.
+/// Writes the same operators as the standard library's bitmask types have. They work on the integers,
+/// because enumerators name single bits only.
 void emit_flag_operators(Code& code, const sft_declaration& bitmask) {
   const std::string type = qualified_type(bitmask.name);
   const std::string integer = element_type(bitmask.type);
@@ -96,8 +96,8 @@ void emit_service(Code& code, const sft_declaration& service) {
   code.line("}};");
 }
 
-/// Opens and closes namespaces. Puts blank lines between declarations, except within series of constants or
-/// aliases.
+/// Opens and closes namespaces. Writes blank lines between declarations, except within series of constants
+/// or aliases.
 class Layout {
  public:
   explicit Layout(Code& code) : code_(code) {}

@@ -10,8 +10,8 @@ namespace sft::idl {
 /// The directories below which headers have the same relative paths as IDL files.
 class Roots {
  public:
-  /// `list` is separated by colons, and `base_dir` may be null. If neither has a root, the directory of
-  /// `main_file` is the root.
+  /// `list` is separated by colons, and `base_dir` may be null. If neither of them has a root, the
+  /// directory of `main_file` is the root.
   Roots(const char* list, const char* base_dir, const std::filesystem::path& main_file);
 
   /// Returns the path of `file` relative to the innermost root that contains it. Throws std::runtime_error if

@@ -17,7 +17,7 @@ struct Spelling {
   std::string_view type;
 };
 
-/// Indexed by sft_kind.
+/// The spellings of kinds, indexed by sft_kind.
 constexpr std::array<Spelling, SFT_STRUCTURE + 1> spellings{{
     {"boolean", "bool"},
     {"octet", "std::uint8_t"},
@@ -39,7 +39,8 @@ constexpr std::array<Spelling, SFT_STRUCTURE + 1> spellings{{
 std::string escaped(char c, char quote) {
   if (c == quote || c == '\\') return {'\\', c};
   const auto code = static_cast<unsigned char>(c);
-  const bool is_foreign_to_char = quote == '\'' && code >= 0x80;  // bytes of UTF-8 are allowed in strings
+  // Bytes of UTF-8 are allowed only in strings.
+  const bool is_foreign_to_char = quote == '\'' && code >= 0x80;
   return code < 0x20 || code == 0x7F || is_foreign_to_char ? fmt::format("\\{:03o}", code)
                                                            : std::string(1, c);
 }
@@ -51,7 +52,8 @@ std::string quoted(std::string_view text, char quote) {
 }
 
 std::string integer_text(std::int64_t value) {
-  // The lowest integer has no literal: in -9223372036854775808, a number that is too large is negated.
+  // The lowest integer has no literal: in -9223372036854775808, the minus sign applies to a number that is
+  // too large.
   if (value == std::numeric_limits<std::int64_t>::min()) return fmt::format("({} - 1)", value + 1);
   return fmt::to_string(value);
 }

@@ -1,4 +1,4 @@
-// Types and values of the model as C++ source text.
+// Writes types and values of the model as C++ source text.
 #pragma once
 
 #include <cstdint>

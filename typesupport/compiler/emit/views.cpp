@@ -8,8 +8,8 @@
 namespace sft::idl {
 namespace {
 
-/// Writes a getter for a field that the subscriber did not declare. A call of it does not compile, and the
-/// compiler's message shows the type that the getter returns, whose name says what to do.
+/// Writes a getter for a field that the subscriber did not declare. A call of it does not compile. The
+/// compiler's message shows the return type of the getter, whose name says what to do.
 void emit_absent(Code& code, const Field& field, std::size_t index) {
   code.line("  sft::detail::this_field_is_not_declared::name_it_where_the_subscriber_is_opened {}() const",
             field.name);
@@ -27,7 +27,7 @@ void emit_getter(Code& code, const Field& field, std::size_t index) {
   emit_absent(code, field, index);
 }
 
-/// Writes the getter of a sequence of numbers that takes the type of a cell.
+/// Writes the getter of a sequence of numbers that takes the type of a cell as its template argument.
 void emit_cells(Code& code, const Field& field, std::size_t index) {
   code.line("  template <class Cell_>");
   code.line(
@@ -47,7 +47,7 @@ void emit_points(Code& code) {
   code.line("  }}");
 }
 
-/// Writes to_owned(), and a conversion to the struct for views that cannot lack a field.
+/// Writes to_owned(). For views that cannot lack a field, also writes a conversion to the struct.
 void emit_copies(Code& code, const Message& message) {
   code.line("  auto to_owned() const requires sft::detail::has_whole_struct<Place_> {{");
   code.line("    return sft::detail::owned_at<{}>(at_);", message.qualified);

@@ -1,4 +1,4 @@
-// Memory of the reader. The process ends if there is none, since a compiler can do nothing better.
+// Memory of the reader. The process ends if there is no memory, since a compiler cannot continue.
 #pragma once
 
 #include <stddef.h>
@@ -8,8 +8,9 @@
 /// Resizes `memory`, which may be null, to `bytes`.
 void* sft_resized(void* memory, size_t bytes);
 
-/// Returns `items` with room for one more item, filled with zeros, behind `count` items.
+/// Returns `items` with room for one more item behind the `count` present items. The new item is filled
+/// with zeros.
 void* sft_grown(void* items, size_t count, size_t item_bytes);
 
-/// Copies the text. The copy exists as long as the file.
+/// Copies the text. The copy lives as long as the file.
 const char* sft_keep_text(struct sft_file* file, const char* text);

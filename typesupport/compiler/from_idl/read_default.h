@@ -1,4 +1,4 @@
-// Reads values of @default.
+// Reads the values of @default annotations.
 #pragma once
 
 #include "model.h"

@@ -75,7 +75,8 @@ std::string string_literal(std::string_view text) {
 struct ValueText {
   std::string operator()(bool value) const { return value ? "TRUE" : "FALSE"; }
   std::string operator()(std::int64_t value) const {
-    const bool is_least = value == std::numeric_limits<std::int64_t>::min();  // it has no literal
+    // The least value has no literal of its own.
+    const bool is_least = value == std::numeric_limits<std::int64_t>::min();
     return is_least ? fmt::format("{} - 1", value + 1) : fmt::to_string(value);
   }
   std::string operator()(std::uint64_t value) const { return fmt::to_string(value); }

@@ -8,7 +8,7 @@
 
 namespace sft::msg {
 
-/// One line. Its members refer to the text.
+/// One line. Its members refer to the original text.
 struct Line {
   std::uint32_t number;      ///< the number of the line, from 1
   std::string_view code;     ///< the text before the comment, without spaces around it; may be empty
@@ -22,7 +22,7 @@ struct Line {
 /// removed.
 std::string with_plain_spaces(std::string_view text);
 
-/// Iterates over the lines of a text with plain spaces, which must outlive the iterator.
+/// Iterates over the lines of a text with plain spaces. The text must outlive the iterator.
 class Lines {
  public:
   /// `before` lines precede the text in the same file.

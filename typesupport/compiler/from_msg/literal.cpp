@@ -47,7 +47,7 @@ Sign split_sign(std::string_view text) {
   return {text.starts_with('-'), text.substr(has_sign ? 1 : 0)};
 }
 
-/// Returns the base that the prefix of `digits` gives, and removes the prefix.
+/// Returns the base that the prefix of `digits` stands for, and removes the prefix.
 int base_of(std::string_view& digits) {
   if (digits.size() < 2 || digits[0] != '0') return 10;
   const char letter = static_cast<char>(digits[1] | 0x20);
@@ -105,7 +105,8 @@ Result parse_integer(sft_kind kind, std::string_view text) {
   return static_cast<std::int64_t>(is_negative ? std::uint64_t{0} - magnitude : magnitude);
 }
 
-/// Returns true for digits, point and exponent. from_chars accepts more, such as "inf".
+/// Returns true for digits, point and exponent. The check is needed because from_chars accepts more, such
+/// as "inf".
 bool is_decimal(std::string_view digits) {
   return digits.find_first_not_of("0123456789.eE+-") == digits.npos &&
          digits.find_first_of("0123456789") != digits.npos && !digits.starts_with('-');
@@ -125,7 +126,8 @@ Result parse_real(sft_kind kind, std::string_view text) {
                     shown(text)));
   }
   if (error == std::errc::result_out_of_range) {
-    std::istringstream again(*plain);  // distinguishes 0 from infinity
+    // Parses once more, to distinguish 0 (too small) from infinity (too large).
+    std::istringstream again(*plain);
     again.imbue(std::locale::classic());
     if (!(again >> value)) value = std::numeric_limits<double>::infinity();
   }
@@ -164,8 +166,8 @@ Result parse_element(const Type& type, std::string_view text) {
   }
 }
 
-/// Returns the length of the first element of `text`. A comma in quotes does not end it. npos: the closing
-/// quote is missing.
+/// Returns the length of the first element of `text`. A comma in quotes does not end an element. Returns
+/// npos if the closing quote is missing.
 std::size_t element_length(std::string_view text) {
   std::size_t from = 0;
   if (text.starts_with('"') || text.starts_with('\'')) from = quoted_end(text);

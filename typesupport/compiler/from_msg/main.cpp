@@ -1,4 +1,5 @@
-// sft_msgc: writes the C++ header of one .msg or .srv file, and IDL for .idl files that include the message.
+// The program sft_msgc. It writes the C++ header of one .msg or .srv file, and IDL for .idl files that
+// include the message.
 #include <fmt/format.h>
 
 #include <CLI/CLI.hpp>
@@ -91,12 +92,12 @@ tl::expected<std::vector<Definition>, std::vector<Problem>> parse_file(const std
   return parse(read_file(file), type).map([](Definition&& only) { return std::vector{std::move(only)}; });
 }
 
-/// The definitions of nested messages. Each is read once.
+/// The definitions of nested messages. Each file is read only once.
 class NestedDefinitions {
  public:
   explicit NestedDefinitions(const SearchPath& search_path) : search_path_(search_path) {}
 
-  /// Returns null for types in IDL, and for messages with errors.
+  /// Returns the definition; null for types in IDL, and for messages with errors.
   const Definition* find(const TypeName& type) {
     const auto [known, is_new] = definitions_.try_emplace(type);
     const auto file = is_new ? search_path_.find(type) : std::nullopt;
@@ -111,7 +112,8 @@ class NestedDefinitions {
   std::map<TypeName, std::optional<Definition>> definitions_;
 };
 
-/// Returns the files that the definitions nest, each once; nothing after errors, which are printed.
+/// Returns the files that the definitions nest, each once. If there are errors, prints them and returns
+/// nothing.
 std::optional<std::vector<fs::path>> check(const Arguments& arguments, const TypeName& type,
                                            const std::vector<Definition>& definitions,
                                            const SearchPath& search_path) {
@@ -138,7 +140,7 @@ int generate(const Arguments& arguments, const fs::path& root, const TypeName& t
   std::vector<fs::path> roots{root};
   roots.insert(roots.end(), arguments.roots.begin(), arguments.roots.end());
   const bool is_service = type.folder == "srv";
-  // The last two definitions of a service only carry the first two.
+  // The last two definitions of a service only carry the first two, so they need no check.
   const auto nested =
       check(arguments, type, {definitions->begin(), is_service ? definitions->end() - 2 : definitions->end()},
             SearchPath(roots));

@@ -17,17 +17,17 @@ struct Files {
   std::vector<std::filesystem::path> nested;
 };
 
-/// A file of the model, with everything to which it points.
+/// A file of the model. The object owns everything to which the model points.
 class ModelOf {
  public:
-  /// The model of a message.
+  /// Makes the model of a message.
   ModelOf(const Definition& definition, const Files& files);
-  /// The model of a service from the definitions that parse_service() returns.
+  /// Makes the model of a service from the definitions that parse_service() returns.
   ModelOf(const TypeName& service, const std::vector<Definition>& definitions, const Files& files);
   ModelOf(const ModelOf&) = delete;
   ModelOf& operator=(const ModelOf&) = delete;
 
-  /// Valid as long as this object. The caller must not pass it to sft_file_free().
+  /// Returns the model. It is valid as long as this object. The caller must not pass it to sft_file_free().
   const sft_file& file() const { return file_; }
 
  private:

@@ -19,7 +19,7 @@
 namespace sft::msg {
 namespace {
 
-/// The parts of "int32 x 5" or "int32 X=5", which are not parsed yet.
+/// The unparsed parts of "int32 x 5" or "int32 X=5".
 struct Statement {
   std::string_view type;
   std::string_view name;
@@ -70,8 +70,8 @@ class Parser {
   }
 
  private:
-  /// Adds the member that ROS 2 adds to a message without fields, so that both have the same byte on the
-  /// wire.
+  /// Adds the member that ROS 2 adds to a message without fields, so that ROS 2 and SFT have the same byte
+  /// on the wire.
   void add_member_of_empty_message() {
     Type type;
     type.kind = SFT_UINT8;
@@ -94,7 +94,7 @@ class Parser {
     }
   }
 
-  /// Returns false if the text cannot be read at all.
+  /// Returns false if the text cannot be parsed at all.
   bool check_text(std::string_view text) {
     if (text.size() > Limits::bytes) {
       refuse("", "{} bytes: expected at most {}: put parts into messages of their own", text.size(),
@@ -111,7 +111,7 @@ class Parser {
 
   void read(const std::string& text) {
     Lines lines(text, lines_before_);
-    bool is_head = true;  // the comment at the top belongs to the message
+    bool is_head = true;  // true at the top of the file, where a comment belongs to the message
     while (const auto line = lines.next()) {
       line_ = line->number;
       is_head = is_head && line->has_comment && line->code.empty() && !line->is_indented;
@@ -129,8 +129,8 @@ class Parser {
     }
   }
 
-  /// A comment belongs to the definition in its line, or otherwise to the next definition. An indented
-  /// comment in a line of its own belongs to the definition in front of it.
+  /// Reads a line. A comment belongs to the definition in its line, or otherwise to the next definition. An
+  /// indented comment in a line of its own belongs to the previous definition.
   void read_line(const Line& line) {
     auto layout = layout_in(line);
     if (line.has_comment && line.code.empty() && line.is_indented) {
@@ -214,7 +214,7 @@ class Parser {
     return inserted;
   }
 
-  /// Returns the layout in the comment of a line. It extends to the end of the line.
+  /// Returns the layout in the comment of a line. The layout extends to the end of the line.
   static std::optional<Layout> layout_in(const Line& line) {
     const std::size_t at = line.comment.find(layout::annotation);
     if (at == line.comment.npos) return {};
@@ -251,10 +251,11 @@ class Parser {
   Definition definition_;
   std::vector<Problem> problems_;
   std::uint32_t line_;
-  std::string comment_;                        // the comment of the next definition
-  std::optional<Layout> layout_;               // the layout of the next field
-  std::vector<std::string> field_comments_;    // one comment per field
-  std::optional<std::size_t> previous_field_;  // empty if the previous definition is a constant
+  std::string comment_;                      // the comment of the next definition
+  std::optional<Layout> layout_;             // the layout of the next field
+  std::vector<std::string> field_comments_;  // one comment per field
+  // The field of the previous definition; empty if that is a constant.
+  std::optional<std::size_t> previous_field_;
   std::unordered_map<std::string, std::uint32_t> lines_of_names_;
 };
 

@@ -18,7 +18,7 @@ namespace {
 
 std::vector<Problem> problem(std::uint32_t line, std::string text) { return {{line, "", std::move(text)}}; }
 
-/// Returns the error in the name; empty if there is none.
+/// Returns a text about the error in the name; empty if there is no error.
 std::string fault_of(const TypeName& name) {
   if (!is_package_name(name.package)) {
     return fmt::format(
@@ -34,13 +34,13 @@ std::string fault_of(const TypeName& name) {
   return {};
 }
 
-/// One of the two texts in a .srv file.
+/// One of the two parts of a .srv file.
 struct Part {
   std::string_view text;
   std::uint32_t lines_before;
 };
 
-/// Cuts a text at the line "---", as ROS 2 does. There must be exactly one such line.
+/// Cuts a text at the line "---", like ROS 2. There must be exactly one such line.
 tl::expected<std::pair<Part, Part>, std::vector<Problem>> cut(std::string_view text) {
   std::optional<std::pair<Part, Part>> parts;
   std::uint32_t number = 1;
@@ -70,7 +70,7 @@ Field field(sft_kind kind, const TypeName& nested, std::string_view name, std::u
   return {type, std::string(name), {}, {}, line};
 }
 
-/// Returns the message that carries `part` between client and server. The fields in front are those of
+/// Returns the message that carries `part` between client and server. Its first fields are those of
 /// sft/service.h.
 Definition envelope(const Definition& part, std::string_view service, std::string_view suffix,
                     std::string_view member) {

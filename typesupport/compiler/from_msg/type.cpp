@@ -61,7 +61,7 @@ tl::expected<void, std::string> parse_brackets(std::string_view& text, Type& typ
   if (text.ends_with(']')) {
     return Error("arrays have one dimension: put the inner one into a message of its own");
   }
-  // The emitted C++ sets the limits: arrays are members of structs, and bounds have 32 bits.
+  // The limits are those of the emitted C++: arrays are members of structs, and bounds have 32 bits.
   const bool is_bound = size.starts_with(at_most);
   const std::uint32_t most =
       is_bound ? std::numeric_limits<std::uint32_t>::max() : std::numeric_limits<std::int32_t>::max();

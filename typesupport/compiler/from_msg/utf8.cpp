@@ -9,7 +9,7 @@ bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 
 
 bool is_character(char32_t c) { return c <= 0x10FFFF && (c < 0xD800 || c > 0xDFFF); }
 
-/// Returns the length of the sequence that begins with `lead`; 0 if none does.
+/// Returns the length of the sequence that begins with `lead`; 0 if no sequence begins with it.
 std::size_t sequence_bytes(unsigned char lead) {
   if (lead < 0x80) return 1;
   if (lead >= 0xC2 && lead < 0xE0) return 2;
@@ -17,7 +17,8 @@ std::size_t sequence_bytes(unsigned char lead) {
   return lead >= 0xF0 && lead < 0xF5 ? 4 : 0;
 }
 
-/// Returns the length in bytes of the character at the beginning of `text`; 0 if there is no valid one.
+/// Returns the length in bytes of the character at the beginning of `text`; 0 if the text does not begin
+/// with a valid character.
 std::size_t character_bytes(std::string_view text) {
   const auto lead = static_cast<unsigned char>(text[0]);
   const std::size_t bytes = sequence_bytes(lead);

@@ -1,4 +1,4 @@
-// UTF-8, the encoding of .msg files and of the strings in them.
+// Functions for UTF-8, the encoding of .msg files and of the strings in them.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Layout rules for the reader of IDL, which is written in C because idlc's headers are not C++.
+// Checks layout rules for the reader of IDL, which is written in C because idlc's headers are not C++.
 #pragma once
 
 #include "model.h"
@@ -9,18 +9,18 @@ extern "C" {
 
 enum sft_shape { SFT_SINGLE, SFT_ARRAY, SFT_SEQUENCE };
 
-/// A member of a struct, as far as rules use it.
+/// The properties of a struct's member that rules use.
 struct sft_seen {
-  const char* name;  ///< null: there is no such member
+  const char* name;  ///< the name of the member; null: there is no member with this index
   enum sft_kind kind;
   enum sft_shape shape;
-  const void* type;  ///< the type of a structure
+  const void* type;  ///< the type of the member if it is a structure
 };
 
 /// Returns the i-th member of a struct.
 typedef struct sft_seen (*sft_see)(const void* type, size_t i);
 
-/// The rule of the i-th member of the struct, as it is written.
+/// The rule of the i-th member of the struct, in its original spelling.
 struct sft_rule {
   size_t member;
   const char* text;
@@ -33,12 +33,12 @@ struct sft_rule_fault {
   char text[400];
 };
 
-/// Returns the canonical spelling of a rule, which the caller frees; null if the rule is wrong, with the
-/// mistake in `fault`.
+/// Returns the canonical spelling of a rule, which the caller frees. If the rule is wrong, returns null and
+/// describes the mistake in `fault`.
 char* sft_layout_text(const char* text, struct sft_rule_fault* fault);
 
-/// Returns false if one of the rules does not suit the struct. REQUIRES: sft_layout_text() has accepted each
-/// rule.
+/// Checks the rules of a struct. Returns false if one of them does not suit the struct. REQUIRES:
+/// sft_layout_text() has accepted each rule.
 bool sft_check_layouts(sft_see see, const void* type, const struct sft_rule* rules, size_t count,
                        struct sft_rule_fault* fault);
 

@@ -131,7 +131,7 @@ constexpr Tie excludes[] = {{Role::encoding, Role::cell_bytes}, {Role::encoding,
 std::optional<Fault> fault_of_roles(const Rule& rule) {
   const auto wrong = [&rule](Role role, const std::string& text) {
     const std::string name(name_of(role));
-    return Fault{0, rule[role]->at - name.size() - 1, name + text};  // the position of the role's name
+    return Fault{0, rule[role]->at - name.size() - 1, name + text};  // the mistake is at the role's name
   };
   for (const auto& [role, other] : needs) {
     if (rule[role] && !rule[other])
@@ -351,7 +351,8 @@ std::optional<Fault> check_rules(const SeenTypes& types, const void* type,
   if (rules.size() > rules_max)
     return Fault{rules[rules_max].member, 0,
                  "a struct has at most " + std::to_string(rules_max) + " layouts"};
-  std::map<std::string, std::size_t> owners;  // the path of a member, and the member whose rule names it
+  // By path of a member: the index of the member whose rule names it.
+  std::map<std::string, std::size_t> owners;
   const auto taken = [&](const std::string& path, std::size_t member) {
     const auto [known, is_new] = owners.try_emplace(path, member);
     return !is_new && known->second != member;

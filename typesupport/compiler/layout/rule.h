@@ -1,6 +1,6 @@
-// Layout rules as text, which is the content of @sft_layout: how a field is made of rows and columns, and
-// which other members depend on it (runtime/selection.md, "Layout rules"). The compilers, the runtime and the
-// reader of type descriptions share this file, so that all of them accept the same rules.
+// Layout rules as text, which is the content of @sft_layout. A rule says how a field is made of rows and
+// columns, and which other members depend on it (runtime/selection.md, "Layout rules"). The compilers, the
+// runtime and the reader of type descriptions share this file, so that all of them accept the same rules.
 #pragma once
 
 #include <array>
@@ -19,7 +19,7 @@ namespace sft::layout {
 using Form = detail::Layout::Form;
 using Role = detail::LayoutRole;
 
-/// The word with which a rule begins in comments of .msg files, and with which IDL annotates a member.
+/// The word with which a rule begins in comments of .msg files. In IDL, it is the annotation of a member.
 inline constexpr std::string_view annotation = "@sft_layout";
 inline constexpr std::size_t rule_bytes_max = 255;
 inline constexpr std::size_t also_max = 16;   ///< the maximum number of other fields that share a rule
@@ -28,13 +28,13 @@ inline constexpr std::size_t rules_max = 64;  ///< the maximum number of rules i
 /// One rule, `rows=height columns=width`. Paths are relative to the struct of the annotated field.
 struct Rule {
   struct Path {
-    std::string text;    ///< for example "info.width"
-    std::size_t at = 0;  ///< the position in the rule, in bytes from 0
+    std::string text;    ///< the text of the path, such as "info.width"
+    std::size_t at = 0;  ///< the position of the path in the rule, in bytes from 0
   };
 
   Form form = Form::list;
   std::array<std::optional<Path>, detail::layout_roles> roles{};
-  std::vector<Path> also{};  ///< other fields, of which the same part is taken
+  std::vector<Path> also{};  ///< other fields, of which the same part is taken as of this field
 
   const std::optional<Path>& operator[](Role role) const { return roles[static_cast<std::size_t>(role)]; }
   /// Returns the canonical spelling of the rule: roles in the order of LayoutRole, separated by one blank.
@@ -48,22 +48,23 @@ struct Fault {
   std::string text;
 };
 
-/// Reads a rule. Checks what can be checked without the type: whether the roles suit each other.
+/// Reads a rule. Checks only what can be checked without the type: whether the roles suit each other.
 tl::expected<Rule, Fault> read_rule(std::string_view text);
 
-/// A member of a struct, as far as rules use it.
+/// The properties of a struct's member that rules use.
 struct SeenMember {
   std::string_view name;
   detail::Kind kind{};
   detail::Shape shape{};
-  const void* type = nullptr;  ///< SeenTypes::member() takes it; null: no structure, or not known here
+  /// An argument for SeenTypes::member(); null: the member is no structure, or its type is not known here.
+  const void* type = nullptr;
 };
 
-/// The structs among which a rule looks for members.
+/// The structs in which the members of a rule are looked up.
 class SeenTypes {
  public:
   virtual ~SeenTypes() = default;
-  /// Returns a member of a struct; nothing behind the last member.
+  /// Returns a member of a struct; nothing if `i` is behind the last member.
   virtual std::optional<SeenMember> member(const void* type, std::size_t i) const = 0;
 };
 

@@ -1,6 +1,6 @@
-// The output of encoders: a BodyWriter writes members, and a BodyCounter only counts their bytes. Neither of
-// them stores a position. Each call takes the position where it begins and returns the one where it ends, so
-// that compilers keep the position in a register.
+// The output of encoders: a BodyWriter writes members, and a BodyCounter only counts their bytes. Neither
+// of them stores a position. Each call takes the position where it begins and returns the position where it
+// ends, so that compilers keep the position in a register.
 #pragma once
 
 #include <cassert>
@@ -24,8 +24,8 @@ class BodyCounter {
   }
 };
 
-/// Writes into `body`, which must be large enough. Padding is zero. If `postponed` is not null, long runs are
-/// added to it and not written.
+/// A writer into `body`, which must be large enough. Padding is zero. If `postponed` is not null, long runs
+/// are added to it and not written.
 class BodyWriter {
  public:
   explicit BodyWriter(std::span<std::byte> body, PostponedCopies* postponed = nullptr)
@@ -34,7 +34,8 @@ class BodyWriter {
   std::uint64_t align(std::uint64_t at, std::size_t alignment) const {
     const std::uint64_t aligned = align_up(at, alignment);
     assert(aligned <= body_.size());
-    const std::uint64_t padding = aligned - at;  // at most 7 bytes; a loop would become a call
+    // At most 7 bytes; for a loop, the compiler would insert a call.
+    const std::uint64_t padding = aligned - at;
     std::byte* to = body_.data() + at;
     if ((padding & 1) != 0) *to++ = std::byte{0};
     if ((padding & 2) != 0) std::memset(to, 0, 2), to += 2;
@@ -45,7 +46,7 @@ class BodyWriter {
   std::uint64_t put(std::uint64_t at, const void* data, std::size_t bytes) const {
     assert(at + bytes <= body_.size());
     std::byte* to = body_.data() + at;
-    switch (bytes) {  // a single primitive takes one instruction
+    switch (bytes) {  // a copy of a single primitive takes one instruction
       case 0:
         break;
       case 1:
@@ -66,14 +67,15 @@ class BodyWriter {
     return at + bytes;
   }
 
-  /// Puts primitives that nothing reads while the body is written or projected, and that may be copied later.
+  /// Writes primitives that may be copied later, because no code reads them while the body is written or
+  /// projected.
   std::uint64_t put_run(std::uint64_t at, const std::byte* data, std::size_t bytes) const {
     if (postponed_ == nullptr || !postponed_->add(body_.data() + at, data, bytes))
       return put(at, data, bytes);
     return at + bytes;
   }
 
-  /// Puts `count` primitives of `size` bytes, each with its bytes in reverse order.
+  /// Writes `count` primitives of `size` bytes, each with its bytes in reverse order.
   std::uint64_t put_swapped(std::uint64_t at, const void* data, std::size_t count, std::size_t size) const {
     assert(at + count * size <= body_.size());
     const auto* from = static_cast<const std::byte*>(data);

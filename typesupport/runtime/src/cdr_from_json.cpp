@@ -27,7 +27,7 @@ using Json = nlohmann::json;
 
 static_assert(std::endian::native == std::endian::little, "primitives are written as they are");
 
-/// Decodes base64 (RFC 4648, padded); nothing if the text is no base64.
+/// Decodes base64 (RFC 4648, padded); returns nothing if the text is not base64.
 std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   static constexpr std::array<std::uint8_t, 256> values = [] {
     constexpr std::string_view digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
@@ -56,7 +56,7 @@ std::optional<std::vector<std::byte>> from_base64(std::string_view text) {
   return bytes;
 }
 
-/// Returns the JSON value in a few words, for error messages.
+/// Returns a short description of the JSON value, for error messages.
 std::string shown(const Json& json) {
   constexpr std::size_t most = 40;
   if (json.is_object()) return "an object";
@@ -80,8 +80,8 @@ class CdrWriter {
   }
 
  private:
-  /// Appends a member's name or an element's index to the path for error messages, and removes it when
-  /// destroyed.
+  /// Appends a member's name or an element's index to the path for error messages, and removes it in the
+  /// destructor.
   class Step {
    public:
     Step(std::string& path, std::string_view name) : path_(path), before_(path.size()) {
@@ -122,7 +122,7 @@ class CdrWriter {
   static constexpr std::string_view stamp_name = "builtin_interfaces::msg::Time";
   static constexpr std::string_view header_name = "std_msgs::msg::Header";
 
-  /// Returns the value for which the word "now" or "auto" stands, if the options allow these words.
+  /// Returns the value for the word "now" or "auto", if `json` is such a word and the options allow it.
   std::optional<Json> meant_by_a_word(const StructType& type, const Json& json) const {
     if (!options_.now) return {};
     if (type.name == header_name && json == "auto") return Json{{"stamp", "now"}};
@@ -255,7 +255,8 @@ class CdrWriter {
     expected(*json, m.enumeration == nullptr ? range : names_of(*m.enumeration) + " or " + range);
   }
 
-  /// Returns the value of "GREEN", or of "READ | WRITE" for a bitmask; nothing if a name is unknown.
+  /// Returns the value of names like "GREEN", or "READ | WRITE" for a bitmask; nothing if a name is
+  /// unknown.
   static std::optional<std::uint64_t> value_of(const EnumType& type, std::string_view text) {
     std::uint64_t value = 0;
     for (;;) {

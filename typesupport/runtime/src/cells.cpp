@@ -20,7 +20,7 @@ CellGrid CellGrid::of(const SampleState& source, const Cut& cut) {
                 .column_step = static_cast<std::uint32_t>(cut.column_stride()),
                 .rows = cut.rows(),
                 .columns = cut.columns()};
-  // If there is only one column or row, the step to the next is not needed, and might not fit into its
+  // If there is only one column or row, the step to the next one is not needed, and might not fit into its
   // member.
   if (grid.columns == 1) grid.column_step = cut.cell_bytes();
   if (grid.rows == 1) grid.row_step = grid.row_bytes();
@@ -36,7 +36,7 @@ tl::unexpected<Error> malformed_cells(const CellsPlace& place) {
   return fail(Errc::malformed, quoted(*place.member) + " is not within the bytes of the sample");
 }
 
-/// Notes that a member is read. Returns an error if the sample was sent without it.
+/// Notes a read of the member. Returns an error if the sample was sent without it.
 Result<void> note_member(const CellsPlace& place, std::size_t leaf, const Member& member) {
   const std::size_t leaves = leaf_count(member);
   const bool was_sent = note_leaves(*place.sample, leaf, leaves);
@@ -49,8 +49,8 @@ const Layout* rows_of(const CellsPlace& place) {
   return place.layout != nullptr && place.layout->has_rows() ? place.layout : nullptr;
 }
 
-// All members are noted before an error for a missing one is returned, so that the subscriber asks for all at
-// once.
+// All members are noted before an error for a missing one is returned, so that the subscriber requests all
+// of them at once.
 Result<void> note_cells(const CellsPlace& place) {
   Result<void> sent = note_member(place, place.leaf, *place.member);
   const Layout* const layout = rows_of(place);
@@ -65,7 +65,8 @@ Result<void> note_cells(const CellsPlace& place) {
   return sent;
 }
 
-/// Returns whether the byte order is the other one; nothing if that field is not within the sample's bytes.
+/// Returns true if the byte order differs from that of the machine; nothing if the field for it is not
+/// within the sample's bytes.
 std::optional<bool> is_swapped(const SampleState& s, const Layout& layout) {
   const Layout::Field& order = layout[LayoutRole::byte_order];
   if (!order) return false;
@@ -81,7 +82,7 @@ tl::unexpected<Error> other_size(const Member& member, std::size_t bytes, std::s
                                        " bytes, not " + std::to_string(cell_bytes));
 }
 
-/// Returns the cells of a part, or of a field with rows. `source` is the sample that has them.
+/// Returns the cells of a part, or of a field with rows. `source` is the sample that has the cells.
 Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source, const Cut& cut,
                               std::size_t cell_bytes) {
   if (cut.is_whole())
@@ -90,7 +91,8 @@ Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source
   if (cut.cell_bytes() != cell_bytes) return other_size(*place.member, cut.cell_bytes(), cell_bytes);
   CellGrid grid = CellGrid::of(source, cut);
   const Layout* const layout = rows_of(place);
-  const bool is_of_bytes = size_of(place.member->kind) == 1;  // the byte order is that of bytes only
+  // The byte order applies only to fields of bytes.
+  const bool is_of_bytes = size_of(place.member->kind) == 1;
   const std::optional<bool> swapped =
       layout == nullptr || !is_of_bytes ? false : is_swapped(*place.sample, *layout);
   if (!swapped) return malformed_cells(place);
@@ -98,7 +100,7 @@ Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source
   return grid;
 }
 
-/// Returns all cells of a field with these elements.
+/// Returns all cells of a field. `elements` are the bytes of the field.
 Result<CellGrid> cells_of_all(const CellsPlace& place, const SampleState& source,
                               std::span<const std::byte> elements, std::size_t cell_bytes) {
   if (elements.empty()) return CellGrid();
@@ -143,8 +145,8 @@ Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes) {
 
 namespace {
 
-/// Returns the layout of the field with this leaf in a struct with the first leaf and slot that are passed.
-/// Leaves and slots in the layout are those of the sample.
+/// Returns the layout of the field with this leaf in a struct with this first leaf and slot. The leaves and
+/// slots in the layout are those of the whole sample.
 std::optional<Layout> layout_in(const StructType& type, std::size_t first_leaf, std::size_t first_slot,
                                 std::size_t leaf) {
   const auto move = [&](Layout::Field& field) {

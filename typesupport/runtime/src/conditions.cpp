@@ -24,7 +24,8 @@ bool is_single_value(const Layout::Field& field) {
   return field && field.member->kind != Kind::structure && field.member->shape == Shape::single;
 }
 
-/// Returns the offset of the field in the program's message. The field must be in no array and no sequence.
+/// Returns the offset of the field in the program's message. The field must not be in an array or a
+/// sequence.
 std::size_t offset_of(const StructType& type, std::size_t leaf) {
   std::size_t first = 0;
   for (const Member& member : type.members) {
@@ -36,7 +37,7 @@ std::size_t offset_of(const StructType& type, std::size_t leaf) {
   return 0;
 }
 
-/// Returns the number with these bits, of which as many are used as the kind has.
+/// Returns the number with these bits. The kind determines how many bits are used.
 Number number_of(Kind kind, std::uint64_t bits) {
   switch (kind) {
     case Kind::int8:
@@ -65,7 +66,8 @@ std::uint64_t bits_of(const std::byte* at) {
 
 bool is_real(Kind kind) { return kind == Kind::float32 || kind == Kind::float64; }
 
-/// Converts the number to a double if that is exact: two doubles are compared most quickly.
+/// Converts the number to a double if the result is exact, because a comparison of two doubles is the
+/// fastest.
 Number as_real(const Number& number) {
   constexpr std::uint64_t all_are_exact = std::uint64_t{1} << 53;
   const auto* natural = std::get_if<std::uint64_t>(&number);
@@ -89,7 +91,7 @@ std::partial_ordering compare(Integer whole, double real) {
   return below < 0 ? decide(static_cast<std::int64_t>(below)) : decide(static_cast<std::uint64_t>(below));
 }
 
-/// Compares exactly, whatever the types of the two numbers are.
+/// Compares the exact values, whatever the types of the two numbers are.
 std::partial_ordering compare(const Number& a, const Number& b) {
   return std::visit(
       [](auto x, auto y) -> std::partial_ordering {
@@ -165,7 +167,7 @@ std::size_t Conditions::enter(const StructType& type, std::uint32_t leaf) {
   return fields_.size() - 1;
 }
 
-/// Sets where the children of the node end, and returns that.
+/// Determines where the children of the node end, stores that and returns it.
 std::size_t Conditions::enter_children(std::size_t node) {
   std::size_t end = node + 1;
   for (std::uint32_t i = 0; i < conditions_[node].condition.children; ++i) end = enter_children(end);
@@ -174,7 +176,8 @@ std::size_t Conditions::enter_children(std::size_t node) {
 
 bool Conditions::hold(const FieldSource& sample, std::int64_t stamp_ns) {
   ++samples_;
-  if (stamp_ns < passed_at_ns_) passed_at_ns_ = stamp_ns;  // the clock was set back
+  // The clock was set back, so the time counts from the new stamp.
+  if (stamp_ns < passed_at_ns_) passed_at_ns_ = stamp_ns;
   return conditions_.empty() || holds(0, sample, stamp_ns);
 }
 
@@ -212,7 +215,7 @@ bool Conditions::holds(std::size_t at, const FieldSource& sample, std::int64_t s
       return begins_ || (samples_ - 1) % std::get<std::uint64_t>(node.condition.number) == 0;
     case Condition::Kind::elapsed: {
       const std::uint64_t period_us = std::get<std::uint64_t>(node.condition.number);
-      // The difference is not negative: hold() ensures that.
+      // The difference is not negative, because hold() ensures that.
       return begins_ || static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(passed_at_ns_) >=
                             period_us * 1000;
     }
@@ -261,7 +264,7 @@ bool Conditions::has_changed(const Field& field, const Condition& condition, con
   return is_beyond(number_of(field.kind, bits), number_of(field.kind, field.bits), condition);
 }
 
-/// Returns null if the bytes of an encoded sample are malformed.
+/// Returns the address of the field's value; null if the bytes of an encoded sample are malformed.
 const std::byte* Conditions::find(const Field& field, const FieldSource& sample) {
   if (sample.message_ != nullptr) return sample.message_ + field.offset;
   if (sample.sample_ == nullptr) return nullptr;
@@ -271,11 +274,11 @@ const std::byte* Conditions::find(const Field& field, const FieldSource& sample)
   return at == no_offset ? nullptr : s.body + at;
 }
 
-/// Returns the bytes of the number, followed by zeros. Returns 0 if the sample does not have it.
+/// Returns the bytes of the number, followed by zeros. Returns 0 if the sample does not have the number.
 std::uint64_t Conditions::bits_at(const Field& field, const FieldSource& sample) {
   const std::byte* const at = find(field, sample);
   if (at == nullptr) return 0;
-  switch (size_of(field.kind)) {  // a copy of a variable number of bytes would be a call
+  switch (size_of(field.kind)) {  // a copy of a variable number of bytes would be a function call
     case 1:
       return bits_of<std::uint8_t>(at);
     case 2:

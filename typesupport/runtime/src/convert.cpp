@@ -11,8 +11,8 @@ namespace sft::detail {
 
 namespace {
 
-/// Reads the members of a whole type in the payload's encoding, and puts at most `most_bytes` into Out, a
-/// BodyCounter or a BodyWriter.
+/// Reads the members of a whole type in the payload's encoding, and puts at most `most_bytes` bytes into
+/// Out, a BodyCounter or a BodyWriter.
 template <class Out>
 class Converter {
  public:
@@ -28,7 +28,7 @@ class Converter {
     return status_;
   }
 
-  /// The number of bytes put into Out.
+  /// Returns the number of bytes put into Out.
   std::uint64_t written() const { return to_; }
 
  private:
@@ -77,7 +77,7 @@ class Converter {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type)) return false;
-      if (at_ == before) break;  // elements without bytes, whose number may be huge
+      if (at_ == before) break;  // the loop ends for elements without bytes, whose number may be huge
     }
     return true;
   }
@@ -123,7 +123,7 @@ class Converter {
 };
 
 struct Encoding {
-  std::uint16_t code;  ///< the code of big-endian bytes; the next one is that of little-endian bytes
+  std::uint16_t code;  ///< the code of big-endian bytes; the next code is that of little-endian bytes
   const char* name;
   bool is_plain;
   bool is_xcdr2;

@@ -47,7 +47,7 @@ std::optional<double> real_at(const SampleState& s, const Layout::Field& field) 
   return value ? std::optional<double>(*value) : std::nullopt;
 }
 
-/// Returns a text with its NUL. Its length is at `offset`.
+/// Returns a text with its NUL. The length of the text is at `offset`.
 Extent text_at(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
@@ -105,7 +105,8 @@ std::uint32_t Cut::natural(LayoutRole role) const {
 }
 
 bool Cut::find_list(const SampleState& s, const Layout* layout, const Layout::Field& data, const Part& part) {
-  if (data.member->kind == Kind::string) return true;  // Projection walks over strings
+  // Strings are handled by the projection, which walks over them.
+  if (data.member->kind == Kind::string) return true;
   element_bytes_ = static_cast<std::uint32_t>(size_of(data.member->kind));
   const Extent all = checked_sequence(s, offset_of(s, data.slot), element_bytes_);
   if (!all) return false;
@@ -152,7 +153,7 @@ bool Cut::place_rows(const SampleState& s, const Layout& layout, const Layout::F
   if (is_whole_) return true;
   const bool is_empty = *rows == 0 || *columns == 0;
   const std::uint64_t row_end = size.columns * size.cell_bytes;
-  // If the data has just the bytes of all cells, row_bytes is not used, as in grid_of() in points.cpp.
+  // If the data has exactly the bytes of all cells, row_bytes is not used, as in grid_of() in points.cpp.
   const bool is_joined = size.rows > 0 && data_bytes % size.rows == 0 && data_bytes / size.rows == row_end;
   if (is_joined) size.row_bytes = row_end;
   const bool has_room =
@@ -171,7 +172,7 @@ bool Cut::place_rows(const SampleState& s, const Layout& layout, const Layout::F
   return true;
 }
 
-/// Finds the sizes of cells and rows, and whether a part of them can be taken at all.
+/// Determines the sizes of cells and rows, and whether a part of them can be taken at all.
 bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint64_t data_bytes, const Part& part,
                      Size& size) {
   const auto cell_bytes = natural_at(s, layout[LayoutRole::cell_bytes], element_bytes_);
@@ -192,7 +193,8 @@ bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint64_t d
   return true;
 }
 
-/// Computes the new scale, the old one times the step, and the new origin, which is the corner of the part.
+/// Computes the new scale, which is the old one times the step, and the new origin, which is the corner of
+/// the part.
 bool Cut::find_grid(const SampleState& s, const Layout& layout, const Part& part) {
   const auto scale = real_at(s, layout[LayoutRole::scale]);
   if (!scale) return false;
@@ -210,7 +212,7 @@ bool Cut::find_grid(const SampleState& s, const Layout& layout, const Part& part
   const double dx = part.columns.begin * *scale;
   const double dy = part.rows.begin * *scale;
   const double norm = qx * qx + qy * qy + qz * qz + qw * qw;
-  const double twice = norm > 0 ? 2 / norm : 0;  // the rotation may not be normalised, or may be absent
+  const double twice = norm > 0 ? 2 / norm : 0;  // the rotation may be absent or not normalised
   position_ = {x + dx - twice * ((qy * qy + qz * qz) * dx - (qx * qy - qw * qz) * dy),
                y + dy + twice * ((qx * qy + qw * qz) * dx - (qx * qx + qz * qz) * dy),
                z + twice * ((qx * qz - qw * qy) * dx + (qy * qz + qw * qx) * dy)};
@@ -236,7 +238,7 @@ bool Cut::find_channels(const SampleState& s, const Layout& layout, const Part& 
     if (wanted == part.channels.end() || *wanted != text_of(s, name)) continue;
     if (std::exchange(is_known[static_cast<std::size_t>(wanted - part.channels.begin())], true)) continue;
     const std::uint64_t bytes = std::uint64_t{channel_type_bytes(*type)} * *count;
-    if (bytes == 0 || *offset + bytes > cell_bytes) continue;  // the channel counts as missing
+    if (bytes == 0 || *offset + bytes > cell_bytes) continue;  // such a channel counts as missing
     channels_[channel_count_++] = {name, *offset, static_cast<std::uint32_t>(bytes), *count, *type};
   }
   pack_channels();
@@ -260,8 +262,8 @@ void Cut::pack_channels() {
   cell_bytes_ = static_cast<std::uint32_t>(std::min<std::uint64_t>(cell_bytes, u32_max));
 }
 
-/// Computes the places of the cells. If overlapping channels make the part larger than the field, it is
-/// empty.
+/// Computes the places of the cells. If overlapping channels make the part larger than the field, the part
+/// is empty.
 void Cut::place(const Size& size, std::uint64_t first, const Part& part) {
   rows_ = part.rows.size_of(static_cast<std::uint32_t>(size.rows));
   columns_ = part.columns.size_of(static_cast<std::uint32_t>(size.columns));

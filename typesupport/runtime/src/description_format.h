@@ -1,5 +1,5 @@
-// The bits of a member's form and attributes in a type description (type_description.md). Its writer and its
-// reader share them.
+// The bits of a member's form and attributes in a type description (type_description.md), for the code that
+// writes it and the code that reads it.
 #pragma once
 
 namespace sft::description {

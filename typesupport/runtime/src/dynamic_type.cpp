@@ -35,7 +35,7 @@ bool is_identifier(std::string_view text) {
          std::all_of(text.begin(), text.end(), [&](char c) { return is_letter(c) || is_digit(c); });
 }
 
-/// Returns true for identifiers joined by "::".
+/// Returns true if the text consists of identifiers joined by "::".
 bool is_type_name(std::string_view text) {
   for (;;) {
     const std::size_t end = text.find("::");
@@ -47,7 +47,8 @@ bool is_type_name(std::string_view text) {
 
 }  // namespace
 
-/// Owns a type. Names are views of `bytes`. Types and enumerations do not move, since pointers refer to them.
+/// Owns a type. Names are views of `bytes`. Types and enumerations must not move, since pointers refer to
+/// them.
 class DynamicType::Storage {
  public:
   explicit Storage(std::span<const std::byte> description) : bytes(description.begin(), description.end()) {}
@@ -76,7 +77,7 @@ class DynamicType::Parser {
  public:
   Parser(Storage& storage, const DynamicType::Limits& limits) : out_(storage), limits_(limits) {}
 
-  /// Returns nothing if the description is valid, otherwise its first error.
+  /// Checks the description. Returns nothing if it is valid, otherwise its first error.
   std::optional<Error> run() {
     if (whole()) return std::nullopt;
     if (is_beyond_) return Error{Errc::limit_exceeded, wrong_};
@@ -84,7 +85,7 @@ class DynamicType::Parser {
   }
 
  private:
-  /// The size of a struct with all structs in it.
+  /// The size of a struct including all structs in it.
   struct Expanded {
     std::size_t leaves = 0;
     std::size_t members = 0;  ///< the number of members and enumerators
@@ -328,14 +329,14 @@ class DynamicType::Parser {
   std::size_t at_ = 0;
   std::vector<Expanded> expanded_;  // sizes of the structs read so far
   Names type_names_;
-  std::string_view struct_;  // the struct that is being read
+  std::string_view struct_;  // name of the struct that is being read
   std::string wrong_;
-  bool is_beyond_ = false;  // the type is valid, but exceeds a limit
+  bool is_beyond_ = false;  // true if the type is valid, but exceeds a limit
 };
 
 Result<DynamicType> DynamicType::parse(std::span<const std::byte> description,
                                        const DynamicType::Limits& limits) {
-  if (description.size() > limits.bytes) {  // checked before the copy is made
+  if (description.size() > limits.bytes) {  // checked first, so that no copy of a longer description is made
     return fail(Errc::limit_exceeded,
                 "the type has a description of " + std::to_string(description.size()) + " bytes, and " +
                     std::to_string(limits.bytes) +

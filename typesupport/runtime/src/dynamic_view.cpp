@@ -134,7 +134,7 @@ DynamicView DynamicView::find(std::string_view path) const {
   return at;
 }
 
-/// Returns the place of member number `member`: its slot, or the offset behind the member in front.
+/// Returns the place of member number `member`: its slot, or the offset behind the previous member.
 DynamicView::Place DynamicView::place_of(std::size_t member) const {
   Place place = place_;
   place.leaf += leaf_offset(*type_, member);
@@ -168,7 +168,7 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   if (place.slot != no_slot && !is_single_struct) {
     view.is_in_place_ = state_->parts != nullptr && state_->parts->find(place.leaf).has_value();
     if (view.is_in_place_)
-      return view;  // keeps the slot, by which it is found in the sample that is put together
+      return view;  // the slot is kept, by which the field is found in the sample that is put together
     view.place_.slot = no_slot;
     view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
   }
@@ -202,7 +202,7 @@ DynamicView DynamicView::element(std::size_t i) const {
   std::uint64_t at = all.first;
   for (std::size_t before = 0; before < i && at != no_offset; ++before) {
     const std::uint64_t next = behind_element(at);
-    if (next == at) break;  // elements without bytes all have the same offset
+    if (next == at) break;  // ends the loop, since elements without bytes all have the same offset
     at = next;
   }
   return at == no_offset ? malformed() : element_at(at);
@@ -224,7 +224,8 @@ std::uint64_t DynamicView::behind_element(std::uint64_t offset) const {
   return skip(*state_, *type_, element_leaf(), offset);
 }
 
-/// Returns the first leaf of the elements. A sequence of structs has a leaf for its length in front of them.
+/// Returns the first leaf of the elements. A sequence of structs has one more leaf before it, for its
+/// length.
 std::size_t DynamicView::element_leaf() const {
   return place_.leaf + (kind() == Kind::structure && shape() == Shape::sequence ? 1 : 0);
 }
@@ -237,7 +238,7 @@ bool DynamicView::has_only_size() const {
 DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
   if (of_.is_in_place_) {
     of_ = of_.put_together();
-    if (of_.error_ != nullptr) left_ = 1;  // this one element reports the error
+    if (of_.error_ != nullptr) left_ = 1;  // the view then has one element, which reports the error
   }
   if (!of_ || !of_.is_collection()) return;
   const bool empty_ones = of_.has_only_size();
@@ -250,7 +251,7 @@ DynamicView::Elements::Elements(DynamicView of) : of_(std::move(of)) {
 
 // ---- values ----
 
-/// Returns the bytes of a part in place, contiguous.
+/// Returns the contiguous bytes of a part in place.
 Result<std::span<const std::byte>> DynamicView::part() const {
   note();
   const auto bytes = bytes_in_place(*state_, place_.leaf);
@@ -258,8 +259,8 @@ Result<std::span<const std::byte>> DynamicView::part() const {
   return *bytes;
 }
 
-/// Returns the offset of the first element of a collection, and the number of elements, checked against the
-/// bytes of the sample.
+/// Returns the offset of the first element of a collection, and the number of elements. Both are checked
+/// against the bytes of the sample.
 Extent DynamicView::extent() const {
   note();
   const Member& m = *member_;

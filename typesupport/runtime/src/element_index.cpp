@@ -21,8 +21,8 @@ constexpr std::uint64_t not_fixed = ~std::uint64_t{0};
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept;
 
-/// Returns where the selected members of a struct that begins at `offset` end; not_fixed if strings or
-/// sequences are among them.
+/// Returns the offset at which the selected members of a struct end. The struct begins at `offset`. Returns
+/// not_fixed if strings or sequences are among the members.
 std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size_t leaf,
                         std::uint64_t offset) noexcept {
   for (const Member& m : type.members) {
@@ -96,7 +96,7 @@ class ElementIndex::Table {
   friend struct ElementIndex::Tables;
   Elements elements_;
   std::vector<std::uint32_t> offsets_;
-  Table* next_ = nullptr;  ///< the next table of the chain or of the free tables
+  Table* next_ = nullptr;  ///< the next table, either of the chain or of the free tables
 };
 
 /// A hash table of chains. Readers take no mutex, since chains only grow while there are readers.
@@ -208,7 +208,7 @@ ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Eleme
   return blank;
 }
 
-/// Publishes the table, or returns the equal table that another thread has published first.
+/// Publishes the table. If another thread has published an equal table first, returns that one.
 const ElementIndex::Table* ElementIndex::publish(Table* table) noexcept {
   const std::scoped_lock lock(mutex_);
   Tables* tables = tables_.load(std::memory_order_relaxed);

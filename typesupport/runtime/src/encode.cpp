@@ -19,11 +19,11 @@ static_assert(std::endian::native == std::endian::little, "primitives are copied
 
 /// Puts the selected members of an owned struct into Out, in CDR order. With a BodyCounter, it also checks
 /// values. With a BodyWriter, it writes the index, and relies on the check by an earlier count. Functions
-/// take the offset where they begin and return the one where they end.
+/// take the offset where they begin and return the offset where they end.
 template <class Out>
 class Encoder {
  public:
-  /// `index` receives an offset per slot. A BodyCounter does not use it.
+  /// `index` receives one offset per slot. A BodyCounter does not use it.
   Encoder(const Out& out, const FieldMask& mask, std::span<const Reservation> reservations,
           std::uint32_t* index)
       : out_(out), mask_(mask), reservations_(reservations), index_(index) {}
@@ -145,7 +145,8 @@ class Encoder {
     }
   }
 
-  /// Checks a collection of booleans, which are bytes in memory: receivers refuse values other than 0 and 1.
+  /// Checks a collection of booleans, which are bytes in memory. Receivers refuse values other than 0 and
+  /// 1.
   void check_booleans(const std::byte* first, std::size_t n) {
     const auto is_none = [](std::byte b) { return b > std::byte{1}; };
     if (std::any_of(first, first + n, is_none)) fail(EncodeStatus::bad_boolean);

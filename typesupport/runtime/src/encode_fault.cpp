@@ -12,20 +12,20 @@ namespace sft::detail {
 
 namespace {
 
-/// Visits the selected members of an owned struct like the encoder, and counts the bytes of each leaf without
-/// padding. Stops at the first fault.
+/// Visits the selected members of an owned struct in the order of the encoder, and counts the bytes of each
+/// leaf without padding. Stops at the first fault.
 class FaultFinder {
  public:
   FaultFinder(std::size_t leaves, const FieldMask& mask, std::span<const Reservation> reservations)
       : mask_(mask), reservations_(reservations), bytes_(leaves) {}
 
-  /// Returns the first fault of the value; empty if there is none.
+  /// Returns a text about the first fault of the value; empty if there is none.
   std::string fault_of(const StructType& type, const void* value) {
     structure(type, static_cast<const std::byte*>(value), 0, "", true);
     return fault_;
   }
 
-  /// The bytes of each leaf. REQUIRES: there was no fault.
+  /// Returns the bytes of each leaf. REQUIRES: there was no fault.
   const std::vector<std::uint64_t>& bytes() const { return bytes_; }
 
  private:

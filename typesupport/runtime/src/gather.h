@@ -9,8 +9,8 @@
 
 namespace sft::detail {
 
-/// Copies one run of each cell of a row. If the compiler knows the number of bytes, a copy takes one or two
-/// instructions.
+/// Copies one run of each cell of a row. If the compiler knows the number of bytes, each copy takes one or
+/// two instructions.
 template <std::size_t Bytes>
 void gather_run(std::byte* to, std::size_t to_stride, const std::byte* from, std::size_t from_stride,
                 std::uint32_t cells) {
@@ -41,7 +41,7 @@ inline void gather_run(std::size_t bytes, std::byte* to, std::size_t to_stride, 
   }
 }
 
-/// Writes cut.bytes() to `to`. The first cell begins at `from`.
+/// Writes the cells of the part, cut.bytes() bytes, to `to`. The first cell begins at `from`.
 inline void gather(const Cut& cut, std::byte* to, const std::byte* from) {
   for (std::uint32_t row = 0; row < cut.rows(); ++row) {
     std::byte* cell = to;

@@ -30,7 +30,7 @@ std::string base64(std::span<const std::byte> bytes) {
   return out;
 }
 
-/// Returns the double whose shortest decimal text is that of the float.
+/// Returns the double with the shortest decimal text that identifies the float.
 double shortest(float value) {
   std::array<char, 32> digits{};
   const auto written = std::to_chars(digits.begin(), digits.end(), value);
@@ -125,8 +125,8 @@ class JsonWriter {
     return std::visit([](const auto& v) { return json_of(v); }, *value);
   }
 
-  /// Adds to the approximate size of the output before memory is allocated for it. Returns false beyond the
-  /// limit.
+  /// Adds to the approximate size of the output before memory is allocated for it. Returns false if that
+  /// exceeds the limit.
   bool count(std::size_t bytes) {
     bytes_ += bytes;
     if (bytes_ <= options_.output_bytes_max) return true;

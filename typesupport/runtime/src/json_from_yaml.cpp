@@ -32,7 +32,7 @@ std::string place(const YAML::Mark& mark) {
   return "line " + std::to_string(mark.line + 1) + ", column " + std::to_string(mark.column + 1);
 }
 
-/// Ignores the events of a document.
+/// An event handler that ignores all events of a document.
 class Nothing final : public YAML::EventHandler {
  public:
   using Mark = YAML::Mark;
@@ -59,14 +59,14 @@ bool has_more_than_one(const std::string& text) {
   return static_cast<bool>(parser);
 }
 
-/// Reads a number like yaml-cpp, but independently of the program's global locale, which yaml-cpp obeys: with
-/// a decimal comma, 1.5 would be 15. Returns nothing if the number is not the whole text, or if the type
-/// cannot hold it.
+/// Reads a number by the rules of yaml-cpp, but independently of the program's global locale, which
+/// yaml-cpp uses: with a decimal comma, 1.5 would be 15. Returns nothing if the number is not the whole
+/// text, or if the type cannot hold it.
 template <class Number>
 std::optional<Number> number_of(const std::string& text) {
   std::istringstream in(text);
   in.imbue(std::locale::classic());
-  in.unsetf(std::ios::dec);  // 0x is hexadecimal, and 0 octal
+  in.unsetf(std::ios::dec);  // makes the stream accept hexadecimal (0x) and octal (0) numbers
   if (std::is_unsigned_v<Number> && in.peek() == '-') return {};
   Number value{};
   if (!(in >> std::noskipws >> value) || in.peek() != std::istringstream::traits_type::eof()) return {};
@@ -82,8 +82,8 @@ std::optional<double> real_of(const std::string& text) {
   return number_of<double>(text);
 }
 
-/// Translates YAML to JSON, as deep as the type and no deeper. A value that does not fit the type becomes one
-/// that cdr_from_json() refuses, with its path in the error.
+/// Translates YAML to JSON, to the depth of the type and no deeper. A value that does not fit the type
+/// becomes a value that cdr_from_json() refuses, with its path in the error.
 class JsonMaker {
  public:
   /// Limits the number of values, which aliases may multiply. A text without aliases has fewer values than
@@ -116,7 +116,8 @@ class JsonMaker {
 
   Json value_of(const Member& m, const YAML::Node& node) {
     if (m.shape == Shape::single) return element(m, node);
-    if (!node.IsSequence()) return node.IsScalar() ? Json(node.Scalar()) : other(node);  // may be base64
+    // The scalar may be base64.
+    if (!node.IsSequence()) return node.IsScalar() ? Json(node.Scalar()) : other(node);
     Json array = Json::array();
     for (const YAML::Node& each : node) {
       if (!count()) break;
@@ -145,7 +146,7 @@ class JsonMaker {
     return node.Scalar();
   }
 
-  /// Translates a value that the type does not allow here.
+  /// Translates a value that the type does not allow at this place.
   static Json other(const YAML::Node& node) {
     if (node.IsMap()) return Json::object();
     if (node.IsSequence()) return Json::array();

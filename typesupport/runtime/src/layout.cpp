@@ -15,7 +15,7 @@ namespace sft::detail {
 
 namespace {
 
-/// A struct, with its first leaf and slot.
+/// A struct's first leaf and slot.
 struct Place {
   const StructType* type;
   std::uint32_t leaf;
@@ -48,7 +48,8 @@ bool is_single(const Member& member, Kind kind) {
   return member.kind == kind && member.shape == Shape::single;
 }
 
-/// The rule as a number for Selection::Part::rule: readers with another rule must not be served by this one.
+/// Returns the rule as a number for Selection::Part::rule. The number shows which readers have another
+/// rule; they must not be served by this one.
 std::uint32_t hash_of(std::string_view rule) {
   Fnv1a hash;
   hash.add(rule);
@@ -91,8 +92,8 @@ class Collector {
   std::vector<Layout> take() { return std::move(layouts_); }
 
  private:
-  /// Adds the layout of a member if the rule suits the type. A type with a known name may have other members,
-  /// and then has no layout.
+  /// Adds the layout of a member if the rule suits the type. A type with a known name may have other
+  /// members. In that case it has no layout.
   void add(const Place& place, std::size_t member, std::string_view text, std::uint32_t hash) {
     const auto rule = layout::read_rule(text);
     if (!rule) return;

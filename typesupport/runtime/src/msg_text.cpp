@@ -28,7 +28,7 @@ using msg::Definition;
 using msg::TypeName;
 
 constexpr std::string_view placeholder =
-    "structure_needs_at_least_one_member";  // the member of a message without fields
+    "structure_needs_at_least_one_member";  // name of the member of a message without fields
 constexpr std::string_view head_of_part = "MSG: ";
 constexpr std::size_t separator_width = 80;
 constexpr std::size_t unit_bytes_max = 255;
@@ -96,7 +96,7 @@ class MsgWriter {
     if (m.kind == Kind::structure) {
       if (std::find(queue_.begin(), queue_.end(), m.type) == queue_.end()) queue_.push_back(m.type);
       const auto name = message_name(*m.type);
-      return name ? spelled(*name) : "?";  // an error is reported when the nested message is written
+      return name ? spelled(*name) : "?";  // the error is reported when the nested message is written
     }
     const std::string bound = m.string_bound == 0 ? "" : "<=" + std::to_string(m.string_bound);
     return std::string(msg::spelling_of(static_cast<sft_kind>(m.kind))) + bound;
@@ -108,7 +108,7 @@ class MsgWriter {
     return m.bound == 0 ? "[]" : "[<=" + std::to_string(m.bound) + "]";
   }
 
-  /// Returns the comment with the unit, if a comment can hold it, and the layout.
+  /// Returns a comment with the layout, and with the unit if a comment can hold it.
   static std::string comment(const Member& m) {
     const bool has_unit = !m.unit.empty() && m.unit.find_first_of("[],") == m.unit.npos &&
                           m.unit.find(layout::annotation) == m.unit.npos;
@@ -132,11 +132,11 @@ class MsgWriter {
 class MsgReader {
  public:
   MsgReader() = default;
-  /// A reader with a search path looks there for types that no text defines.
+  /// Makes a reader that searches `search_path` for types that no text defines.
   explicit MsgReader(msg::SearchPath search_path) : search_path_(std::move(search_path)) {}
 
-  /// Reads a text that begins with the definition of `root`, followed by others. Returns the first error, or
-  /// nothing.
+  /// Reads a text that begins with the definition of `root`, followed by other definitions. Returns the
+  /// first error, or nothing.
   std::optional<Error> read(const TypeName& root, std::string_view text) {
     TypeName name = root;
     std::size_t begin = 0;
@@ -202,15 +202,15 @@ class MsgReader {
   }
 
  private:
-  struct Made {  ///< never moved, since `type` refers to the other members
+  struct Made {  ///< must not be moved, since `type` refers to the other members
     std::string name;
     std::vector<Member> members;
-    std::deque<std::string> layouts;  ///< the layout texts of the members
+    std::deque<std::string> layouts;  ///< the texts of the members' layout rules
     StructType type;
   };
   struct Known {
     Definition definition;
-    std::string source;  ///< the source that errors name
+    std::string source;  ///< the name of the source for error messages
   };
 
   static std::string_view line_at(std::string_view text, std::size_t at) {
@@ -252,7 +252,7 @@ class MsgReader {
     return add(name, text, name.text());
   }
 
-  /// Parses a definition from `source`, which errors name.
+  /// Parses a definition from `source`. Errors contain the name of the source.
   std::optional<Error> add(const TypeName& name, std::string_view text, const std::string& source) {
     auto parsed = msg::parse(text, name);
     if (!parsed) return error_of(parsed.error().front(), source);
@@ -294,7 +294,7 @@ class MsgReader {
   std::optional<msg::SearchPath> search_path_;
   std::map<TypeName, Known> definitions_;
   std::map<TypeName, Made> types_;
-  std::vector<TypeName> chain_;  // types that are being made; each nests the next one
+  std::vector<TypeName> chain_;  // types that are being made; each type nests the next one
 };
 
 Result<TypeName> name_of_message(std::string_view text) {

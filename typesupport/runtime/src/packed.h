@@ -1,4 +1,5 @@
-// Offsets in a packed struct (StructType::packed_bytes), which do not depend on the bytes of the struct.
+// Computes offsets in a packed struct (StructType::packed_bytes), which do not depend on the bytes of the
+// struct.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// The properties of pixels that follow from the encoding of an image. The names are those of
-// sensor_msgs/image_encodings.
+// Determines the properties of pixels that follow from the encoding of an image. The names of encodings are
+// those of sensor_msgs/image_encodings.
 #pragma once
 
 #include <cstdint>
@@ -17,12 +17,12 @@ class Pixels {
 
   static Pixels of(std::string_view encoding);
 
-  /// Returns the bytes of a pixel; 0 if they cannot be determined.
+  /// Returns the number of bytes of a pixel; 0 if it cannot be determined.
   std::uint64_t bytes_in(const Image& image) const;
-  /// Returns true if these pixels, of rows with `count` pixels, are an image of the same encoding, or of the
-  /// one that pattern_at() returns.
+  /// Returns true if the selected pixels, of rows with `count` pixels, are an image of the same encoding,
+  /// or of the encoding that pattern_at() returns.
   bool have(const Selection::Range& rows, const Selection::Range& columns, std::uint64_t count) const;
-  /// Returns the Bayer pattern that begins at this row and column; null if there is no pattern.
+  /// Returns the Bayer pattern of a part that begins at this row and column; null if there is no pattern.
   const char* pattern_at(std::uint32_t row, std::uint32_t column) const;
 
  private:

@@ -36,7 +36,7 @@ struct Header {
   bool is_big_endian = false;
 };
 
-/// A channel as the cloud describes it.
+/// A channel in the description of the cloud.
 struct Channel {
   std::string_view name;
   std::uint32_t offset;
@@ -52,7 +52,7 @@ struct Channel {
   }
 };
 
-/// Reads a number, aligned to its size, exactly once: a compiler must not read it again.
+/// Reads a number, aligned to its size, exactly once. A compiler must not read it again.
 template <class T>
 bool read_once(const SampleState& s, std::uint64_t offset, T& value) {
   const std::uint32_t at = offset == no_offset ? no_offset : checked_block(s, offset, 1, sizeof(T));
@@ -80,8 +80,8 @@ tl::unexpected<Error> malformed(const SampleState& s) {
   return fail(Errc::malformed, "the cloud is not within the bytes of the sample");
 }
 
-/// Returns the names of the channels for error messages, without names that must not be sent to a terminal,
-/// and with a limited length.
+/// Returns the names of the channels for error messages. Names that must not be sent to a terminal are left
+/// out, and the length is limited.
 std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step) {
   constexpr std::size_t longest_name = 64;
   std::string names;
@@ -99,7 +99,7 @@ std::string names_of_channels(const SampleState& s, std::uint64_t fields, std::u
   return names.empty() ? "none" : names;
 }
 
-/// Returns why the first channel of that name cannot be read, though the cloud has it.
+/// Returns a text that says why the first channel of that name cannot be read, though the cloud has it.
 std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                              const std::string& name) {
   const Extent all = checked_length(s, fields);
@@ -117,7 +117,7 @@ std::string fault_of_channel(const SampleState& s, std::uint64_t fields, std::ui
   return "channel '" + name + "' has changed";  // another program has written to the sample meanwhile
 }
 
-/// Returns false if the bytes of the sample are malformed.
+/// Finds the channels of the cloud. Returns false if the bytes of the sample are malformed.
 bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t point_step,
                    std::span<WantedChannel> wanted) {
   const Extent all = checked_length(s, fields);
@@ -140,8 +140,8 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
 }
 
 /// Returns the points, or an error if not all of them are within the data. Drivers that organise a cloud
-/// often leave row_step unchanged. So row_step is ignored if the data has just the bytes of all points: rows
-/// then follow each other.
+/// often leave row_step unchanged. So row_step is ignored if the data has exactly the bytes of all points:
+/// rows then follow each other.
 Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) {
   CellGrid grid{.first = data.data(),
                 .row_step = header.row_step,
@@ -164,7 +164,7 @@ Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) 
                                    text(data.size()) + " bytes of data");
 }
 
-/// Returns false if the bytes of the sample are malformed.
+/// Reads the header. Returns false if the bytes of the sample are malformed.
 bool read_header(const CloudPlace& cloud, Header& header) {
   const auto& [height, width, fields, is_big_endian, point_step, row_step, data] = cloud.offsets;
   std::uint8_t byte_order = 0;
@@ -177,11 +177,11 @@ bool read_header(const CloudPlace& cloud, Header& header) {
   return true;
 }
 
-/// Changes the offset of a channel from that in a packed point to that in the larger cloud. Returns false if
-/// the channel is not within the cells of the part: its data was not cut as points of this cloud.
+/// Changes the offset of a channel from the one in a packed point to the one in the larger cloud. Returns
+/// false if the channel is not within the cells of the part: its data was not cut as points of this cloud.
 bool place_channel(const Cut& cut, WantedChannel& one) {
   const std::uint32_t bytes = point_types[one.type].bytes;
-  // Points are whole if no channels were asked for.
+  // Points are whole if no channels were requested.
   if (cut.channels().empty()) return std::uint64_t{one.offset} + bytes <= cut.cell_bytes();
   std::uint32_t packed = 0;
   for (const Cut::Channel& channel : cut.channels()) {
@@ -234,7 +234,7 @@ Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> w
   Header header;
   if (!data || !read_header(cloud, header) || !find_channels(s, fields, header.point_step, wanted))
     return malformed(s);
-  // Parts of such clouds might be empty. So whole points are recorded.
+  // Parts of clouds with overlapping channels might be empty. So whole points are recorded for them.
   if (s.log != nullptr && s.log->is_as_published(cloud.data_leaf, 1) &&
       channels_overlap(s, fields, header.point_step))
     s.log->touch(cloud.data_leaf, true);
@@ -269,9 +269,9 @@ tl::unexpected<Error> field_not_sent(std::size_t field) {
   return not_sent("'" + std::string(cloud_fields[field]) + "'");
 }
 
-/// The result of noting which channels are read.
+/// The result of noting the channels that are read.
 struct NotedChannels {
-  bool one_by_one = false;                 ///< false: channels are not noted one by one
+  bool one_by_one = false;                 ///< true if channels are noted one by one
   const WantedChannel* missing = nullptr;  ///< the first channel that was not sent
 };
 
@@ -290,8 +290,8 @@ NotedChannels note_channels(const SampleState& s, const LeafRange& data,
 
 }  // namespace
 
-// All channels are noted before an error for a missing one is returned, so that the subscriber asks for all
-// at once.
+// All channels are noted before an error for a missing one is returned, so that the subscriber requests all
+// of them at once.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted) {
   const NotedChannels noted = note_channels(s, leaves[data_field], wanted);

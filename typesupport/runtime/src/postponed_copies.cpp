@@ -29,7 +29,8 @@ const std::byte* PostponedCopies::locate(const std::byte* data, std::size_t byte
 
 void PostponedCopies::locate(std::span<const Segment> segments, std::vector<Segment>& located) const {
   const std::span<const Copy> copies = std::span(copies_).subspan(first_, count_ - first_);
-  const auto is_before = std::less<const std::byte*>();  // also orders pointers into different memory
+  // Std::less also orders pointers into different memory.
+  const auto is_before = std::less<const std::byte*>();
   for (Segment segment : segments) {
     const auto take = [&](const std::byte* data, std::size_t bytes) {
       if (bytes > 0) located.push_back({data, bytes});

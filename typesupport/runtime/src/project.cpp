@@ -12,7 +12,7 @@ namespace sft::detail {
 namespace {
 
 /// Returns true if a part changes the field with this role. The list of channels changes only if channels
-/// were asked for.
+/// were requested.
 bool is_rewritten(LayoutRole role, const Selection::Part& part) {
   return role == LayoutRole::channels ? !part.channels.empty() : role != LayoutRole::byte_order;
 }
@@ -108,14 +108,14 @@ void ProjectionPlan::measure(Run& run) const {
   }
 }
 
-/// Copies selected members from a source position to the end of the projected body, with the alignment of
-/// each. Without parts, as in most plans, the code for parts is not compiled in.
+/// Copies selected members from a source position to the end of the projected body, each with its
+/// alignment. Without parts, as in most plans, the code for parts is not compiled in.
 template <bool with_parts>
 class Projection::Writer {
  public:
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan)
       : out_(out), s_(source), plan_(plan), mask_(plan.mask_) {}
-  /// Writes everything to `memory`, and nothing to the staging buffer.
+  /// Makes a writer that writes everything to `memory`, and nothing to the staging buffer.
   Writer(Projection& out, const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
          const PostponedCopies* postponed)
       : Writer(out, source, plan) {
@@ -123,7 +123,7 @@ class Projection::Writer {
     postponed_ = postponed;
   }
 
-  /// Makes this writer leave the parts empty.
+  /// Makes this writer leave the parts empty. Returns the writer.
   Writer& without_parts() {
     without_parts_ = true;
     return *this;
@@ -139,7 +139,8 @@ class Projection::Writer {
     return !with_parts || !failed_;
   }
 
-  /// Sets the pointers of the staged segments after the last growth of the staging buffer, which may move it.
+  /// Sets the pointers of the staged segments. Called after the last growth of the staging buffer, which
+  /// may move it.
   void finish() {
     close_staged();
     out_.bytes_ = to_;
@@ -257,7 +258,7 @@ class Projection::Writer {
     return true;
   }
 
-  /// Returns null if there is too little memory.
+  /// Returns memory for `bytes` bytes; null if there is too little memory.
   std::byte* take_staging(std::size_t bytes) {
     if (!make_room(bytes)) return nullptr;
     std::byte* const to = memory().data() + staged_;
@@ -269,7 +270,7 @@ class Projection::Writer {
   bool has_memory() const { return with_parts && memory_.data() != nullptr; }
   std::span<std::byte> memory() { return has_memory() ? memory_ : std::span(out_.staging_); }
 
-  /// Returns where these bytes of the body are. Null if they are in several places.
+  /// Returns the address of these bytes of the body; null if they are in several places.
   const std::byte* source(std::uint64_t first, std::size_t bytes) const {
     const std::byte* const data = s_.body + first;
     return !with_parts || postponed_ == nullptr ? data : postponed_->locate(data, bytes);
@@ -306,7 +307,8 @@ class Projection::Writer {
     return true;
   }
 
-  /// `has_slot` is true if the next member is found by the index, so that the end of this one is not needed.
+  /// Projects a member. `has_slot` is true if the next member is found by the index, so that the end of
+  /// this one is not needed.
   bool member(const Member& m, std::size_t leaf, bool has_slot) {
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
     std::uint32_t n = m.count;
@@ -360,13 +362,14 @@ class Projection::Writer {
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = from_;
       if (!structure(type, leaf)) return false;
-      if (from_ == before) break;  // elements without bytes, whose number may be huge
+      if (from_ == before) break;  // the loop ends for elements without bytes, whose number may be huge
     }
     return true;
   }
 
   bool same_selection(std::size_t leaf, std::size_t leaves) const {
-    if (mask_.all_of(leaf, leaves)) return true;  // the source has all leaves, too
+    // The whole range is copied, since the source has all leaves, too.
+    if (mask_.all_of(leaf, leaves)) return true;
     for (std::size_t i = leaf; i < leaf + leaves; ++i) {
       if (mask_.contains(i) != s_.mask->contains(i)) return false;
     }
@@ -424,7 +427,7 @@ class Projection::Writer {
   std::span<std::byte> memory_{};
   const PostponedCopies* postponed_ = nullptr;
   bool without_parts_ = false;
-  bool failed_ = false;  ///< true: there was too little memory
+  bool failed_ = false;  ///< true if there was too little memory
 };
 
 void Projection::reserve(const Memory& memory) {
@@ -475,7 +478,8 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan, 
 
 std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
-  constexpr std::size_t padding = 7;  // bytes in front of each member and of each length
+  // Limit of the padding in front of each member and of each length, in bytes.
+  constexpr std::size_t padding = 7;
   std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
   for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();
   return bytes;

@@ -1,12 +1,12 @@
-// The rounding of floating-point numbers while text is read or written.
+// Sets the rounding of floating-point numbers while text is read or written.
 #pragma once
 
 #include <cfenv>
 
 namespace sft {
 
-/// While this object exists, its thread rounds to the nearest number, whatever the program has chosen
-/// (fesetround). In another mode, a number would be read back as a different one.
+/// While this object exists, its thread rounds to the nearest number, whatever rounding mode the program
+/// has chosen (fesetround). In another mode, a number could change if it is written and read back.
 class RoundToNearest {
  public:
   RoundToNearest() noexcept {

@@ -46,7 +46,7 @@ void append(const Tree& tree, std::vector<Condition>& to) {
 }
 
 /// Returns bytes by which conditions are sorted. They begin with the kind, so that conditions of one kind
-/// come together.
+/// are neighbours.
 std::vector<std::byte> order_of(const Tree& tree) {
   std::vector<Condition> conditions;
   append(tree, conditions);
@@ -55,7 +55,7 @@ std::vector<std::byte> order_of(const Tree& tree) {
   return bytes;
 }
 
-/// Removes the tree at the front of the conditions, and returns it.
+/// Removes the tree at the front of the conditions, and returns the tree.
 Result<Tree> take_tree(std::span<const Condition>& conditions, std::size_t depth) {
   if (conditions.empty()) return fail(Errc::invalid_argument, "'and' or 'or' lacks a condition");
   if (depth > Selection::depth_max)
@@ -71,8 +71,8 @@ Result<Tree> take_tree(std::span<const Condition>& conditions, std::size_t depth
   return tree;
 }
 
-/// Returns the one tree that equal conditions have: no `and` directly in an `and`, children in one order and
-/// each once, and no node with a single child.
+/// Returns the canonical form of the tree, which all equal conditions share: no `and` directly in an `and`,
+/// children in one order and each once, and no node with a single child.
 Tree canonical(Tree tree) {
   Condition& node = tree.node;
   if (node.kind != Condition::Kind::compare) node.comparison = {};
@@ -113,7 +113,7 @@ bool is_negative(const Selection::Number& number) {
   return std::visit([](auto value) { return value < 0; }, number);
 }
 
-/// Returns the number as an integer if one can hold it. Only a negative integer is signed.
+/// Returns the number as an integer if an integer can hold it. Only a negative integer is signed.
 Selection::Number canonical(const Selection::Number& number) {
   if (const auto* whole = std::get_if<std::int64_t>(&number); whole != nullptr && *whole >= 0)
     return static_cast<std::uint64_t>(*whole);
@@ -125,7 +125,7 @@ Selection::Number canonical(const Selection::Number& number) {
   return number;
 }
 
-/// Returns what is wrong with the condition; empty if nothing is.
+/// Returns a text about the mistake in the condition; empty if there is none.
 std::string fault_of(const Condition& condition, std::size_t leaves) {
   const auto exists = [leaves](std::uint32_t leaf) { return leaf < leaves; };
   if (!std::ranges::all_of(condition.leaves, exists)) return "a condition is on a field that the type lacks";
@@ -182,7 +182,7 @@ bool is_readable_channel(std::string_view name) {
          detail::is_printable(name);
 }
 
-/// Returns what is wrong with the canonical part; empty if nothing is.
+/// Returns a text about the mistake in the canonical part; empty if there is none.
 std::string fault_of(const Part& part, std::size_t leaves) {
   if (part.leaf >= leaves) return "a part is of a field that the type lacks";
   if (part.channels.size() > Selection::channels_max)
@@ -322,7 +322,7 @@ Selection Selection::without_gate() const {
 
 Selection Selection::without_rate() const {
   if (gate().least_period.count() == 0) return *this;
-  return with_gate({gate().conditions, {}}).value();  // cannot exceed a limit, since it is shorter
+  return with_gate({gate().conditions, {}}).value();  // cannot exceed a limit, since the gate is shorter
 }
 
 Selection Selection::joined(const Selection& other) const {

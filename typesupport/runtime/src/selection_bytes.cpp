@@ -15,14 +15,14 @@ using Condition = Selection::Condition;
 using Part = Selection::Part;
 using Range = Selection::Range;
 
-// The flags in the first byte of a selection: what follows the mask.
+// The flags in the first byte of a selection. They say what follows the mask.
 constexpr std::uint8_t has_parts = 1, has_conditions = 2, has_period = 4;
 // The flags in the first byte of a part.
 constexpr std::uint8_t has_rows = 1, has_columns = 2, has_channels = 4, has_rule = 8;
-// The first byte of a condition: its kind, its comparison from bit 3 on, and this flag.
+// The flag in the first byte of a condition. That byte also has the kind, and the comparison from bit 3 on.
 constexpr std::uint8_t is_percent = 0x40;
 constexpr unsigned comparison_shift = 3;
-// The first byte of a number.
+// The form of a number, in its first byte.
 enum class NumberForm : std::uint8_t { none, natural, negative, real };
 
 void put(Bytes& out, std::uint64_t number) {
@@ -59,7 +59,7 @@ void put(Bytes& out, const Selection::Number& number) {
   }
 }
 
-/// Takes values from the front. After the first error all numbers are 0.
+/// Takes values from the front of the bytes. After the first error all numbers are 0.
 class Reader {
  public:
   explicit Reader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -86,7 +86,7 @@ class Reader {
     is_well_ = is_well_ && value <= UINT32_MAX;
     return is_well_ ? static_cast<std::uint32_t>(value) : 0;
   }
-  /// Takes the number of items that follow, each of at least a byte.
+  /// Takes the number of items that follow, each of at least one byte.
   std::size_t count() {
     const std::uint64_t value = number();
     is_well_ = is_well_ && value <= rest_.size();

@@ -1,5 +1,5 @@
-// The bytes of a selection (selection.md, "Bytes"). Numbers are in LEB128; everything else is as specified
-// there.
+// Writes the bytes of a selection (selection.md, "Bytes"). Numbers are in LEB128; everything else is
+// specified there.
 #pragma once
 
 #include <cstddef>

@@ -31,7 +31,7 @@ std::string in_quotes(std::string_view text) {
   return "'" + shown + "'";
 }
 
-/// Appends those scalars of the struct that are in the mask. The first leaf of the struct is `leaf`.
+/// Appends the scalars of the struct that are in the mask. The first leaf of the struct is `leaf`.
 void add_scalars(const StructType& type, std::size_t leaf, const FieldMask& mask,
                  std::vector<std::uint32_t>& to) {
   for (const StructType::Member& member : type.members) {
@@ -100,7 +100,7 @@ Result<Selection> SelectionParser::parse() {
   return gated ? std::move(gated) : wrong(begin, gated.error().message, gated.error().code);
 }
 
-/// Returns the selection of everything in front of the gate.
+/// Returns the selection of the text in front of the gate.
 Result<Selection> SelectionParser::fields() {
   std::vector<Selection::Part> parts;
   for (auto& [leaf, wish] : wishes_) {
@@ -113,7 +113,7 @@ Result<Selection> SelectionParser::fields() {
   return all ? std::move(all) : wrong(0, all.error().message, all.error().code);
 }
 
-/// Adds a part of a leaf to the other parts of that leaf. It begins at position `at` of the text.
+/// Adds a part of a leaf to the other parts of that leaf. The text of the part begins at position `at`.
 void SelectionParser::add(Selection::Part part, std::size_t at) {
   const auto [found, is_new] = wishes_.try_emplace(part.leaf, Wish{at, part});
   if (is_new) return;
@@ -124,8 +124,8 @@ void SelectionParser::add(Selection::Part part, std::size_t at) {
   if (!has_channels) both.channels.clear();
 }
 
-/// Takes a path up to the first character that cannot be in one. `[]` is part of a path, and any other `[` is
-/// not.
+/// Takes a path up to the first character that cannot belong to a path. `[]` belongs to a path, and any
+/// other `[` does not.
 std::string_view SelectionParser::take_path() {
   const std::size_t begin = at_;
   while (at_ < text_.size() &&
@@ -284,7 +284,7 @@ Result<Selection::Gate> SelectionParser::gate() {
   return gate;
 }
 
-/// Parses what follows "at".
+/// Parses the text behind "at".
 Result<std::chrono::microseconds> SelectionParser::least_period() {
   skip_blanks();
   if (!take_word("most")) return wrong("'most' stands behind 'at'");
@@ -343,7 +343,7 @@ Result<SelectionParser::Conditions> SelectionParser::term(std::size_t depth) {
   return as_list(comparison());
 }
 
-/// Parses what follows "changed".
+/// Parses the text behind "changed".
 Result<Condition> SelectionParser::changed() {
   Condition condition{.kind = Condition::Kind::changed};
   const std::size_t begin = at_;
@@ -379,7 +379,7 @@ Result<Condition> SelectionParser::changed() {
   return condition;
 }
 
-/// Parses what follows "every".
+/// Parses the text behind "every".
 Result<Condition> SelectionParser::every() {
   const std::size_t begin = at_;
   std::uint64_t count = 0;
@@ -455,7 +455,7 @@ Result<Selection::Number> SelectionParser::constant(std::uint32_t leaf) {
   return number("a number");
 }
 
-/// Parses a number, as an integer if the text is one that 64 bits can hold.
+/// Parses a number. The result is an integer if the text is an integer that 64 bits can hold.
 Result<Selection::Number> SelectionParser::number(std::string_view what) {
   const char* const text = text_.data() + at_;
   const char* const end = text_.data() + text_.size();

@@ -14,15 +14,15 @@
 
 namespace sft::detail {
 
-/// The member of a leaf, and whether it is in a collection. The length of a sequence of structs has no
-/// member: null.
+/// The member of a leaf, and a flag that says if the leaf is in a collection. The leaf for the length of a
+/// sequence of structs has no member: null.
 struct LeafPlace {
   const StructType::Member* member = nullptr;
   bool is_in_collection = false;  ///< true for an element of an array or a sequence of structs
 };
 LeafPlace place_of(const StructType& type, std::size_t leaf);
 
-/// Returns true for a number, a boolean, an enumeration or a string that is in no array and no sequence.
+/// Returns true for a number, a boolean, an enumeration or a string that is not in an array or a sequence.
 bool is_scalar(const LeafPlace& place);
 
 /// Returns the scalars to which `changed` without names refers.
@@ -33,14 +33,14 @@ class SelectionParser {
   SelectionParser(const TypeSupport& type, std::string_view text)
       : type_(type), text_(text), whole_(type.none()) {}
 
-  /// Errors begin with the column, from 1, of what is wrong.
+  /// Parses the text. Errors begin with the column, from 1, of the mistake.
   Result<Selection> parse();
 
  private:
   using Condition = Selection::Condition;
   using Conditions = std::vector<Condition>;
 
-  /// The part of a leaf that is wanted, and its position in the text.
+  /// The requested part of a leaf, and its position in the text.
   struct Wish {
     std::size_t at = 0;
     Selection::Part part;
@@ -70,8 +70,8 @@ class SelectionParser {
   char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   bool take(std::string_view sign);
   bool take_word(std::string_view word);
-  /// Takes the word with the blanks behind it, unless it is a field, which an operator or more of a path
-  /// follows.
+  /// Takes the word with the blanks behind it. Does not take it if it is a field, because an operator or
+  /// the rest of a path follows.
   bool take_keyword(std::string_view word);
   std::string_view word() const;
   std::string_view take_path();
@@ -82,7 +82,7 @@ class SelectionParser {
   const std::string_view text_;
   std::size_t at_ = 0;
   FieldMask whole_;                         ///< fields that were named without parts
-  std::map<std::uint32_t, Wish> wishes_{};  ///< the parts, by leaf
+  std::map<std::uint32_t, Wish> wishes_{};  ///< the requested parts, by leaf
   std::vector<std::uint32_t> scalars_{};    ///< the scalars of all selected fields
 };
 

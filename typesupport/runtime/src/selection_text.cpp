@@ -40,7 +40,7 @@ std::string text_of(const Range& range) {
   return text;
 }
 
-/// Prints a duration in the largest unit of which it is a whole number.
+/// Prints a duration in the largest unit of which it is a whole multiple.
 std::string duration_text(std::uint64_t us) {
   constexpr std::pair<std::uint64_t, std::string_view> units[] = {
       {60'000'000, " min"}, {1'000'000, " s"}, {1'000, " ms"}, {1, " us"}};

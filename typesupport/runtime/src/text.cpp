@@ -38,7 +38,7 @@ bool is_printable(std::string_view text) {
   return true;
 }
 
-/// Stores only one row of the table of distances at a time.
+/// Returns the distance. Only one row of the table of distances is stored at a time.
 std::size_t edit_distance(std::string_view a, std::string_view b) {
   std::vector<std::size_t> row(b.size() + 1);
   std::iota(row.begin(), row.end(), std::size_t{0});

@@ -11,7 +11,7 @@ namespace sft::detail {
 
 namespace {
 
-using Bytes = std::string;  // comparable, and short ones need no allocation
+using Bytes = std::string;  // std::string, because it is comparable, and short ones need no allocation
 
 void put(Bytes& out, std::uint64_t number) {
   for (; number >= 0x80; number >>= 7) out.push_back(static_cast<char>(number | 0x80));

@@ -138,7 +138,7 @@ std::string difference(const EnumType& here, const EnumType& there) {
   return {};
 }
 
-/// Returns the text of format_type() without the names of structs and enumerations, which are compared by
+/// Returns the text of format_type() without the names of structs and enumerations. These are compared by
 /// their members.
 std::string outline(const Member& m) {
   const bool has_structure = m.kind == Kind::structure || m.enumeration != nullptr;
@@ -148,7 +148,7 @@ std::string outline(const Member& m) {
 class Comparison {
  public:
   std::string structs(const StructType& here, const StructType& there, const std::string& prefix) const {
-    // A difference inside members is reported first, up to the first member whose name differs.
+    // A difference inside members is reported first, but only up to the first member whose name differs.
     for (std::size_t i = 0; i < std::min(here.members.size(), there.members.size()); ++i) {
       if (here.members[i].name != there.members[i].name) break;
       std::string found = members(here.members[i], there.members[i], prefix);

@@ -69,7 +69,7 @@ Result<FieldMask> TypeSupport::find(std::string_view path) const {
   const auto found =
       std::find_if(nodes_.begin(), nodes_.end(), [&](const Node& n) { return n.path == path; });
   if (found == nodes_.end()) {
-    const std::string_view meant = path.substr(0, 255);  // a longer path resembles no field
+    const std::string_view meant = path.substr(0, 255);  // cut off, since a longer path resembles no field
     const auto nearest = std::min_element(nodes_.begin(), nodes_.end(), [&](const Node& a, const Node& b) {
       return edit_distance(a.path, meant) < edit_distance(b.path, meant);
     });
@@ -123,8 +123,8 @@ FieldMask TypeSupport::closed(FieldMask mask) const {
 Selection TypeSupport::closed(const Selection& selection) const {
   std::vector<Selection::Part> parts(selection.parts().begin(), selection.parts().end());
   FieldMask fields = closed(selection.mask());
-  // A field that is added can make the parts of related fields whole. Each round has fewer parts or more
-  // fields than the one before, so the loop ends.
+  // An added field can make the parts of related fields whole. Each round has fewer parts or more fields
+  // than the previous one, so the loop ends.
   for (bool is_changed = !parts.empty(); is_changed;) {
     std::vector<Selection::Part> suited = suited_parts(parts, fields);
     FieldMask with_layouts = closed(with_fields_of_layouts(suited, fields));
@@ -132,14 +132,14 @@ Selection TypeSupport::closed(const Selection& selection) const {
     parts = std::move(suited);
     fields = std::move(with_layouts);
   }
-  // With a longer mask the limits may leave too little room for parts and gate.
+  // With a longer mask, the limits may leave too little room for the parts and the gate.
   return Selection::make(fields, std::move(parts), selection.gate())
       .or_else([&](const Error&) { return Selection::make(fields, {}, selection.gate()); })
       .value_or(fields);
 }
 
-/// Returns the parts without rows and channels that their fields do not have. An array has a fixed length,
-/// and is always whole.
+/// Returns the parts, without the rows and channels that their fields do not have. An array has a fixed
+/// length, and is always whole.
 std::vector<Selection::Part> TypeSupport::suited_parts(const std::vector<Selection::Part>& parts,
                                                        const FieldMask& fields) const {
   std::vector<Selection::Part> suited;

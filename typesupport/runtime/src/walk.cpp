@@ -8,7 +8,7 @@ namespace sft::detail {
 
 namespace {
 
-/// Walks over a body once. With Check, it validates the contents. Without Check, it only finds the ends of
+/// Walks over a body once. If Check is true, it validates the contents. Otherwise it only finds the ends of
 /// members.
 template <bool Check>
 class Walker {
@@ -57,11 +57,12 @@ class Walker {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     if (is_packed(type, leaf)) return packed(type, n);
-    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;  // the elements take no bytes
+    // Nothing is selected, so the elements take no bytes.
+    if (!s_.mask->any_of(leaf, leaf_count(type))) return true;
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;
       if (!structure(type, leaf)) return false;
-      if (at_ == before) break;  // these elements take no bytes, and the rest takes none either
+      if (at_ == before) break;  // the loop ends, because these elements take no bytes, nor do the rest
     }
     return true;
   }
@@ -74,9 +75,9 @@ class Walker {
 
   bool selected_members(const StructType& type, std::size_t first_leaf) {
     const std::size_t end = first_leaf + leaf_count(type);
-    auto behind = type.first_leaves.begin();  // the search for the next member begins here
+    auto behind = type.first_leaves.begin();  // the search for the next member begins at `behind`
     for (std::size_t leaf = s_.mask->next(first_leaf, end); leaf < end; leaf = s_.mask->next(leaf, end)) {
-      if (*behind != leaf - first_leaf)  // the next member is not adjacent
+      if (*behind != leaf - first_leaf)  // the next selected member is not adjacent
         behind = std::upper_bound(behind, type.first_leaves.end(), leaf - first_leaf) - 1;
       const Member& m = type.members[static_cast<std::size_t>(behind - type.first_leaves.begin())];
       const std::size_t member_leaf = first_leaf + *behind++;

@@ -13,7 +13,7 @@ using namespace detail;
 
 namespace {
 
-bool is_word(std::string_view text) {  // true if YAML takes the text for something other than a string
+bool is_word(std::string_view text) {  // true if YAML would not read the text as a string
   static constexpr std::array words{"null", "true", "false", "yes", "no", "on", "off", "y", "n"};
   const auto same = [&](std::string_view word) {
     return std::equal(word.begin(), word.end(), text.begin(), text.end(),
@@ -178,7 +178,8 @@ class YamlWriter {
       check_length();
     }
     out_ += ']';
-    comment(m, size - std::min(size, printed));  // the size in shared memory may have changed meanwhile
+    // The size is limited, because shared memory may have changed meanwhile.
+    comment(m, size - std::min(size, printed));
     out_ += '\n';
   }
 
@@ -235,7 +236,7 @@ class YamlWriter {
     if (more != 0) out_ += "... " + std::to_string(more) + " more";
   }
 
-  /// Writes a scalar. Returns how many bytes of a text were left out.
+  /// Writes a scalar. Returns the number of bytes of a text that were left out.
   std::size_t scalar(const DynamicView& view) {
     const Result<DynamicView::Scalar> value = view.scalar();
     if (!value) {

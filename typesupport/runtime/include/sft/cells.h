@@ -8,25 +8,25 @@
 //
 //   sft::cells_of<Rgb>(sample.view(), "image.data")  // without the compiled type
 //
-// Nothing is copied, and a cell is read when it is asked for. If the subscriber asked for a part, these are
-// the cells of the part: in place in a whole image in shared memory, or in the smaller image that another
-// host sent. (The getter without a type returns a span. For that it copies the bytes of a part together if
-// they are not contiguous.)
+// Nothing is copied, and a cell is read only when it is accessed. If the subscriber requested a part, the
+// result has the cells of the part: in place in a whole image in shared memory, or in the smaller image that
+// another host sent. (The getter without a type returns a span. For that it copies the bytes of a part
+// together if they are not contiguous.)
 //
 // A loop that has to be fast goes row by row: `pixels->row(i)` is a span if the cells of the row are
-// contiguous. A loop over all cells tests for each of them whether its row ends.
+// contiguous. A loop over all cells checks after each cell whether the row ends.
 //
 // The layout of a field defines its rows and columns (typesupport/runtime/selection.md, "Parts"). A field
-// without rows is one row. A cell is an element of the field, or has as many bytes as the encoding of the
-// image or the member for the size of a cell says. The type of a cell is an arithmetic type or a std::array
-// of one. In a field of numbers of several bytes it is the type of the number. The result is an error if
+// without rows is one row. A cell is an element of the field, or its size is given by the encoding of the
+// image or by the member for the size of a cell. The type of a cell is an arithmetic type or a std::array of
+// such a type. In a field of numbers of several bytes it is the type of the number. The result is an error if
 //   - a cell has another size, or the encoding has no such cells: type_mismatch
 //   - the sample was sent without a field that gives the number of rows or columns or the size of a cell:
-//     unavailable. If fields are recorded, the subscriber asks for that field from then on. A mask that is
+//     unavailable. If fields are recorded, the subscriber requests that field from then on. A mask that is
 //     declared without one of these fields does not compile. A program that declares a part need not declare
-//     them.
+//     these fields.
 //   - the bytes of the sample are inconsistent or end early: malformed
-// Values in big-endian fields of bytes are swapped. A field that claims more cells than it holds is empty.
+// Values in big-endian fields of bytes are swapped. A field with fewer bytes than its cells need is empty.
 //
 // The points of clouds are read with points() (points.h). In templates, as in a
 // callback that takes `const auto& sample`, C++ wants `sample->template data<Rgb>()`.
@@ -58,7 +58,7 @@ namespace sft {
 
 namespace detail {
 
-/// The unsigned integer of this number of bytes.
+/// The unsigned integer type with this number of bytes.
 template <std::size_t Bytes>
 using Bits = std::tuple_element_t<std::bit_width(Bytes) - 1,
                                   std::tuple<std::uint8_t, std::uint16_t, std::uint32_t, std::uint64_t>>;
@@ -87,14 +87,15 @@ void swap_bytes(std::array<E, N>& values) {
   for (E& value : values) swap_bytes(value);
 }
 
-/// True for a value of a cell: an integer of 1 to 8 bytes, float or double, or a std::array of these.
+/// True for the type of a cell's value: an integer of 1 to 8 bytes, float or double, or a std::array of
+/// these.
 template <class T>
 inline constexpr bool is_cell = std::is_arithmetic_v<T> && !std::is_const_v<T> && !std::is_volatile_v<T> &&
                                 !std::same_as<T, bool> && sizeof(T) <= 8;
 template <class E, std::size_t N>
 inline constexpr bool is_cell<std::array<E, N>> = N > 0 && is_cell<E>;
 
-/// Reads a cell of one value or several.
+/// Reads a cell, which has one value or several.
 template <class Cell>
 struct CellReader {
   bool is_swapped = false;
@@ -120,17 +121,17 @@ class Cells : public std::ranges::view_base {
   /// The type of a cell.
   using value_type = Cell;
 
-  /// Has no cells.
+  /// Makes a range without cells.
   Cells() = default;
-  /// For SFT's own code. `reader` must not read beyond the bytes of a cell.
+  /// For SFT's own code: makes the range. `reader` must not read beyond the bytes of a cell.
   Cells(const detail::CellGrid& grid, const detail::CellReader<Cell>& reader)
       : grid_(grid), reader_(reader) {}
 
-  /// The number of rows: 1 if the field has no rows, and 0 if the field contradicts itself.
+  /// Returns the number of rows: 1 if the field has no rows, and 0 if the field contradicts itself.
   std::size_t rows() const { return grid_.rows; }
-  /// The number of cells in a row.
+  /// Returns the number of cells in a row.
   std::size_t columns() const { return grid_.columns; }
-  /// The number of cells in all rows.
+  /// Returns the number of cells in all rows.
   std::size_t size() const { return grid_.size(); }
   /// Returns true if there are no cells.
   bool empty() const { return size() == 0; }
@@ -141,8 +142,8 @@ class Cells : public std::ranges::view_base {
     assert(row < rows() && column < columns());
     return reader_(grid_.at(row, column));
   }
-  /// Returns a row as a span if its cells lie in memory like an array of Cell. Returns nothing otherwise: in
-  /// a part with a step, in another byte order, and at unaligned addresses. Points have no such rows.
+  /// Returns a row as a span if its cells are in memory like an array of Cell. Returns nothing otherwise:
+  /// in a part with a step, in another byte order, and at unaligned addresses. Points never have such rows.
   /// REQUIRES: row < rows().
   std::optional<std::span<const Cell>> row(std::size_t row) const requires detail::is_cell<Cell> {
     assert(row < rows());
@@ -152,20 +153,20 @@ class Cells : public std::ranges::view_base {
     if (grid_.is_swapped || grid_.column_step != sizeof(Cell) || !is_aligned) return std::nullopt;
     return std::span<const Cell>(reinterpret_cast<const Cell*>(first), columns());
   }
-  /// The cell with this number, from 0, counted row by row. REQUIRES: i < size().
+  /// Returns the cell with this number, from 0, counted row by row. REQUIRES: i < size().
   Cell operator[](std::size_t i) const {
     assert(i < size());
     const std::size_t row = grid_.is_joined() ? 0 : i / grid_.columns;
     return reader_(grid_.at(row, i - row * grid_.columns));
   }
-  /// The first cell. REQUIRES: !empty().
+  /// Returns the first cell. REQUIRES: !empty().
   Cell front() const { return at(0, 0); }
-  /// The last cell. REQUIRES: !empty().
+  /// Returns the last cell. REQUIRES: !empty().
   Cell back() const { return at(rows() - 1, columns() - 1); }
 
-  /// The first cell. Iterators go over the cells row by row.
+  /// Returns an iterator to the first cell. Iterators go over the cells row by row.
   iterator begin() const { return {grid_.joined(), reader_, 0}; }
-  /// The end, behind the last cell.
+  /// Returns the end, behind the last cell.
   iterator end() const { return {grid_.joined(), reader_, size()}; }
 
  private:
@@ -178,7 +179,8 @@ template <class Cell>
 class Cells<Cell>::iterator {
  public:
   using iterator_concept = std::random_access_iterator_tag;
-  using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
+  // The highest category that C++17 allows if elements are values.
+  using iterator_category = std::input_iterator_tag;
   using value_type = Cell;
   using reference = value_type;
   using difference_type = std::ptrdiff_t;
@@ -247,11 +249,11 @@ class Cells<Cell>::iterator {
                                         (offset_ - row) / grid_.column_step);
   }
 
-  // operator++ usually changes one number only, so that this number stays in a register.
+  // operator++ usually changes only one number, which then stays in a register.
   detail::CellGrid grid_ = detail::CellGrid{}.joined();
   detail::CellReader<Cell> reader_{};
-  std::uint64_t offset_ = 0;                   ///< the bytes from the first cell to the present one
-  std::uint64_t row_end_ = grid_.row_bytes();  ///< the bytes from the first cell to the end of its row
+  std::uint64_t offset_ = 0;                   ///< number of bytes from the first cell to the present one
+  std::uint64_t row_end_ = grid_.row_bytes();  ///< number of bytes from the first cell to the end of its row
 };
 
 namespace detail {
@@ -271,8 +273,8 @@ constexpr bool fits_elements(Kind kind) {
   return size_of(kind) == 1 || holds<Cell>(kind);
 }
 
-/// Returns the cells of member number M. The getters of generated views call it with the place of the view
-/// (view.h).
+/// Returns the cells of member number M. The getters of generated views call this function with the place
+/// of the view (view.h).
 template <class Cell, std::size_t M, class Place>
 Result<Cells<Cell>> cells_at(const Place& place) {
   constexpr const Member& m = TypeTable<typename Place::Struct>::members[M];
@@ -305,8 +307,8 @@ Result<Cells<Cell>> cells_at(const Place& place) {
 }  // namespace detail
 
 /// Returns the cells of the field with this path in a message that is read by the names of its fields
-/// (dynamic_view.h). They are valid as long as the sample. Further errors: unknown_field if there is no such
-/// field, and type_mismatch if it is not a sequence of numbers.
+/// (dynamic_view.h). The cells are valid as long as the sample. Further errors: unknown_field if there is
+/// no such field, and type_mismatch if the field is not a sequence of numbers.
 template <class Cell>
 Result<Cells<Cell>> cells_of(const DynamicView& message, std::string_view path) {
   return detail::cells_on<Cell>(detail::find_cells(message, path, sizeof(Cell), detail::fits_elements<Cell>));

@@ -1,5 +1,5 @@
-// A message type that is not compiled into the program. Node::find_type() makes it from the description that
-// is announced with a topic, and from_msg() (msg_text.h) from the text of a .msg file.
+// A message type that is not compiled into the program. Node::find_type() makes it from the description
+// that is announced with a topic. from_msg() (msg_text.h) makes it from the text of a .msg file.
 #pragma once
 
 #include <cstddef>
@@ -25,30 +25,32 @@ class DynamicType {
     std::size_t name_bytes = 255;             ///< the maximum length of each name and unit
     std::uint32_t array_elements = 1U << 28;  ///< the maximum length of each array, over all its dimensions
     std::size_t depth = 32;                   ///< the maximum nesting of structs; real types: up to 25
-    std::size_t leaves = 4096;                ///< the maximum number that a request can name
-    std::size_t members = 32'768;             ///< the maximum number of members and enumerators together
-    std::size_t path_bytes = 1 << 20;         ///< the approximate maximum for the paths of all leaves
+    /// The maximum number of leaves, which is the maximum that a request can name.
+    std::size_t leaves = 4096;
+    std::size_t members = 32'768;      ///< the maximum number of members and enumerators together
+    std::size_t path_bytes = 1 << 20;  ///< the approximate maximum for the paths of all leaves
   };
 
   /// Reads a description (type_description.md). The bytes may be hostile: time and memory are proportional
-  /// to their number. The error names what is refused.
+  /// to their number. The error names the refused part.
   static Result<DynamicType> parse(std::span<const std::byte> description, const Limits& limits);
-  // A default argument cannot use the default member values of Limits: they are known only after
-  // DynamicType.
+  // There are two overloads, because a default argument cannot use the default member values of Limits:
+  // they are known only after DynamicType.
   /// Parses within the usual limits.
   static Result<DynamicType> parse(std::span<const std::byte> description) {
     return parse(description, Limits());
   }
 
-  /// The name in the IDL: "sensor_msgs::msg::Imu".
+  /// Returns the name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type().name; }
-  /// The tables of the type, valid as long as any handle of it.
+  /// Returns the tables of the type. They are valid as long as any handle of the type.
   const StructType& type() const;
-  /// Equal to TypeSupport::hash() of the compiled type.
+  /// Returns the hash, which equals TypeSupport::hash() of the compiled type.
   std::uint64_t hash() const;
-  /// Reads and prints masks of the type. The first call makes the object, which all copies share.
+  /// Returns the object that reads and prints masks of the type. The first call makes the object, which all
+  /// copies share.
   const TypeSupport& support() const;
-  /// The bytes from which the type was read, valid as long as the type.
+  /// Returns the bytes from which the type was read. They are valid as long as the type.
   std::span<const std::byte> description() const;
 
  private:

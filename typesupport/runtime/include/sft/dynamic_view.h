@@ -1,5 +1,5 @@
-// Reading a sample by the names of its fields, without the compiled type. DynamicSample::view() returns a
-// view. Nothing is decoded before it is asked for.
+// Reads a sample by the names of its fields, without the compiled type. DynamicSample::view() returns a view.
+// A value is decoded only when it is read.
 //
 //   const sft::DynamicView cloud = sample.view();
 //   cloud["header"]["stamp"]["sec"].as<std::int32_t>()      -> Result<std::int32_t>
@@ -12,9 +12,9 @@
 //   - erroneous: error() is not null, because there is no such field or element, or because the bytes are
 //     malformed (then the sample is flagged, too)
 //
-// If the subscriber records which fields the program reads, a test whether a view is true counts as an access
-// to the field, and so does reading its value. For a struct, this is an access to its first leaf. A call of
-// is_absent() is no access.
+// If the subscriber records which fields the program reads, both reading the value of a view and testing if
+// the view is true count as accesses to the field. For a struct, this is an access to its first leaf. A call
+// of is_absent() is no access.
 //
 // A view owns nothing. It must not outlive the sample and the type to which it refers. Several threads may
 // read one sample. Errors of a read are values (result.h); no function throws.
@@ -61,32 +61,34 @@ class DynamicView {
   /// One primitive or string. Integers of all widths and octets are widened; an enumeration is its integer.
   using Scalar = std::variant<bool, char, std::int64_t, std::uint64_t, float, double, std::string_view>;
 
-  /// For SFT's own code: a whole sample of `type`. `s.index` may be null: then members are found by walking.
+  /// For SFT's own code: makes the view of a whole sample of `type`. `s.index` may be null: then members
+  /// are found by walking.
   DynamicView(const detail::SampleState& s, const StructType& type);
-  /// The same for a reader that declared fewer fields than the sample may have. All other fields are absent.
-  /// `declared` is closed (TypeSupport::closed) and outlives the view.
+  /// Makes the view for a reader that declared fewer fields than the sample may have. All other fields are
+  /// absent. `declared` must be closed (TypeSupport::closed) and outlive the view.
   DynamicView(const detail::SampleState& s, const StructType& type, const FieldMask& declared);
 
   // ---- navigation ----
 
   /// Returns a member of a struct.
   DynamicView operator[](std::string_view member) const;
-  /// An element of an array or a sequence, counted from 0. For elements that are strings or structs it walks
-  /// over all elements in front. Use elements() to read all of them.
+  /// Returns an element of an array or a sequence, counted from 0. For elements that are strings or structs
+  /// it walks over all previous elements. Use elements() to read all of them.
   template <std::integral I>
   DynamicView operator[](I i) const {
     return element(std::in_range<std::size_t>(i) ? static_cast<std::size_t>(i) : SIZE_MAX);
   }
   /// Returns the value at a path: "header.stamp.sec", "fields[1].name".
   DynamicView find(std::string_view path) const;
-  /// All members of a struct in order, also absent ones; none if it is not a struct.
+  /// Returns all members of a struct in order, including absent ones; none if the view is not a struct.
   Members members() const;
-  /// All elements of an array or a sequence; none if the view is neither. If only the length of a sequence
-  /// was sent, it has no elements. If the subscriber records, it then has absent elements, so that the
-  /// missing fields can be noted. If the bytes end early, the last element is an error.
+  /// Returns all elements of an array or a sequence; none if the view is neither. If only the length of a
+  /// sequence was sent, the result is empty. But if the subscriber records, the result then has absent
+  /// elements, so that the missing fields can be noted. If the bytes end early, the last element is an
+  /// error.
   Elements elements() const;
 
-  // ---- what it is ----
+  // ---- kind and type ----
 
   /// Returns true if the value can be read: it was sent, and its bytes are valid.
   explicit operator bool() const {
@@ -95,37 +97,37 @@ class DynamicView {
   }
   /// Returns true if the sample was sent without this field.
   bool is_absent() const { return error_ == nullptr && !present_; }
-  /// The error, valid as long as the view; null if there is none.
+  /// Returns the error, valid as long as the view; null if there is none.
   const Error* error() const { return error_.get(); }
 
-  /// Returns true for a struct, also for one that is an element.
+  /// Returns true for a struct, even if it is an element.
   bool is_struct() const { return node_ == Node::structure; }
   /// Returns true for a whole array or sequence.
   bool is_collection() const { return node_ == Node::collection; }
-  /// The kind of a value, or of the elements of an array or a sequence.
+  /// Returns the kind of a value, or of the elements of an array or a sequence.
   StructType::Member::Kind kind() const {
     return member_ == nullptr ? detail::Kind::structure : member_->kind;
   }
   /// Returns array or sequence if the view is a collection, otherwise single.
   StructType::Member::Shape shape() const { return is_collection() ? member_->shape : detail::Shape::single; }
-  /// The member that the view shows, or of which it shows an element; null for the whole sample.
+  /// Returns the member that the view shows, or of which it shows an element; null for the whole sample.
   const StructType::Member* member() const { return member_; }
-  /// The name of member(); empty for the whole sample.
+  /// Returns the name of member(); empty for the whole sample.
   SFT_OUTLIVES_VIEW std::string_view name() const {
     return member_ == nullptr ? std::string_view() : member_->name;
   }
-  /// The type of a struct or of the elements of a collection of structs, otherwise null.
+  /// Returns the type of a struct or of the elements of a collection of structs, otherwise null.
   const StructType* type() const { return type_; }
-  /// Returns true for a sequence of structs that was sent without any field of its elements: only size() is
-  /// known.
+  /// Returns true for a sequence of structs that was sent without any field of its elements. Only its
+  /// size() is known.
   bool has_only_size() const;
 
   // ---- values ----
 
-  /// The number of elements of an array or a sequence.
+  /// Returns the number of elements of an array or a sequence.
   Result<std::size_t> size() const;
 
-  /// The value of a number, a text or an enumeration. Texts are valid as long as the sample.
+  /// Returns the value of a number, a text or an enumeration. Texts are valid as long as the sample.
   Result<Scalar> scalar() const;
 
   /// Returns the value as a T. T is one of: bool or char; an integer type that can hold the integer; float or
@@ -135,8 +137,8 @@ class DynamicView {
   template <class T>
   Result<T> as() const;
 
-  /// The name of the value of an enumeration ("GREEN"), or the flags of a bitmask ("READ | WRITE"). Empty if
-  /// a part of the value has no name, or if the view is of another kind.
+  /// Returns the name of the value of an enumeration ("GREEN"), or the flags of a bitmask ("READ | WRITE").
+  /// Empty if a part of the value has no name, or if the view is of another kind.
   std::optional<std::string> enumerator() const;
 
  private:
@@ -145,8 +147,8 @@ class DynamicView {
   friend Result<detail::CellGrid> detail::find_cells(const DynamicView& message, std::string_view path,
                                                      std::size_t cell_bytes, bool (*holds)(detail::Kind));
   enum class Node : std::uint8_t { structure, collection, value };
-  /// Where the members of a struct are: at slots of the index from `slot` on, or one behind the other from
-  /// `offset` on.
+  /// The place of the members of a struct: at slots of the index from `slot` on, or one behind the other
+  /// from `offset` on.
   struct Place {
     std::size_t leaf = 0;  ///< the first leaf of the struct, or of the next member
     std::size_t slot = no_slot;
@@ -165,8 +167,8 @@ class DynamicView {
     return present_ && state_->mask->all_of(leaf, count) &&
            (declared_ == nullptr || declared_->all_of(leaf, count));
   }
-  /// Returns false if the sample has only some channels of a cloud and therefore another value here than was
-  /// published.
+  /// Returns false if the value here differs from the published one because the sample has only some
+  /// channels of a cloud.
   bool is_as_published(std::size_t leaf, std::size_t count) const {
     return state_->log == nullptr || state_->log->is_as_published(leaf, count);
   }
@@ -195,17 +197,19 @@ class DynamicView {
                                                 bool (*matches)(detail::Kind)) const;
 
   const detail::SampleState* state_;
-  const FieldMask* declared_ = nullptr;  ///< the mask that the reader declared; null: all that the sample has
+  /// The mask that the reader declared; null: all fields that the sample has.
+  const FieldMask* declared_ = nullptr;
   const StructType::Member* member_ = nullptr;
   const StructType* type_ = nullptr;
-  Place place_{};  ///< otherwise than of a struct or a part in place, only leaf and offset are used
+  /// For a struct or a part in place, all its members are used; otherwise only leaf and offset.
+  Place place_{};
   Node node_ = Node::value;
   bool present_ = true;
   bool is_in_place_ = false;  ///< true for a part of a field that is not in the body of the sample
   std::shared_ptr<const Error> error_;
 };
 
-/// The members of a struct, to iterate over once or more. It keeps its own copy of the view.
+/// The members of a struct, to iterate over once or more. The object has its own copy of the view.
 class DynamicView::Members {
  public:
   class iterator {
@@ -230,11 +234,11 @@ class DynamicView::Members {
     Place place_;
   };
 
-  /// For DynamicView::members().
+  /// Made by DynamicView::members().
   explicit Members(DynamicView of) : of_(std::move(of)) {}
-  /// The first member.
+  /// Returns an iterator to the first member.
   iterator begin() const { return {&of_, 0}; }
-  /// The end, behind the last member.
+  /// Returns the end, behind the last member.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -243,7 +247,8 @@ class DynamicView::Members {
   DynamicView of_;
 };
 
-/// The elements of an array or a sequence, to iterate over once or more. It keeps its own copy of the view.
+/// The elements of an array or a sequence, to iterate over once or more. The object has its own copy of the
+/// view.
 class DynamicView::Elements {
  public:
   class iterator {
@@ -273,11 +278,11 @@ class DynamicView::Elements {
     std::size_t left_ = 0;
   };
 
-  /// For DynamicView::elements().
+  /// Made by DynamicView::elements().
   explicit Elements(DynamicView of);
-  /// The first element.
+  /// Returns an iterator to the first element.
   iterator begin() const { return {&of_, first_, left_}; }
-  /// The end, behind the last element.
+  /// Returns the end, behind the last element.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:

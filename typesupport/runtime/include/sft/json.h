@@ -7,7 +7,7 @@
 //   char                           a string of one character
 //   octet and uint8 collections    base64 in a string (RFC 4648, padded), or numbers by option
 //   text that is not UTF-8         U+FFFD for each invalid part
-//   enumerations                   the name; the number where it has none
+//   enumerations                   the name; the number if the value has no name
 //   an absent field                is left out; a sequence of structs of which only the length was sent is
 //                                  "fields.size": 2
 //   elements beyond the limit      the last element is the string "... 997 more"
@@ -30,29 +30,31 @@ namespace sft {
 
 /// Options for writing JSON.
 struct JsonOptions {
-  int indent = -1;                                  ///< spaces per level; -1: one line
-  std::size_t elements_max = SIZE_MAX;              ///< the most of each array and sequence, except in base64
-  bool bytes_as_base64 = true;                      ///< false: bytes are written as numbers
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< the approximate maximum; more is an error
+  int indent = -1;  ///< number of spaces per level; -1: one line
+  /// The maximum number of elements that are written of each array and sequence, except in base64.
+  std::size_t elements_max = SIZE_MAX;
+  bool bytes_as_base64 = true;  ///< false: bytes are written as numbers
+  /// The approximate maximum in bytes; a longer text is an error.
+  std::size_t output_bytes_max = 64 * 1024 * 1024;
 };
 
-/// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.
+/// Writes a whole sample, or any part of it that is present. Returns an error if the bytes are malformed.
 Result<std::string> to_json(const DynamicView& view, const JsonOptions& options = {});
 
 /// Options for reading JSON.
 struct FromJsonOptions {
   std::size_t bytes_max = 64 * 1024 * 1024;  ///< the maximum size of the body
-  /// The time that the word "now" means in the place of a builtin_interfaces/Time, and "auto" in the place
-  /// of a std_msgs/Header, whose other members are then zero or empty. If it is not set, these words are
-  /// errors.
+  /// The time for the words "now" and "auto". "now" may stand in the place of a builtin_interfaces/Time.
+  /// "auto" may stand in the place of a std_msgs/Header, whose other members are then zero or empty. If it
+  /// is not set, these words are errors.
   std::optional<std::chrono::sys_time<std::chrono::nanoseconds>> now{};
 };
 
 /// Reads a whole message of `type`, and encodes it for publish_cdr(): 4 bytes of encapsulation and a body.
-/// The text is as to_json() writes it, except that members may be in any order and that bytes may be base64
-/// or numbers. Members that are left out are zero or empty. Members that the type does not have are an
-/// error. Errors name the path of the field and what was expected: "'fields[1].offset' is -1; an integer
-/// from 0 to 4294967295 was expected". The text may be hostile.
+/// The text has the form that to_json() writes, except that members may be in any order and that bytes may
+/// be base64 or numbers. Members that are left out are zero or empty. Members that the type does not have
+/// are an error. Errors name the path of the field and the expected value: "'fields[1].offset' is -1; an
+/// integer from 0 to 4294967295 was expected". The text may be hostile.
 Result<std::vector<std::byte>> cdr_from_json(const StructType& type, std::string_view json,
                                              const FromJsonOptions& options = {});
 

@@ -5,8 +5,8 @@
 //
 //   using F = PointCloud2::Field;
 //   node.subscriber<PointCloud2, F::header.stamp | F::data>(...)
-//   node.subscriber<PointCloud2, F::fields.each.name>(...)    // of each element of the sequence, its name
-//   node.subscriber<PointCloud2, F::fields.size>(...)         // only how many elements it has
+//   node.subscriber<PointCloud2, F::fields.each.name>(...)    // the name of each element of the sequence
+//   node.subscriber<PointCloud2, F::fields.size>(...)         // only the number of elements
 //   node.subscriber<PointCloud2, F::data.channels<"x", "y">>(...)  // a part of a field
 //
 // Sets of one type combine by | & - ^ ~ and compare by ==, whether they are masks or names of fields;
@@ -14,7 +14,7 @@
 // are the same template argument. A set does not know the names of its type: to_string() and TypeSupport
 // (type_support.h) print it and read it from text.
 //
-// Sets are values: several threads may read one, and a set that one thread changes belongs to that thread.
+// Sets are values: several threads may read a set. If a thread changes a set, no other thread may use it.
 // No function here fails; a FieldMask of more than 64 leaves allocates when it is made or copied.
 #pragma once
 
@@ -33,26 +33,26 @@
 
 namespace sft {
 
-/// A set of leaves of message type T that is known at compile time; for template arguments.
+/// A set of leaves of message type T that is known at compile time. It is meant for template arguments.
 template <class T>
 struct Mask {
   /// The message type of the mask.
   using Type = T;
-  /// The number of a leaf.
+  /// The type of a leaf's number.
   using value_type = std::size_t;
   /// Iterates over the numbers of the leaves in ascending order.
   using const_iterator = detail::LeafIterator<Mask>;
-  /// The same type, since iterators do not change sets.
+  /// The same type as const_iterator, since iterators do not change sets.
   using iterator = const_iterator;
-  /// The number of leaves of the type, in the set or not.
+  /// The number of leaves of the type, not only of those in the set.
   static constexpr std::size_t leaves = detail::leaf_count_of<T>;
 
   /// Bit b of word i stands for leaf 64 * i + b.
   std::array<std::uint64_t, (leaves + 63) / 64> words{};  // public: a template argument has no private parts
 
-  /// True if the leaf is in the mask.
+  /// Returns true if the leaf is in the mask.
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
-  /// True if all leaves of the other mask are in this one.
+  /// Returns true if all leaves of the other mask are in this one.
   constexpr bool contains(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & ~words[i]) != 0) return false;
@@ -60,14 +60,14 @@ struct Mask {
     return true;
   }
 
-  /// True if any leaf of [first, first + count) is in the mask.
+  /// Returns true if any leaf of [first, first + count) is in the mask.
   constexpr bool intersects(std::size_t first, std::size_t count) const {
     for (std::size_t leaf = first; leaf < first + count; ++leaf) {
       if (contains(leaf)) return true;
     }
     return false;
   }
-  /// True if any leaf of the other mask is in this one.
+  /// Returns true if any leaf of the other mask is in this one.
   constexpr bool intersects(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & words[i]) != 0) return true;
@@ -75,25 +75,25 @@ struct Mask {
     return false;
   }
 
-  /// True if no leaf is in the set.
+  /// Returns true if no leaf is in the set.
   constexpr bool empty() const { return size() == 0; }
-  /// The number of leaves in the set.
+  /// Returns the number of leaves in the set.
   constexpr std::size_t size() const {
     std::size_t n = 0;
     for (const std::uint64_t word : words) n += static_cast<std::size_t>(std::popcount(word));
     return n;
   }
 
-  /// The first leaf of the set; leaves come in ascending order.
+  /// Returns an iterator to the first leaf of the set. Leaves come in ascending order.
   constexpr iterator begin() const { return iterator::first(*this); }
-  /// The end, behind the last leaf.
+  /// Returns the end, behind the last leaf.
   constexpr iterator end() const { return iterator::end(*this); }
-  /// Word i, counted from 0.
+  /// Returns word i, counted from 0.
   constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
-  /// The number of words.
+  /// Returns the number of words.
   static constexpr std::size_t word_count() { return (leaves + 63) / 64; }
 
-  /// The set of the leaves [first, first + count).
+  /// Returns the set of the leaves [first, first + count).
   static constexpr Mask range(std::size_t first, std::size_t count) {
     Mask m;
     for (std::size_t leaf = first; leaf < first + count; ++leaf)
@@ -110,8 +110,8 @@ inline constexpr Mask<T> all = Mask<T>::range(0, detail::leaf_count_of<T>);
 
 namespace detail {
 
-/// All leaves below one node of T's tree. The struct has no member function but a conversion. So the names of
-/// a message's fields, which are members of derived classes, never collide with one.
+/// All leaves below one node of T's tree. The struct has no member function except a conversion. So the
+/// names of a message's fields, which are members of derived classes, never collide with a function.
 template <class T, std::size_t First, std::size_t Count>
 struct FieldNode {
   using Type = T;
@@ -160,12 +160,12 @@ template <FieldSet A, FieldSet B>
 constexpr auto operator&(const A& a, const B& b) {
   return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & y; });
 }
-/// The leaves of `a` that are not in `b`.
+/// Returns the leaves of `a` that are not in `b`.
 template <FieldSet A, FieldSet B>
 constexpr auto operator-(const A& a, const B& b) {
   return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x & ~y; });
 }
-/// The leaves in exactly one of the two sets.
+/// Returns the leaves in exactly one of the two sets.
 template <FieldSet A, FieldSet B>
 constexpr auto operator^(const A& a, const B& b) {
   return combined(a, b, [](std::uint64_t x, std::uint64_t y) { return x ^ y; });
@@ -181,7 +181,8 @@ constexpr bool operator==(const A& a, const B& b) {
 
 }  // namespace detail
 
-// Argument-dependent lookup finds these operators for masks here, and for names of fields in sft::detail.
+// Argument-dependent lookup finds the operators for masks in this namespace, and those for names of fields
+// in sft::detail.
 using detail::operator|;
 using detail::operator&;
 using detail::operator-;
@@ -221,7 +222,7 @@ struct Declared {
 /// A part of a field of message type T. The field is a sequence of values. The functions restrict the part.
 template <class T>
 struct FieldPart {
-  Mask<T> beside{};  ///< fields that are needed to understand the part
+  Mask<T> beside{};  ///< fields that are needed to interpret the part
   DeclaredPart part{};
 
   /// Keeps each n-th element, or each n-th point or pixel of a row, within the range that was given before.
@@ -232,8 +233,8 @@ struct FieldPart {
     other.part.columns.step = declared_range(0, 0, n).step;
     return other;
   }
-  /// Keeps the elements [begin, end), or these points or pixels of each row. An `end` of 0 means up to the
-  /// last one.
+  /// Keeps the elements [begin, end), or these points or pixels of each row. An `end` of 0 means all up to
+  /// the last one.
   constexpr FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
   }
@@ -283,7 +284,7 @@ template <class A, class B>
 requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<B>)) constexpr auto operator|(
     const A& a, const B& b) {
   auto joined = to_declared(a);
-  const decltype(joined) other = to_declared(b);  // both have fields of the same message type
+  const decltype(joined) other = to_declared(b);  // both operands have fields of the same message type
   const DeclaredParts parts = joined.parts;
   joined.whole = joined.whole | other.whole;
   joined.parts = {};
@@ -295,11 +296,11 @@ requires((PartSet<A> && (PartSet<B> || FieldSet<B>)) || (FieldSet<A> && PartSet<
 }  // namespace detail
 
 namespace detail {
-/// The type of sft::recorded.
+/// The type of the constant sft::recorded.
 struct Recorded {
   friend constexpr bool operator==(Recorded, Recorded) = default;
 };
-/// The type of sft::selected.
+/// The type of the constant sft::selected.
 struct Selected {
   friend constexpr bool operator==(Selected, Selected) = default;
 };
@@ -312,34 +313,34 @@ inline constexpr detail::Recorded recorded{};
 /// (SubscriberOptions::selection).
 inline constexpr detail::Selected selected{};
 
-/// The needs of a subscriber, as a template argument: a mask, the name of a field, sft::recorded, or
+/// The requirement of a subscriber, as a template argument: a mask, the name of a field, sft::recorded, or
 /// sft::selected.
 template <class T>
 struct Req {
   /// The declared fields; all fields if they are recorded or selected.
   Mask<T> mask{};
-  /// True if getters note what is read (ARR).
+  /// True if getters note which fields are read (ARR).
   bool is_recorded = false;
   /// True if texts name the fields at run time.
   bool is_selected = false;
   /// The fields of which only a part is declared.
   detail::DeclaredParts parts{};
 
-  /// Declares these fields.
+  /// Requires the fields of the mask.
   constexpr Req(const Mask<T>& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
-  /// Declares a field or an inner node by its name, or a combination of them.
+  /// Requires a field or an inner node by its name, or a combination of such nodes.
   template <detail::FieldSet F>
   requires std::same_as<T, detail::TypeOfFields<F>>
   constexpr Req(const F& declared) : mask(declared) {}  // NOLINT(google-explicit-constructor)
-  /// Declares parts of fields, and other fields: `F::width | F::data.channels<"x">`.
+  /// Requires parts of fields, and other fields: `F::width | F::data.channels<"x">`.
   template <detail::PartSet P>
   requires std::same_as<T, decltype(detail::type_of_parts(std::declval<const P&>()))>
   constexpr Req(const P& declared)  // NOLINT(google-explicit-constructor)
       : mask(detail::to_declared(declared).mask()), parts(detail::to_declared(declared).parts) {}
-  /// The needed fields are recorded at run time.
+  /// Requires the fields that are recorded at run time.
   constexpr Req(detail::Recorded) : mask(all<T>), is_recorded(true) {}  // NOLINT(google-explicit-constructor)
 
-  /// Texts name the needed fields at run time.
+  /// Requires the fields that texts name at run time.
   constexpr Req(detail::Selected) : mask(all<T>), is_selected(true) {}  // NOLINT(google-explicit-constructor)
 
   /// Returns true if a sample may lack fields that have getters. Those getters return sft::Optional.
@@ -348,19 +349,19 @@ struct Req {
 };
 
 /// A set of leaves at run time. A default-constructed set is that of a type without leaves. All numbers of
-/// leaves that are passed to it are below leaves().
+/// leaves that are passed to it must be below leaves().
 /// Larger than usual: it is a set with all of its operators.
 class FieldMask {
  public:
-  /// The number of a leaf.
+  /// The type of a leaf's number.
   using value_type = std::size_t;
   /// Iterates over the numbers of the leaves in ascending order.
   using const_iterator = detail::LeafIterator<FieldMask>;
-  /// The same type, since iterators do not change sets.
+  /// The same type as const_iterator, since iterators do not change sets.
   using iterator = const_iterator;
 
   FieldMask() = default;
-  /// The empty set of a type with this number of leaves.
+  /// Makes the empty set of a type with this number of leaves.
   explicit FieldMask(std::size_t leaves) : leaves_(leaves), more_(leaves > 64 ? (leaves - 1) / 64 : 0) {}
 
   /// Converts a Mask<T> or the name of a field to a FieldMask.
@@ -370,31 +371,32 @@ class FieldMask {
     for (std::size_t i = 0; i < mask.words.size(); ++i) mutable_word(i) = mask.words[i];
   }
 
-  /// The set of all leaves of a type with this number of leaves.
+  /// Returns the set of all leaves of a type with this number of leaves.
   static FieldMask full(std::size_t leaves);
   /// Makes a set from words. Bit b of word i stands for leaf 64 * i + b. Bits beyond `leaves` are ignored,
   /// and missing words count as zero.
   static FieldMask from_words(std::size_t leaves, std::span<const std::uint64_t> words);
 
-  /// The words of the set. Bit b of word i stands for leaf 64 * i + b.
+  /// Returns the words of the set. Bit b of word i stands for leaf 64 * i + b.
   std::vector<std::uint64_t> to_words() const;
 
-  /// The number of leaves of the type, in the set or not.
+  /// Returns the number of leaves of the type, not only of those in the set.
   std::size_t leaves() const { return leaves_; }
-  /// The number of words of 64 leaves each; at least one.
+  /// Returns the number of words of 64 leaves each; at least one.
   std::size_t words() const { return 1 + more_.size(); }
-  /// The same as words().
+  /// Returns the same as words().
   std::size_t word_count() const { return words(); }
-  /// Word i, counted from 0.
+  /// Returns word i, counted from 0.
   std::uint64_t word(std::size_t i) const { return i == 0 ? first_ : more_[i - 1]; }
 
   /// Returns true if the leaf is in the set. REQUIRES: leaf < leaves().
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
-  /// Returns true if all leaves of the other set, which is of the same type, are in this one.
+  /// Returns true if all leaves of the other set, which must be of the same type, are in this one.
   bool contains(const FieldMask& other) const;
-  /// Returns true if any leaf of the other set, which is of the same type, is in this one.
+  /// Returns true if any leaf of the other set, which must be of the same type, is in this one.
   bool intersects(const FieldMask& other) const;
-  /// The same for a Mask<T> or the name of a field: `sample.mask().contains(F::data)`.
+  /// Returns true if all leaves of a Mask<T>, or of a field that is given by its name, are in this set:
+  /// `sample.mask().contains(F::data)`.
   template <detail::FieldSet F>
   bool contains(const F& fields) const {
     return contains(FieldMask(fields));
@@ -404,21 +406,21 @@ class FieldMask {
   bool intersects(const F& fields) const {
     return intersects(FieldMask(fields));
   }
-  /// True if any leaf of [first, first + count) is in the set.
+  /// Returns true if any leaf of [first, first + count) is in the set.
   bool any_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (first_ & bits(first, count)) != 0 : any_of_words(first, count);
   }
-  /// True if all leaves of [first, first + count) are in the set.
+  /// Returns true if all leaves of [first, first + count) are in the set.
   bool all_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
   }
-  /// The lowest leaf of [first, end) that is in the set, or `end` if there is none.
+  /// Returns the lowest leaf of [first, end) that is in the set, or `end` if there is none.
   std::size_t next(std::size_t first, std::size_t end) const noexcept;
-  /// True if no leaf is in the set.
+  /// Returns true if no leaf is in the set.
   bool empty() const;
-  /// True if all leaves are in the set.
+  /// Returns true if all leaves are in the set.
   bool is_full() const { return all_of(0, leaves_); }
-  /// The number of leaves in the set.
+  /// Returns the number of leaves in the set.
   std::size_t size() const;
 
   /// Adds a leaf.
@@ -441,16 +443,18 @@ class FieldMask {
   friend FieldMask operator~(const FieldMask& a) { return full(a.leaves_) - a; }
   friend bool operator==(const FieldMask&, const FieldMask&) = default;
 
-  /// The first leaf of the set; leaves come in ascending order. The set must not change during an iteration.
+  /// Returns an iterator to the first leaf of the set. Leaves come in ascending order. The set must not
+  /// change during an iteration.
   iterator begin() const { return iterator::first(*this); }
-  /// The end, behind the last leaf.
+  /// Returns the end, behind the last leaf.
   iterator end() const { return iterator::end(*this); }
 
-  /// Equal sets have equal hashes. The hash of a set of a type with at most 64 leaves is its bits.
+  /// Returns a hash. Equal sets have equal hashes. If the type has at most 64 leaves, the hash consists of
+  /// the bits of the set.
   std::uint64_t hash() const;
 
  private:
-  /// The bits of these leaves in the first word. REQUIRES: the first word has all of them.
+  /// Returns the bits of these leaves in the first word. REQUIRES: the first word has all of them.
   static constexpr std::uint64_t bits(std::size_t first, std::size_t count) {
     return count == 0 ? 0 : ~std::uint64_t{0} >> (64 - count) << first;
   }

@@ -1,6 +1,6 @@
-// Types as .msg text, in the form of bags (MCAP's "ros2msg") and of ROS 2's tools: the definition of the
-// message, followed by those of all messages that it nests, each after a line of '=' and a line with its
-// name:
+// Types as .msg text, in the form of bags (MCAP's "ros2msg") and of ROS 2's tools. The text has the
+// definition of the message, followed by the definitions of all messages that it nests. Before each of these
+// is a line of '=' and a line with its name:
 //
 //   std_msgs/Header header
 //   float64 speed  # [m/s]
@@ -29,9 +29,9 @@
 
 namespace sft {
 
-/// Writes the text from which from_msg() makes the same type. Returns an error that names the member if .msg
-/// cannot express it: enumerations, characters, keys, and names that ROS 2 does not allow. IDL can express
-/// them.
+/// Writes the text from which from_msg() makes the same type. Returns an error that names the member if
+/// .msg cannot express it: enumerations, characters, keys, and names that ROS 2 does not allow. IDL can
+/// express all of these.
 Result<std::string> to_msg(const DynamicType& type);
 
 /// Makes the type `name` ("sensor_msgs/PointCloud2", "sensor_msgs/msg/PointCloud2" or
@@ -41,8 +41,8 @@ Result<DynamicType> from_msg(std::string_view name, std::string_view text,
                              const DynamicType::Limits& limits = {});
 
 /// Makes the type `name` from the first of `roots` that has it. A root is a directory of packages, such as
-/// /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested messages are searched for
-/// in the same way. Errc::unavailable if no root has the message.
+/// /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested messages are searched
+/// for in the same way. The error is Errc::unavailable if no root has the message.
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
                              const DynamicType::Limits& limits = {});
 

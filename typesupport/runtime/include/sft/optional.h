@@ -7,24 +7,24 @@
 
 namespace sft {
 
-/// A field of such a sample: empty if the sample was sent without the field. It is a std::optional, and
-/// converts to one. But its `*` returns the value itself and not a reference into the optional, so that `for
-/// (auto f : *sample->fields())` does not iterate over a destroyed range. V is a small type, a number or a
-/// view. A view is valid as long as the sample. On an empty Optional `*` and `->` end the program with a line
-/// that says so; value() throws an exception, as on std::optional.
+/// A field of a sample that may lack fields. It is empty if the sample was sent without the field. It is a
+/// std::optional, and converts to one. But its `*` returns the value itself and not a reference into the
+/// optional, so that `for (auto f : *sample->fields())` does not iterate over a destroyed range. V is a small
+/// type, a number or a view. A view is valid as long as the sample. On an empty Optional `*` and `->` end the
+/// program with a message; value() throws an exception, as on std::optional.
 template <class V>
 class Optional : public std::optional<V> {
  public:
   using std::optional<V>::optional;
-  /// The value itself. REQUIRES: there is one.
+  /// Returns the value itself. REQUIRES: there is one.
   V operator*() const { return *operator->(); }
-  /// The members of the value. REQUIRES: there is one.
+  /// Gives access to the members of the value. REQUIRES: there is one.
   const V* operator->() const {
     if (!this->has_value()) [[unlikely]]
       detail::stop_at_absent_field();
     return std::optional<V>::operator->();
   }
-  /// The value itself. Throws std::bad_optional_access if there is none.
+  /// Returns the value itself. Throws std::bad_optional_access if there is none.
   V value() const { return std::optional<V>::value(); }
 };
 

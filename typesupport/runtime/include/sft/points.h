@@ -1,5 +1,5 @@
 // The points of a cloud as typed columns. The generated view of sensor_msgs::msg::PointCloud2 has a member
-// points(), also where the cloud is a member of another message. points_of() does the same for a view
+// points(), even if the cloud is a member of another message. points_of() does the same for a view
 // without the compiled type:
 //
 //   if (auto points = sample->points<float, float, float>("x", "y", "z"))
@@ -7,10 +7,10 @@
 //
 //   sft::points_of<float, std::uint16_t>(sample.view().find("cloud"), "x", "ring")
 //
-// The points are Cells (cells.h). Each point is a tuple of the channels that were asked for, and there are
-// as many rows as the cloud has. points() reads the cloud in place, whatever other channels the points have:
-// a whole cloud in shared memory, or the part with three channels that another host sent. Nothing is copied,
-// and a value is read when it is asked for.
+// The points are Cells (cells.h). Each point is a tuple of the requested channels, and the result has the
+// rows of the cloud. points() reads the cloud in place, whatever other channels the points have: a whole
+// cloud in shared memory, or the part with three channels that another host sent. Nothing is copied, and a
+// value is read only when it is accessed.
 //
 // The types are those of sensor_msgs/PointField: std::int8_t, std::uint8_t, std::int16_t, std::uint16_t,
 // std::int32_t, std::uint32_t, float and double. Each must be exactly the type of its channel. The result is
@@ -20,16 +20,16 @@
 //   - a channel has another type: type_mismatch
 //   - the sample was sent without a field that the points need, which are height, width, all of fields,
 //     is_bigendian, point_step, row_step and data, or without a channel that is recorded: unavailable. The
-//     subscriber asks for it from then on. If a mask without one of the fields is declared, points() does not
-//     compile.
+//     subscriber requests this field or channel from then on. If a mask without one of the fields is
+//     declared, points() does not compile.
 //   - the bytes of the sample are inconsistent or end early: malformed
-// If fields are recorded, channels are recorded, too: a subscriber whose program reads a cloud by points()
-// only is sent these channels only. A program that reads `fields`, `point_step`, `row_step` or `data` itself
-// is sent whole points. In a sample with only some channels, these four fields count as not sent. If
+// If fields are recorded, channels are recorded, too: if a program reads a cloud only by points(), only these
+// channels are sent. If a program reads `fields`, `point_step`, `row_step` or `data` itself, whole points are
+// sent. In a sample with only some channels, these four fields count as not sent. If
 // channels of a cloud overlap, whole points are recorded.
 // If a channel has several elements, the first one is read. If several channels have one name, the first one
 // counts.
-// Values of big-endian clouds are swapped. A cloud that claims more points than its data holds is empty.
+// Values of big-endian clouds are swapped. A cloud with fewer bytes of data than its points need is empty.
 //
 // In templates, as in a callback that takes `const auto& sample`, C++ wants
 // `sample->template points<float>("x")`.
@@ -52,7 +52,7 @@ namespace sft {
 
 namespace detail {
 
-/// The number of the type in sensor_msgs/PointField; 0: it has none.
+/// Returns the number of the type in sensor_msgs/PointField; 0 if it has none.
 template <class T>
 constexpr std::uint8_t point_type() {
   if (std::same_as<T, std::int8_t>) return 1;

@@ -19,19 +19,19 @@ namespace sft {
 
 /// The category of an error.
 enum class Errc {
-  invalid_argument,  ///< the caller passed something that can never work
+  invalid_argument,  ///< the caller passed an argument that can never work
   unknown_field,     ///< a mask or path names a field that the type does not have
   type_mismatch,     ///< bytes or an endpoint have another type
   malformed,         ///< bytes are inconsistent, end early, or have another format
-  limit_exceeded,    ///< something is larger than a limit in force
-  unavailable,       ///< a daemon, a device or a file is not there at present
+  limit_exceeded,    ///< a value exceeds a limit in force
+  unavailable,       ///< a daemon, a device or a file is not available at present
   no_permission,
   address_in_use,
   out_of_memory,
-  system,  ///< the operating system refused something; the message says what
+  system,  ///< the operating system refused an operation; the message names it
 };
 
-/// An error.
+/// An error: a category and a message.
 struct Error {
   /// The kind of error, for programs.
   Errc code;

@@ -2,9 +2,10 @@
 // defines its text form and all rules.
 //
 // A selection without parts and without a gate is a field mask, and costs the same: copies of it share
-// nothing, and a comparison compares the masks. Everything else is in one immutable object, which copies
-// share. A selection is made for one message type, and has no meaning for another one. Any number of threads
-// may read a selection. A selection that a thread changes belongs to that thread, like a FieldMask.
+// nothing, and a comparison compares the masks. All other data is in one immutable object, which copies
+// share. A selection is made for one message type, and has no meaning for another type. Any number of
+// threads may read a selection. If a thread changes a selection, no other thread may use it, as with a
+// FieldMask.
 #pragma once
 
 #include <chrono>
@@ -29,23 +30,23 @@ class Selection {
   /// Every step-th index of [begin, end). The canonical form has begin = end = 0 and step = 1 for an empty
   /// range, step = 1 for a single index, and the least `end` that keeps the same indices.
   struct Range {
-    /// The `end` of a range without an end.
+    /// The value of `end` for a range without an end.
     static constexpr std::uint32_t no_end = (std::numeric_limits<std::uint32_t>::max)();
 
     std::uint32_t begin = 0;     ///< the first index
-    std::uint32_t end = no_end;  ///< the index behind the last one; no_end: all up to the last index
-    std::uint32_t step = 1;      ///< at least 1
+    std::uint32_t end = no_end;  ///< the index behind the last one; no_end: all indices up to the last one
+    std::uint32_t step = 1;      ///< the distance of two indices that are kept; at least 1
 
-    /// True if every index is kept.
+    /// Returns true if every index is kept.
     bool is_all() const { return begin == 0 && end == no_end && step == 1; }
-    /// True if no index is kept.
+    /// Returns true if no index is kept.
     bool is_empty() const { return begin >= end; }
-    /// How many indices the range keeps of `count` indices.
+    /// Returns the number of indices that the range keeps if there are `count` indices.
     std::uint32_t size_of(std::uint32_t count) const;
-    /// The range of a part of a part, in indices of the whole: `inner` applies to what this range keeps.
-    /// Empty if one of its indices would be too large.
+    /// Returns the range of a part of a part, in indices of the whole: `inner` applies to the indices that
+    /// this range keeps. Empty if one of the indices would be too large.
     Range then(const Range& inner) const;
-    /// The range in canonical form that keeps the same indices.
+    /// Returns the range in canonical form that keeps the same indices.
     Range canonical() const;
     friend bool operator==(const Range&, const Range&) = default;
   };
@@ -53,13 +54,13 @@ class Selection {
   /// The part of one leaf, which is an array or a sequence and is in no other sequence.
   struct Part {
     std::uint32_t leaf = 0;  ///< the number of the leaf in the type
-    Range rows{};            ///< the rows that are kept; all if the leaf has no rows
-    Range columns{};         ///< the columns that are kept; the elements if the leaf has no rows
+    Range rows{};            ///< the rows that are kept; all rows if the leaf has no rows
+    Range columns{};         ///< the columns that are kept; if the leaf has no rows, the elements
     /// The names of the channels that are kept, in ascending order and each once; empty: all channels. A
     /// name is printable UTF-8 without ',', '}' and outer blanks.
     std::vector<std::string> channels{};
-    /// A hash of the layout rule with which the type is annotated. The rule gives rows, columns and channels
-    /// their meaning. 0: the type has no rule. parse_selection() and TypeSupport::closed() set it.
+    /// A hash of the layout rule with which the type is annotated. The rule gives rows, columns and
+    /// channels their meaning. 0: the type has no rule. Set by parse_selection() and TypeSupport::closed().
     std::uint32_t rule = 0;
 
     /// Returns true if the part is the whole leaf.
@@ -73,36 +74,39 @@ class Selection {
 
   /// A node of the tree of conditions: a condition, or `and` or `or` with its children, which follow it.
   struct Condition {
-    /// What the node means, and which of its members are used.
+    /// The kind of the node, which determines the members that are used.
     enum class Kind : std::uint8_t {
       all_of,   ///< all children hold
       any_of,   ///< at least one child holds
       compare,  ///< a scalar leaf is compared with a number
-      changed,  ///< a leaf differs from what it was in the last sample that passed
-      nth,      ///< the sample is an n-th one
+      changed,  ///< a leaf differs from its value in the last sample that passed
+      nth,      ///< each n-th sample, counted from the first one of the stream, whether samples pass or not
       elapsed   ///< no sample has passed for a period
     };
-    /// The relation of the field to the number.
+    /// The relation between the field and the number.
     enum class Comparison : std::uint8_t { less, less_or_equal, greater, greater_or_equal, equal, not_equal };
 
     Kind kind{};              ///< the kind of the node
     Comparison comparison{};  ///< the comparison of a `compare` condition
-    /// In `changed`: the deadband is a percentage of the former value. False if the deadband is 0.
+    /// True if the deadband of `changed` is a percentage of the former value. False if the deadband is 0.
     bool is_percent = false;
-    std::vector<std::uint32_t> leaves{};  ///< one in `compare`; ascending and each once in `changed`
-    std::uint32_t children = 0;           ///< the number of children of all_of and any_of: at least two
-    /// The number in `compare`, the deadband in `changed`, n in `nth`, and microseconds in `elapsed`.
+    /// One leaf in `compare`; the leaves in ascending order and each once in `changed`.
+    std::vector<std::uint32_t> leaves{};
+    std::uint32_t children = 0;  ///< the number of children of all_of and any_of: at least two
+    /// The number in `compare`, the deadband in `changed`, n in `nth`, and the microseconds in `elapsed`.
     Number number{std::uint64_t{0}};
     friend bool operator==(const Condition&, const Condition&) = default;
   };
 
-  /// When a sample is sent. Changes are relative to the last sample that passed, as for ON_CHANGE in gNMI,
-  /// whose heartbeat is `elapsed` here. The deadband is that of OPC UA part 4, section 7.22.2, except that a
-  /// deadband in percent refers to the former value. After a request, `changed`, `nth` and `elapsed` hold
-  /// until a sample has passed. `compare` is evaluated for each sample, also for the first one.
+  /// The gate decides when a sample is sent. Changes are relative to the last sample that passed, as for
+  /// ON_CHANGE in gNMI, whose heartbeat is `elapsed` here. The deadband is that of OPC UA part 4, section
+  /// 7.22.2, except that a deadband in percent refers to the former value. After a request, `changed`,
+  /// `nth` and `elapsed` hold until a sample has passed. `compare` is evaluated for each sample, including
+  /// the first one.
   struct Gate {
-    std::vector<Condition> conditions{};        ///< all nodes; empty: every sample passes
-    std::chrono::microseconds least_period{0};  ///< the minimum between two samples; 0: there is none
+    std::vector<Condition> conditions{};  ///< all nodes of the tree; empty: every sample passes
+    /// The minimum time between two samples; 0: there is no minimum.
+    std::chrono::microseconds least_period{0};
 
     /// Returns true if every sample is sent.
     bool is_open() const { return conditions.empty() && least_period.count() == 0; }
@@ -116,58 +120,61 @@ class Selection {
   static constexpr std::size_t depth_max = 8;            ///< the maximum nesting of `and` and `or`
   static constexpr std::size_t changed_leaves_max =
       64;                                         ///< the maximum number of leaves in a `changed` condition
-  static constexpr std::size_t bytes_max = 2048;  ///< the maximum size of to_bytes()
+  static constexpr std::size_t bytes_max = 2048;  ///< the maximum number of bytes from to_bytes()
   /// The longest period of a condition or a rate.
   static constexpr std::chrono::microseconds period_max{std::chrono::hours(24)};
 
-  /// The empty selection of a type without leaves.
+  /// Makes the empty selection of a type without leaves.
   Selection() = default;
   /// Selects whole fields of every sample.
   Selection(FieldMask mask) : mask_(std::move(mask)) {}  // NOLINT(google-explicit-constructor)
 
-  /// Adds the leaves of all parts to the mask, and brings everything into canonical form. The error says
-  /// which limit is exceeded.
+  /// Makes a selection. Adds the leaves of all parts to the mask, and brings everything into canonical
+  /// form. The error says which limit is exceeded.
   static Result<Selection> make(FieldMask mask, std::vector<Part> parts, Gate gate);
 
-  /// The fields, whole or in part.
+  /// Returns the fields that are selected, whole or in part.
   const FieldMask& mask() const { return mask_; }
-  /// The parts by leaf in ascending order; a whole leaf has none.
+  /// Returns the parts by leaf in ascending order. A leaf that is selected whole has no part.
   std::span<const Part> parts() const;
-  /// The part of the leaf; null: the whole leaf is selected, or nothing of it.
+  /// Returns the part of the leaf. Returns null if the whole leaf is selected, or nothing of it.
   const Part* part(std::size_t leaf) const;
-  /// The gate, which decides when samples are sent.
+  /// Returns the gate, which decides when samples are sent.
   const Gate& gate() const;
   /// Returns true if there are neither parts nor a gate.
   bool is_mask() const { return extra_ == nullptr; }
 
-  /// The same with another gate. The error says which limit is exceeded.
+  /// Returns the same selection with another gate. The error says which limit is exceeded.
   Result<Selection> with_gate(Gate gate) const;
-  /// The same fields and parts, but every sample.
+  /// Returns the same fields and parts, but for every sample.
   Selection without_gate() const;
-  /// The same without a maximum rate; the conditions stay.
+  /// Returns the same selection without a maximum rate; the conditions stay.
   Selection without_rate() const;
 
-  /// What one sample must have to serve both selections, which are of the same type. It has all fields of
-  /// both. Of a leaf that both ask for, it has the channels of both, the rows and columns of both if these
-  /// are the same, and all rows and columns otherwise. It has the gate of both if this is the same, and none
-  /// otherwise. If the result exceeds a limit, its fields are whole; if it still does, it has no gate.
+  /// Returns the selection that one sample must have to serve both selections, which must be of the same
+  /// type. It has all fields of both. For a leaf that both select, it has the channels of both. It has
+  /// their rows and columns if these are the same in both, and all rows and columns otherwise. It has their
+  /// gate if it is the same in both, and none otherwise. If the result exceeds a limit, its fields are
+  /// whole; if it still does, it has no gate.
   Selection joined(const Selection& other) const;
 
   friend bool operator==(const Selection& a, const Selection& b);
 
-  /// The hash of fields and parts; of a mask it is FieldMask::hash(). Equal selections have equal hashes.
+  /// Returns the hash of fields and parts. For a mask it is FieldMask::hash(). Equal selections have equal
+  /// hashes.
   std::uint64_t what_hash() const;
-  /// The same hash if there are parts, and 0 otherwise.
+  /// Returns what_hash() if there are parts, and 0 otherwise.
   std::uint64_t parts_hash() const { return parts().empty() ? 0 : what_hash(); }
-  /// The hash of the gate; 0: it is open.
+  /// Returns the hash of the gate; 0 if the gate is open.
   std::uint64_t gate_hash() const;
-  /// The hash of the whole selection. Equal selections have equal hashes; that of a mask is
+  /// Returns the hash of the whole selection. Equal selections have equal hashes. For a mask it is
   /// FieldMask::hash().
   std::uint64_t hash() const;
 
-  /// The selection as bytes, at most bytes_max. Equal selections have equal bytes (selection.md, "Bytes").
+  /// Returns the selection as bytes, at most bytes_max. Equal selections have equal bytes (selection.md,
+  /// "Bytes").
   std::vector<std::byte> to_bytes() const;
-  /// Reads a selection of a type with this number of leaves. Refuses what to_bytes() would not write.
+  /// Reads a selection of a type with this number of leaves. Refuses bytes that to_bytes() would not write.
   static Result<Selection> from_bytes(std::span<const std::byte> bytes, std::size_t leaves);
 
  private:
@@ -178,7 +185,7 @@ class Selection {
     std::uint64_t gate_hash = 0;
   };
   FieldMask mask_;
-  std::shared_ptr<const Extra> extra_;  ///< null: there are no parts, and the gate is open
+  std::shared_ptr<const Extra> extra_;  ///< parts and gate; null: there are no parts, and the gate is open
 };
 
 }  // namespace sft

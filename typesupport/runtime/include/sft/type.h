@@ -1,16 +1,16 @@
 // The structure of a message type: its members with their names, kinds, shapes and units. A program that
 // handles types with which it was not compiled walks this tree. For example, `sft type` prints it, and a
-// program can make a table of columns from it. TypeSupport::type(), DynamicType::type() and DynamicView lead
-// to it.
+// program can make a table of columns from it. TypeSupport::type(), DynamicType::type() and DynamicView
+// lead to it.
 //
 // Generated code and DynamicType make these structs; a program only reads them. All of them are immutable,
 // so that any thread may read them at any time. The structs of a compiled type live as long as the program.
 // The structs of a DynamicType live as long as any copy of it. The pointers, spans and texts in them have
 // the same lifetime.
 //
-// Leaves are the units in which fields are requested and sent. They are counted depth-first: a primitive, a
-// string, and an array or a sequence of those is one leaf each; a nested struct has the leaves of its
-// members; an array of structs has those of its element; a sequence of structs has one leaf for its length,
+// Leaves are the units in which fields are requested and sent. They are counted depth-first. A primitive, a
+// string, and an array or a sequence of those is one leaf each. A nested struct has the leaves of its
+// members. An array of structs has those of its element. A sequence of structs has one leaf for its length,
 // followed by those of its element.
 #pragma once
 
@@ -33,16 +33,16 @@ struct EnumType {
     std::uint64_t value;    ///< for a flag, a number with its bit set
   };
 
-  std::string_view name;                    ///< for example "my_pkg::msg::Color"
-  bool is_bitmask;                          ///< false: an enumeration
-  std::span<const Enumerator> enumerators;  ///< at least one
+  std::string_view name;                    ///< the name of the type, such as "my_pkg::msg::Color"
+  bool is_bitmask;                          ///< false: the type is an enumeration
+  std::span<const Enumerator> enumerators;  ///< the names; there is at least one
 };
 
 /// A message type, or a struct that is nested in one.
 struct StructType {
   /// One member of a struct.
   struct Member {
-    /// The type of one element, as IDL names it.
+    /// The type of one element, by its name in IDL.
     enum class Kind : std::uint8_t {
       boolean,
       octet,
@@ -63,41 +63,47 @@ struct StructType {
     /// The number of elements of a member: one, a fixed number, or a variable number.
     enum class Shape : std::uint8_t { single, array, sequence };
 
-    std::string_view name;             ///< the name in the IDL
-    Kind kind{};                       ///< the kind of one element; of an enumeration, that of its integer
-    Shape shape{};                     ///< the shape of the member
-    std::uint32_t count = 1;           ///< the elements of an array, over all its dimensions; otherwise 1
-    std::uint32_t bound = 0;           ///< the maximum number of elements of a sequence; 0: unbounded
-    std::uint32_t string_bound = 0;    ///< the most characters of each string without NUL; 0: unbounded
-    const StructType* type = nullptr;  ///< the element's type if the kind is structure, otherwise null
-    const EnumType* enumeration = nullptr;  ///< the enumeration; null: it is only an integer
-    std::size_t offset = 0;  ///< the offset in the compiled struct; 0 in a DynamicType, as the next two
-    std::size_t stride = 0;  ///< the distance of two elements in the compiled struct
-    const detail::SequenceAccess* access = nullptr;  ///< reads a compiled std::vector; only of a sequence
-    bool key = false;                                ///< true for `@key`: the member is always sent
-    std::string_view unit{};                         ///< the text of `@unit`, to be shown to people
-    std::string_view layout{};  ///< the rule of `@sft_layout`: how it has rows and columns (selection.md)
+    std::string_view name;  ///< the name in the IDL
+    /// The kind of one element; for an enumeration, the kind of its integer.
+    Kind kind{};
+    Shape shape{};  ///< the shape of the member
+    /// The number of elements of an array, over all its dimensions; otherwise 1.
+    std::uint32_t count = 1;
+    std::uint32_t bound = 0;  ///< the maximum number of elements of a sequence; 0: unbounded
+    /// The maximum number of characters of each string without NUL; 0: unbounded.
+    std::uint32_t string_bound = 0;
+    const StructType* type = nullptr;       ///< the element's type if the kind is structure, otherwise null
+    const EnumType* enumeration = nullptr;  ///< the enumeration; null: the integer is no enumeration
+    /// The offset in the compiled struct; in a DynamicType 0, like the next two members.
+    std::size_t offset = 0;
+    std::size_t stride = 0;  ///< the distance of two elements in the compiled struct, in bytes
+    /// Reads a compiled std::vector; set only for a sequence.
+    const detail::SequenceAccess* access = nullptr;
+    bool key = false;           ///< true for `@key`: the member is always sent
+    std::string_view unit{};    ///< the text of `@unit`, for output to people
+    std::string_view layout{};  ///< the rule of `@sft_layout`, which defines rows and columns (selection.md)
   };
 
-  std::string_view name;            ///< for example "sensor_msgs::msg::PointCloud2"
-  std::span<const Member> members;  ///< the members in the order of the IDL; at least one
-  std::size_t leaves = 0;           ///< the number of leaves that a mask can select in it
+  std::string_view name;            ///< the name of the type, such as "sensor_msgs::msg::PointCloud2"
+  std::span<const Member> members;  ///< the members in the order of the IDL; there is at least one
+  std::size_t leaves = 0;           ///< the number of leaves of the struct that a mask can select
 
-  // The members from here on are for SFT's own code.
-  std::size_t index_slots = 0;  ///< offsets in a sample's index (detail/type_table.h)
-  /// Size of a packed struct, such as a point: CDR always encodes it as that many bytes, without padding,
-  /// from the next multiple of `alignment` on. A packed struct has no strings, sequences or booleans, since
-  /// these have to be checked. 0 for other structs.
+  // The following members are for SFT's own code.
+  std::size_t index_slots = 0;  ///< number of offsets in a sample's index (detail/type_table.h)
+  /// Size of a packed struct, such as a point. CDR always encodes such a struct with that many bytes,
+  /// without padding, from the next multiple of `alignment` on. A packed struct has no strings, sequences
+  /// or booleans, since these have to be checked. 0 for other structs.
   std::uint32_t packed_bytes = 0;
-  std::uint32_t alignment = 1;       ///< the largest alignment of all primitives and lengths in it
-  bool is_packed_in_memory = false;  ///< true: packed, and the compiled struct has the same bytes
+  std::uint32_t alignment = 1;  ///< the largest alignment of all primitives and lengths in the struct
+  /// True: the struct is packed, and the compiled struct has the same bytes.
+  bool is_packed_in_memory = false;
   /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With
-  /// it a walk finds the members with selected leaves and does not look at all other members. A type that
-  /// was received may have very many members.
+  /// it a walk finds the members with selected leaves without visiting all other members. A type that was
+  /// received may have very many members.
   std::span<const std::uint32_t> first_leaves{};
 
   constexpr StructType() = default;
-  /// Counts leaves and slots and finds the packing. Both arguments outlive the struct. Defined in
+  /// Counts leaves and slots and determines the packing. Both arguments must outlive the struct. Defined in
   /// detail/type_table.h.
   constexpr StructType(std::string_view name, std::span<const Member> members);
 
@@ -105,7 +111,7 @@ struct StructType {
   constexpr void find_packing();
 };
 
-/// The number of leaves of a struct or of a member.
+/// Returns the number of leaves of a struct or of a member.
 constexpr std::size_t leaf_count(const StructType& type) { return type.leaves; }
 constexpr std::size_t leaf_count(const StructType::Member& m) {
   using enum StructType::Member::Kind;

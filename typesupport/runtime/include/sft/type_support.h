@@ -18,65 +18,66 @@
 namespace sft {
 
 /// A type with the paths of its leaves (type.h). It is immutable, and any thread may use it. All numbers of
-/// leaves that are passed to it are below leaves(), and all masks are of this type.
+/// leaves that are passed to it must be below leaves(), and all masks must be of this type.
 class TypeSupport {
  public:
   /// Lists the leaves of `type`, which must outlive this object.
   explicit TypeSupport(const StructType& type);
 
-  /// The tables that were passed to the constructor.
+  /// Returns the tables that were passed to the constructor.
   const StructType& type() const { return *type_; }
-  /// The name in the IDL: "sensor_msgs::msg::Imu".
+  /// Returns the name in the IDL: "sensor_msgs::msg::Imu".
   std::string_view name() const { return type_->name; }
-  /// The number of leaf fields that the type has.
+  /// Returns the number of leaf fields that the type has.
   std::size_t leaves() const { return paths_.size(); }
-  /// For SFT's own code: the number of offsets in a sample's index.
+  /// For SFT's own code: returns the number of offsets in a sample's index.
   std::size_t index_slots() const { return slots_; }
 
-  /// FNV-1a of the structure (names, kinds, shapes, bounds, keys and enumerators, but no units). Compatible
-  /// types have equal hashes.
+  /// Returns the FNV-1a hash of the structure (names, kinds, shapes, bounds, keys and enumerators, but no
+  /// units). Compatible types have equal hashes.
   std::uint64_t hash() const { return hash_; }
 
-  /// The path of a leaf: "header.stamp.sec", "fields.size", "fields[].name".
+  /// Returns the path of a leaf: "header.stamp.sec", "fields.size", "fields[].name".
   const std::string& path(std::size_t leaf) const { return paths_[leaf]; }
 
-  /// The mask of a leaf by its path. The path of a struct, or of an array or a sequence of structs, means
-  /// all leaves in it. The error names the existing field with the most similar name.
+  /// Returns the mask of a leaf by its path. The path of a struct, or of an array or a sequence of structs,
+  /// means all leaves in it. The error names the existing field with the most similar name.
   Result<FieldMask> find(std::string_view path) const;
-  /// The mask of several paths, separated by commas and spaces; "*" means all fields. Errors are those of
-  /// find().
+  /// Returns the mask of several paths, separated by commas and spaces; "*" means all fields. Errors are
+  /// those of find().
   Result<FieldMask> parse_mask(std::string_view text) const;
-  /// The shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for all
-  /// fields, "" for none. parse_mask() reads it.
+  /// Returns the shortest list of paths that names exactly `mask`: "header, height, fields[].name"; "*" for
+  /// all fields, "" for none. parse_mask() reads it.
   std::string format_mask(const FieldMask& mask) const;
-  /// The paths in the text of format_mask(), one by one.
+  /// Returns the paths in the text of format_mask(), one by one.
   std::vector<std::string> field_names(const FieldMask& mask) const;
 
-  /// The selection that the text describes (selection.md). The error begins with the column, from 1, of what
-  /// is wrong.
+  /// Returns the selection that the text describes (selection.md). The error begins with the column, from
+  /// 1, of the mistake.
   Result<Selection> parse_selection(std::string_view text) const;
-  /// The shortest text that parse_selection() reads as exactly this: "header.stamp, data{x,y,z}[:100]". A
-  /// selection that came as bytes can have parts and conditions that do not suit their fields. Its text is
-  /// only for people.
+  /// Returns the shortest text from which parse_selection() makes exactly this selection: "header.stamp,
+  /// data{x,y,z}[:100]". A selection that came as bytes can have parts and conditions that do not suit
+  /// their fields. Its text is only for people.
   std::string format_selection(const Selection& selection) const;
 
-  /// The fields that are sent for `mask`: the length of a sequence is sent with any leaf of its elements, and
-  /// key members are always sent. A closed mask stays the same if it is closed again.
+  /// Returns the fields that are sent for `mask`: the length of a sequence is sent with any leaf of its
+  /// elements, and key members are always sent. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
-  /// What is sent for the selection: its fields as for a mask, the fields that a part changes or that are
-  /// needed to understand it, and the same part of fields that belong together (selection.md, "Parts"). A
-  /// closed selection stays the same if it is closed again.
+  /// Returns the selection that is sent for this one: its fields as for a mask, the fields that a part
+  /// changes or that are needed to understand it, and the same part of all fields that belong together
+  /// (selection.md, "Parts"). A closed selection stays the same if it is closed again.
   Selection closed(const Selection& selection) const;
-  /// For SFT's own code: how the field is made of rows and columns; null: the field has no layout.
+  /// For SFT's own code: returns how the field is made of rows and columns; null if the field has no
+  /// layout.
   const detail::Layout* layout_of(std::size_t leaf) const;
 
-  /// The mask without any field.
+  /// Returns the mask without any field.
   FieldMask none() const { return FieldMask(leaves()); }
-  /// The mask of all fields.
+  /// Returns the mask of all fields.
   FieldMask full() const { return FieldMask::full(leaves()); }
 
  private:
-  struct Node {  ///< an inner node or a leaf of the tree; nodes are in depth-first order
+  struct Node {  ///< a node of the tree: an inner node or a leaf; nodes are in depth-first order
     std::string path;
     std::size_t first;
     std::size_t count;
@@ -98,8 +99,8 @@ class TypeSupport {
   std::uint64_t hash_ = 0;
 };
 
-/// The TypeSupport of a generated message type. The first call makes it, and it lives as long as the
-/// program.
+/// Returns the TypeSupport of a generated message type. The first call makes the object, which lives as
+/// long as the program.
 template <class T>
 const TypeSupport& type_support() {
   static const TypeSupport support(detail::TypeTable<T>::type);

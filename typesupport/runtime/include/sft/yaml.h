@@ -29,21 +29,21 @@ namespace sft {
 /// Options for writing YAML.
 struct YamlOptions {
   /// The maximum number of elements that are written of each array and sequence; a comment gives the number
-  /// of the others.
+  /// of the remaining ones.
   std::size_t elements_max = 128;
-  std::size_t text_bytes_max = 4096;                ///< the maximum of bytes that are written of each string
+  std::size_t text_bytes_max = 4096;                ///< limit of the bytes that are written of each string
   bool units = false;                               ///< true: comments give the units of members
-  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< the maximum; a longer text is an error
+  std::size_t output_bytes_max = 64 * 1024 * 1024;  ///< limit of the text in bytes; a longer text is an error
 };
 
-/// Writes a whole sample, or any part of it that is present. An error if the bytes are malformed.
+/// Writes a whole sample, or any part of it that is present. Returns an error if the bytes are malformed.
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
 
 /// Turns one document of YAML into the JSON of the same message, which cdr_from_json() (json.h) takes and
-/// checks. A scalar becomes what its field needs: in `frame_id: 7` it is a text, in `x: 7` a number. JSON is
-/// also YAML, and is returned as it is. Returns an error if the text is not YAML, if a mapping has a name
-/// twice, or if aliases would make a large text of a small one. The function is for texts that people write:
-/// it takes many times the memory and time of JSON.
+/// checks. The type of the field decides about a scalar: in `frame_id: 7` it is a text, in `x: 7` a number.
+/// JSON is also YAML, and is returned unchanged. Returns an error if the text is not YAML, if a mapping has
+/// a name twice, or if aliases would make a large text from a small one. The function is for texts that
+/// people write: it takes many times the memory and time of JSON.
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml);
 
 }  // namespace sft

@@ -1,6 +1,6 @@
-// The getters of one recorded sample note here which leaves they read, one bit per leaf. Reads of the points
-// of clouds are noted channel by channel: each channel has a number of its own behind those of the leaves,
-// and a bit. Any number of threads may read the sample.
+// The log of the leaves that getters of one recorded sample read, one bit per leaf. Reads of the points of
+// clouds are noted channel by channel: each channel has a number of its own behind those of the leaves, and
+// a bit. Any number of threads may read the sample.
 #pragma once
 
 #include <atomic>
@@ -14,14 +14,14 @@
 
 namespace sft::detail {
 
-/// How a sample with only some channels of its clouds differs from what was published.
+/// The difference between a sample with only some channels of its clouds and the published sample.
 struct ChannelsSent {
-  Selection selection;  ///< has the parts with the channels that were sent
-  FieldMask changed;    ///< the fields that differ: those with the points, and those that describe them
+  Selection selection;  ///< its parts have the channels that were sent
+  FieldMask changed;    ///< the fields that differ: those with the points, and those that describe the points
 };
 
-/// Which of 64 leaves were read. With two words, one bit tells a getter both that there is nothing left to
-/// note and that it has something to return.
+/// The read leaves of a group of 64. There are two words, so that one bit tells a getter both that there is
+/// nothing left to note and that the sample has the leaf.
 struct AccessWord {
   std::atomic<std::uint64_t> found{0};   ///< leaves that were read and that the sample has
   std::atomic<std::uint64_t> missed{0};  ///< leaves that were read and that the sample lacks
@@ -31,11 +31,12 @@ class AccessLog {
  public:
   class Listener {
    public:
-    /// Called at the first access to a leaf of this sample, on the reading thread. Must not block.
+    /// Called at the first access to a leaf of this sample, on the reading thread. The function must not
+    /// block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
-    /// Returns the number of a channel of the cloud that has its points in this leaf. Returns nothing if
-    /// channels of that leaf are not, or no longer, noted one by one. A channel has the same number in all
-    /// samples.
+    /// Returns the number of a channel of the cloud that has its points in this leaf. The number is the
+    /// same in all samples. Returns nothing if channels of that leaf are not, or no longer, noted one by
+    /// one.
     virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
                                                          std::string_view /*name*/) noexcept {
       return {};
@@ -45,8 +46,8 @@ class AccessLog {
     ~Listener() = default;
   };
 
-  /// `words` has room for all leaves and channels, is zero at first, and outlives the log. `listener` may be
-  /// null.
+  /// `words` must have room for all leaves and channels, be zero at first, and outlive the log. `listener`
+  /// may be null.
   AccessLog(std::span<AccessWord> words, Listener* listener) : words_(words.data()), listener_(listener) {}
 
   /// Returns true if the leaf was read before and the sample has it.
@@ -54,7 +55,8 @@ class AccessLog {
     return (words_[leaf / 64].found.load(std::memory_order_relaxed) & bit(leaf)) != 0;
   }
 
-  /// Notes an access. `present`: the sample has the leaf, which is the same at each call for a leaf.
+  /// Notes an access. `present` is true if the sample has the leaf, and is the same at each call for a
+  /// leaf.
   void touch(std::size_t leaf, bool present) noexcept {
     AccessWord& word = words_[leaf / 64];
     std::atomic<std::uint64_t>& read = present ? word.found : word.missed;
@@ -63,17 +65,17 @@ class AccessLog {
     if (first && listener_ != nullptr) listener_->first_read(leaf);
   }
 
-  /// Sets which channels of its clouds the sample has. Null, the initial value: all of them. `sent` outlives
-  /// the use of the log.
+  /// Sets which channels of its clouds the sample has. Null, the initial value, means all channels. `sent`
+  /// must outlive the use of the log.
   void set_channels_sent(const ChannelsSent* sent) noexcept { sent_ = sent; }
-  /// Returns false if any of these leaves has another value in the sample than was published. A getter of
-  /// such a field behaves as if the field was not sent.
+  /// Returns false if any of these leaves has another value in the sample than in the published message. A
+  /// getter of such a field behaves as if the field was not sent.
   bool is_as_published(std::size_t leaf, std::size_t leaves) const noexcept {
     return sent_ == nullptr || !sent_->changed.any_of(leaf, leaves);
   }
-  /// Notes that a channel is read of the cloud that has its points in this leaf. Returns whether the sample
-  /// was sent with the channel. `present`: the sample has the leaf, at least a part of it. Nothing is noted
-  /// or returned if channels of that leaf are not noted one by one.
+  /// Notes a read of a channel of the cloud that has its points in this leaf. Returns whether the sample
+  /// was sent with the channel. `present` is true if the sample has the leaf, at least a part of it. Notes
+  /// and returns nothing if channels of that leaf are not noted one by one.
   std::optional<bool> touch_channel(std::size_t leaf, std::string_view name, bool present) noexcept;
 
  private:

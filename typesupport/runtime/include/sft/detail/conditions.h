@@ -1,9 +1,9 @@
 // Decides which samples of a stream fulfil the conditions of a gate (selection.md, "Conditions"). Pure:
 // fields and stamps are passed in, decisions are returned.
 //
-// Fields are read where they are: in the message that the program publishes, before anything of it is
-// encoded, or in a sample that arrived encoded. Nothing is allocated for a sample. Of a text that is
-// compared, the length and a hash are stored.
+// Fields are read at their original place: in the message that the program publishes, before anything of it
+// is encoded, or in a sample that arrived encoded. Nothing is allocated for a sample. Of a text that is
+// compared, only the length and a hash are stored.
 #pragma once
 
 #include <cstddef>
@@ -18,37 +18,38 @@
 
 namespace sft::detail {
 
-/// The fields of one sample. Owns nothing.
+/// The source of the fields of one sample. Owns nothing.
 class FieldSource {
  public:
-  /// A message of the program. Its type is that of the conditions.
+  /// Makes the source of a message of the program, which must have the type of the conditions.
   static FieldSource of_message(const void* message) {
     return {static_cast<const std::byte*>(message), nullptr};
   }
-  /// An unknown message: its numbers count as 0, and its texts as empty.
+  /// Makes the source of an unknown message: its numbers count as 0, and its texts as empty.
   static FieldSource of_nothing() { return {nullptr, nullptr}; }
-  /// An encoded sample with an index.
+  /// Makes the source of an encoded sample with an index.
   static FieldSource of_sample(const SampleState& sample) { return {nullptr, &sample}; }
 
  private:
   friend class Conditions;
   FieldSource(const std::byte* message, const SampleState* sample) : message_(message), sample_(sample) {}
   const std::byte* message_;
-  const SampleState* sample_;  ///< null: message_ is used
+  const SampleState* sample_;  ///< the encoded sample; null: message_ is used
 };
 
-/// The conditions of one gate, and what they store of the last sample that passed. Used by one thread.
+/// The conditions of one gate, and the values that they need of the last sample that passed. Used by one
+/// thread.
 class Conditions {
  public:
   using Condition = Selection::Condition;
 
-  /// Returns an error if a condition is on anything but a single value of the type. Conditions from another
-  /// process have to be checked.
+  /// Returns an error if a condition refers to anything but a single value of the type. Must be called for
+  /// conditions from another process.
   static Result<void> check(const StructType& type, std::span<const Condition> conditions);
 
-  /// Makes no conditions. They hold for each sample.
+  /// Makes an object without conditions. It holds for each sample.
   Conditions() = default;
-  /// REQUIRES: check() has accepted the conditions.
+  /// Makes conditions for messages of `type`. REQUIRES: check() has accepted the conditions.
   Conditions(const StructType& type, std::vector<Condition> conditions);
 
   bool empty() const { return conditions_.empty(); }
@@ -57,10 +58,10 @@ class Conditions {
   void begin() { begins_ = true; }
   /// Returns true until a sample has passed since begin().
   bool begins() const { return begins_; }
-  /// Returns true if the conditions hold for this sample, the next one of the stream. To be called once per
-  /// sample.
+  /// Returns true if the conditions hold for this sample, the next one of the stream. Must be called once
+  /// per sample.
   bool hold(const FieldSource& sample, std::int64_t stamp_ns);
-  /// Notes that the sample of the last call of hold() has passed: later samples are compared with it.
+  /// Notes that the sample of the last call of hold() has passed. Later samples are compared with it.
   void passed(const FieldSource& sample, std::int64_t stamp_ns);
 
  private:
@@ -70,7 +71,7 @@ class Conditions {
     std::uint32_t leaf = 0;
     std::size_t slot = 0;
     std::size_t offset = 0;  ///< the offset in a message of the program
-    // The value in the last sample that passed; only of fields that are compared with it:
+    // The value in the last sample that passed. Set only for fields that are compared with it.
     std::uint64_t bits = 0;  ///< the bits of a number; a hash of a text
     std::size_t length = 0;  ///< the length of a text
   };
@@ -91,10 +92,10 @@ class Conditions {
   static std::uint64_t bits_at(const Field& field, const FieldSource& sample);
   static std::string_view text_at(const Field& field, const FieldSource& sample);
 
-  std::vector<Node> conditions_;  ///< each node before its children
+  std::vector<Node> conditions_;  ///< the nodes; each node stands before its children
   std::vector<Field> fields_;
   bool begins_ = true;
-  std::uint64_t samples_ = 0;      ///< the number of samples about which hold() was asked
+  std::uint64_t samples_ = 0;      ///< number of samples for which hold() was called
   std::int64_t passed_at_ns_ = 0;  ///< the stamp of the last sample that passed
 };
 

@@ -1,6 +1,6 @@
-// The part of one field of one sample: where its bytes are, and the new values of the fields that depend on
-// it (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may change while
-// it is read. So each number of the header is read once, checked, and kept here.
+// The part of one field of one sample: the places of its bytes, and the new values of the fields that
+// depend on it (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may
+// change while it is read. So each number of the header is read once, checked, and stored here.
 #pragma once
 
 #include <array>
@@ -16,38 +16,40 @@ namespace sft::detail {
 
 class Cut {
  public:
-  /// Bytes of a cell that are contiguous, in the sample and in the part.
+  /// Bytes of a cell that are contiguous, both in the sample and in the part.
   struct Run {
     std::uint32_t offset;
     std::uint32_t bytes;
   };
   struct Channel {
-    Extent name;  ///< the name with its NUL
+    Extent name;  ///< the name of the encoding, with its NUL
     std::uint32_t offset;
     std::uint32_t bytes;
     std::uint32_t count;
     std::uint8_t type;
   };
 
-  /// Finds a part of the field `data`, which must not be of strings: of them nothing is found. `layout` is
-  /// null for a list without a layout. The sample must have all fields of the layout. Returns false if the
-  /// bytes of the sample are malformed.
+  /// Finds a part of the field `data`. In a field of strings, nothing is found. `layout` is null for a list
+  /// without a layout. The sample must have all fields of the layout. Returns false if the bytes of the
+  /// sample are malformed.
   bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
             const Selection::Part& part);
 
-  /// Finds all cells of a field with rows, but no values of the fields that depend on it.
+  /// Finds all cells of a field with rows, but not the values of the fields that depend on it.
   bool find_all(const SampleState& s, const Layout& layout, const Layout::Field& data);
 
-  /// Returns true if the field stays as it is, and with it all fields that depend on it.
+  /// Returns true if the part is the whole field. Then the field and all fields that depend on it stay as
+  /// they are.
   bool is_whole() const { return is_whole_; }
 
   std::uint64_t bytes() const { return std::uint64_t{rows_} * columns_ * cell_bytes_; }
-  /// The number of bytes of the field that the part leaves out.
+  /// Returns the number of bytes of the field that the part leaves out.
   std::uint64_t bytes_less() const { return is_whole_ ? 0 : field_bytes_ - bytes(); }
-  /// The length of the part as the sequence `data`: elements of a list, otherwise bytes.
+  /// Returns the length of the part as the sequence `data`: the number of elements of a list, otherwise the
+  /// number of bytes.
   std::uint32_t elements() const;
-  /// The position of the first cell in the sample's body, the distance to the next cell of the row, and the
-  /// distance to the same cell of the next row, all in bytes.
+  /// Return the position of the first cell in the sample's body, the distance to the next cell of the row,
+  /// and the distance to the same cell of the next row, all in bytes.
   std::uint64_t begin() const { return begin_; }
   std::uint64_t column_stride() const { return column_stride_; }
   std::uint64_t row_stride() const { return row_stride_; }
@@ -56,12 +58,12 @@ class Cut {
   std::uint32_t cell_bytes() const { return cell_bytes_; }
   std::span<const Run> runs() const { return {runs_.data(), run_count_}; }
 
-  // The new values of the fields with a role.
+  // Return the new values of the fields with a role.
   std::uint32_t natural(LayoutRole role) const;  ///< the roles rows, columns, cell_bytes and row_bytes
   double real(LayoutRole role) const { return reals_[static_cast<std::size_t>(role)]; }
   const std::array<double, 3>& position() const { return position_; }
   std::span<const Channel> channels() const { return {channels_.data(), channel_count_}; }
-  /// Four letters that replace those in the name of the encoding; null: the name stays.
+  /// Returns four letters that replace those in the name of the encoding; null: the name stays.
   const char* pattern() const { return pattern_; }
 
   /// The position of the letters of pattern() in the name.
@@ -101,7 +103,8 @@ class Cut {
   std::size_t run_count_ = 0;
   std::size_t channel_count_ = 0;
   std::array<Run, Selection::channels_max> runs_{};
-  std::array<Channel, Selection::channels_max> channels_{};  ///< in ascending order of offsets
+  /// Channels of the part in ascending order of offsets.
+  std::array<Channel, Selection::channels_max> channels_{};
 };
 
 }  // namespace sft::detail

@@ -5,14 +5,14 @@
 //   node.subscriber<LaserScan, F::angle_min | F::angle_increment | F::ranges.every(4)>("scan")
 //   node.subscriber<OccupancyGrid, F::info | F::data.rows(10, 20).columns(0, 640, 2)>("map")
 //
-// A mistake that can be seen in the declaration does not compile: the compiler names a function that is not
+// A mistake that is visible in the declaration does not compile: the compiler names a function that is not
 // constexpr, and the name of the function describes the mistake. Other mistakes are errors of
 // Node::subscriber().
 //
 // Two compilers limit how this is written. g++ 14 refuses concepts of ranges and iterators in compile-time
 // code here if a program has included certain headers before. So there are loops in place of algorithms.
-// Clang 14 and 15 refuse a consteval function that passes its parameters to another one. So all functions are
-// constexpr; they are constant anyway, since they are used in template arguments.
+// Clang 14 and 15 refuse a consteval function that passes its parameters to another one. So all functions
+// are constexpr. They are evaluated at compile time anyway, since they are used in template arguments.
 #pragma once
 
 #include <array>
@@ -21,19 +21,19 @@
 
 namespace sft::detail {
 
-/// Every step-th index of [begin, end). All of its members are 0 if it keeps all indices, since the compiler
-/// leaves zeros out of the names of functions.
+/// Every step-th index of [begin, end). All of its members are 0 if it keeps all indices, because compilers
+/// leave zeros out of the names of functions.
 struct DeclaredRange {
   std::uint32_t begin = 0;
-  std::uint32_t end = 0;   ///< 0: all up to the last index
-  std::uint32_t step = 0;  ///< 0: a step of 1
+  std::uint32_t end = 0;   ///< the end of the range; 0: all indices up to the last one
+  std::uint32_t step = 0;  ///< the step; 0: a step of 1
 
   friend constexpr bool operator==(const DeclaredRange&, const DeclaredRange&) = default;
 };
 
 /// The part of one leaf. It is unused if all of its members are 0.
 struct DeclaredPart {
-  /// The maximum length of all names, with a comma behind each, and a NUL.
+  /// The maximum length of all names together, with a comma behind each and a final NUL.
   static constexpr std::size_t channel_bytes_max = 128;
 
   std::uint32_t leaf = 0;
@@ -45,7 +45,7 @@ struct DeclaredPart {
   friend constexpr bool operator==(const DeclaredPart&, const DeclaredPart&) = default;
 };
 
-/// The parts in one declaration.
+/// The maximum number of parts in one declaration.
 inline constexpr std::size_t declared_parts_max = 4;
 using DeclaredParts = std::array<DeclaredPart, declared_parts_max>;
 

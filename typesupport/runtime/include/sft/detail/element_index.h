@@ -1,5 +1,5 @@
-// Finds where the elements of collections begin, so that elements are accessed by position, although CDR
-// itself can only be walked through.
+// Finds the beginnings of the elements of collections, so that elements are accessed by position. CDR
+// itself has no such table and can only be walked through.
 //
 // Elements whose selected leaves contain no strings and sequences have a constant stride from the second
 // element on, and nothing is stored. For other elements an ElementIndex stores offsets, from the first jump
@@ -31,25 +31,26 @@ struct Elements {
 /// that.
 std::uint32_t next_element(const SampleState& s, const Elements& elements, std::uint64_t offset) noexcept;
 
-/// An element that was reached before.
+/// An element whose offset is known from an earlier walk.
 struct KnownElement {
   std::uint32_t position = 0;
   std::uint32_t offset = 0;
 };
 
 /// Returns the offset of the element at `position`, or no_offset. Walks if the element is close behind
-/// `known`, or if no offsets can be stored. Like every offset the result is a hint, which has to be checked
-/// before the read.
+/// `known`, or if no offsets can be stored. Like every offset, the result is a hint, which has to be
+/// checked before the read.
 std::uint32_t element_begin(const SampleState& s, const Elements& elements, std::uint32_t position,
                             KnownElement known) noexcept;
 
-/// The offsets of the elements of those collections of one sample in which elements were jumped to. Any
-/// number of threads may use it at once.
+/// The offsets of elements in one sample, for those collections in which a jump occurred. Any number of
+/// threads may use it at once.
 class ElementIndex {
  public:
-  /// The maximum number of tables, one per collection. In further collections of a sample a jump is a walk.
+  /// The maximum number of tables, one per collection. In further collections of a sample, a jump is done
+  /// by walking.
   static constexpr std::size_t tables_max = 4096;
-  static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< the maximum of the memory that clear() keeps
+  static constexpr std::size_t kept_bytes_max = 256 * 1024;  ///< limit of the memory that clear() keeps
 
   ElementIndex();
   ~ElementIndex();
@@ -58,9 +59,9 @@ class ElementIndex {
 
   class Table;
 
-  /// Returns the offset of each of `elements`, and fewer if the body ends early. The first call walks once to
-  /// find them. Null if there is no memory for them, or if the body is too small for so many elements. Valid
-  /// until clear().
+  /// Returns the offset of each of `elements`, or of fewer if the body ends early. The first call walks
+  /// once to find them. Returns null if there is no memory for the offsets, or if the body is too small for
+  /// so many elements. Valid until clear().
   const Table* table(const SampleState& s, const Elements& elements) noexcept;
 
   /// Discards all offsets, but keeps memory for the next sample. Must not be called while a thread reads.

@@ -18,8 +18,8 @@
 
 namespace sft::detail {
 
-/// Step defines the elements (as in struct Elements) and how one is read. The functions of
-/// std::ranges::view_interface are written out: Clang up to 15 looks at the constraints of its members while
+/// The type Step defines the elements (as in struct Elements) and how one is read. The functions of
+/// std::ranges::view_interface are written out: Clang up to 15 checks the constraints of its members while
 /// the derived class is still incomplete, and then refuses that class.
 template <class Step>
 class ElementRange : public std::ranges::view_base {
@@ -32,7 +32,8 @@ class ElementRange : public std::ranges::view_base {
 
    public:
     using iterator_concept = std::random_access_iterator_tag;
-    using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
+    // The highest category that C++17 allows if elements are values.
+    using iterator_category = std::input_iterator_tag;
     using value_type = typename Step::Value;
     using reference = value_type;
     using difference_type = std::ptrdiff_t;
@@ -43,7 +44,7 @@ class ElementRange : public std::ranges::view_base {
     Arrow operator->() const { return {**this}; }
     value_type operator[](difference_type n) const { return *(*this + n); }
 
-    /// Moves to the next element, which is the end if the bytes are malformed.
+    /// Moves to the next element. If the bytes are malformed, moves to the end.
     iterator& operator++() {
       const std::uint32_t next = behind(offset());
       if (next == no_offset) s_->flag_malformed();
@@ -83,7 +84,7 @@ class ElementRange : public std::ranges::view_base {
     iterator(const SampleState* s, Extent extent, std::uint32_t position)
         : s_(s), first_(extent.first), count_(extent.count), position_(position), known_{0, extent.first} {}
 
-    /// The same as next_element(), for elements that are known at compile time.
+    /// Does the same as next_element(), for elements that are known at compile time.
     std::uint32_t behind(std::uint32_t offset) const {
       if constexpr (Step::type == nullptr) {
         return skip_string(*s_, offset);
@@ -100,17 +101,18 @@ class ElementRange : public std::ranges::view_base {
     std::uint32_t first_ = 0;
     std::uint32_t count_ = 0;
     std::uint32_t position_ = 0;
-    KnownElement known_{};  ///< the last element that was walked to
+    KnownElement known_{};  ///< the last element that was reached by walking
   };
 
   ElementRange() = default;
-  /// If the bytes of the sample cannot be that many elements, the range is empty and the sample is flagged.
+  /// If the bytes of the sample cannot contain so many elements, the range is empty and the sample is
+  /// flagged.
   ElementRange(const SampleState& s, Extent extent)
       : s_(&s), extent_(checked_elements(s, extent, Step::type == nullptr ? 4 : 1)) {
     if (!extent_) extent_ = without_bytes(s, extent);
   }
 
-  /// Returns the number of elements in the message. If nothing of the elements was sent, at most
+  /// Returns the number of elements in the message. If no field of the elements was sent, at most
   /// max_empty_elements are between begin() and end().
   std::size_t size() const { return extent_.count; }
   bool empty() const { return extent_.count == 0; }
@@ -134,8 +136,8 @@ class ElementRange : public std::ranges::view_base {
   static bool have_bytes(const SampleState& s) {
     return Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
   }
-  /// Returns the extent of elements of which nothing was sent. They take no bytes, so that no bytes confirm
-  /// their number.
+  /// Returns the extent of elements of which no field was sent. They take no bytes, so that no bytes
+  /// confirm their number.
   [[gnu::noinline]] static Extent without_bytes(const SampleState& s, Extent extent) {
     const Extent empty_ones = have_bytes(s) ? Extent{} : checked_elements(s, extent, 0);
     if (empty_ones) return empty_ones;
@@ -143,7 +145,7 @@ class ElementRange : public std::ranges::view_base {
     return {0, 0};
   }
 
-  // These two words are passed in registers.
+  // The following two words are passed in registers.
   const SampleState* s_ = nullptr;
   Extent extent_{0, 0};
 };

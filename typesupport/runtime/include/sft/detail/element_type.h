@@ -9,7 +9,7 @@
 
 namespace sft::detail {
 
-/// True if a collection with elements of that kind consists of E in memory.
+/// True if a collection with elements of that kind consists of objects of type E in memory.
 template <class E>
 constexpr bool holds(Kind kind) {
   if constexpr (std::is_same_v<E, std::byte>) return kind == Kind::octet || kind == Kind::uint8;

@@ -19,13 +19,13 @@
 
 namespace sft::detail {
 
-/// Returns true if member number M of S has the points of a cloud.
+/// Returns true if member number M of S contains the points of a cloud.
 template <class S, std::size_t M>
 constexpr bool has_points() {
   return cloud_members<S> && cloud_members<S>->back() == M;
 }
 
-/// Returns true for a leaf that is in no array or sequence of structs.
+/// Returns true if the leaf is not in an array or sequence of structs.
 constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
   for (const Member& member : type.members) {
     const std::size_t leaves = leaf_count(member);
@@ -38,7 +38,7 @@ constexpr bool is_in_no_collection(const StructType& type, std::size_t leaf) {
   return false;
 }
 
-/// The name of a field that is a sequence of values, which has functions to declare parts (declared_part.h).
+/// The name of a field that is a sequence of values. It has functions to declare parts (declared_part.h).
 /// The field is member number M of S and has the leaf First.
 template <class Root, std::size_t First, class S, std::size_t M>
 class SequenceNode : public FieldNode<Root, First, 1> {
@@ -80,7 +80,7 @@ class SequenceNode : public FieldNode<Root, First, 1> {
   static constexpr FieldPart<Root> channels = part_with<Names...>();
 };
 
-/// Returns true for a sequence of values: other fields have no parts.
+/// Returns true for a sequence of values, the only kind of field with parts.
 constexpr bool may_have_parts(const Member& member) {
   return member.shape == Shape::sequence && member.kind != Kind::structure;
 }
@@ -97,7 +97,7 @@ struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
                          FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>>;
 };
 
-/// Names below a sequence of structs E: `fields` means all of it, `fields.size` its length, and
+/// The names below a sequence of structs E: `fields` means all of it, `fields.size` its length, and
 /// `fields.each.name` a leaf of the elements (written `fields[].name` in text).
 template <class E, class Root, std::size_t First>
 struct SequenceFields : FieldNode<Root, First, 1 + leaf_count_of<E>> {
@@ -105,7 +105,7 @@ struct SequenceFields : FieldNode<Root, First, 1 + leaf_count_of<E>> {
   static constexpr typename E::template Fields<Root, First + 1> each{};
 };
 
-/// Names below an array of structs E.
+/// The names below an array of structs E.
 template <class E, class Root, std::size_t First>
 struct ArrayFields : FieldNode<Root, First, leaf_count_of<E>> {
   static constexpr typename E::template Fields<Root, First> each{};

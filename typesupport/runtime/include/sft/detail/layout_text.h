@@ -1,6 +1,5 @@
-// The texts of layouts (layout.h), as far as a compiler looks at them: which members the cells of a field
-// need, so that a mask without one of them does not compile. What the texts mean is in selection.md, "Layout
-// rules".
+// Reads the texts of layouts (layout.h) at compile time, to find the members that the cells of a field
+// need. So a mask without one of them does not compile. selection.md, "Layout rules", explains the texts.
 #pragma once
 
 #include <cstddef>
@@ -10,7 +9,7 @@
 
 namespace sft::detail {
 
-/// The rule of a type that is not annotated. These are types of ROS 2, of which the files are not ours.
+/// The rule of a type that is not annotated. Such types belong to ROS 2, so their files cannot be changed.
 struct KnownRule {
   std::string_view type;
   std::string_view field;
@@ -27,7 +26,7 @@ inline constexpr KnownRule known_rules[] = {
     {"sensor_msgs::msg::LaserScan", "ranges",
      "first=angle_min last=angle_max step=angle_increment interval=time_increment also=intensities"}};
 
-/// The member that has this role in the rule, "info.width"; empty if none has.
+/// Returns the path of the member that has this role in the rule, "info.width"; empty if no member has it.
 constexpr std::string_view path_of_role(std::string_view rule, std::string_view role) {
   while (!rule.empty()) {
     const std::string_view word = rule.substr(0, rule.find(' '));
@@ -38,7 +37,7 @@ constexpr std::string_view path_of_role(std::string_view rule, std::string_view 
   return {};
 }
 
-/// True if the name is in the list, which has commas between its names.
+/// Returns true if the name is in the list, which has commas between its names.
 constexpr bool is_listed(std::string_view list, std::string_view name) {
   while (!list.empty()) {
     const std::string_view one = list.substr(0, list.find(','));
@@ -48,7 +47,7 @@ constexpr bool is_listed(std::string_view list, std::string_view name) {
   return false;
 }
 
-/// The rule of that member; empty if it has none.
+/// Returns the rule of that member; empty if it has none.
 constexpr std::string_view rule_of(const StructType& type, const Member& member) {
   bool is_annotated = false;
   for (const Member& m : type.members) {
@@ -62,8 +61,8 @@ constexpr std::string_view rule_of(const StructType& type, const Member& member)
   return {};
 }
 
-/// The leaf of a member, counted from the first of the struct; the number of its leaves if it has no such
-/// member.
+/// Returns the leaf of the member at `path`, counted from the first leaf of the struct; the number of the
+/// struct's leaves if there is no such member.
 constexpr std::size_t leaf_of_path(const StructType& type, std::string_view path) {
   const std::string_view name = path.substr(0, path.find('.'));
   std::size_t leaf = 0;
@@ -79,12 +78,13 @@ constexpr std::size_t leaf_of_path(const StructType& type, std::string_view path
   return type.leaves;
 }
 
-/// True if the mask, in which the struct has that first leaf, has all that is needed to read the cells of a
-/// member with this rule.
+/// Returns true if the mask has all fields that are needed to read the cells of a member with this rule.
+/// The struct of the member has `first_leaf` as its first leaf.
 template <class Mask>
 constexpr bool has_fields_of_cells(const Mask& mask, const StructType& type, std::size_t first_leaf,
                                    std::string_view rule) {
-  if (path_of_role(rule, "columns").empty()) return true;  // a list, whose cells are its elements
+  // The rule is that of a list, whose cells are its elements.
+  if (path_of_role(rule, "columns").empty()) return true;
   for (const std::string_view role :
        {"rows", "columns", "cell_bytes", "row_bytes", "byte_order", "encoding"}) {
     const std::string_view path = path_of_role(rule, role);

@@ -1,4 +1,4 @@
-// Iteration over the members of a set of leaves, in ascending order.
+// Iterates over the members of a set of leaves, in ascending order.
 #pragma once
 
 #include <bit>
@@ -14,7 +14,8 @@ template <class Set>
 class LeafIterator {
  public:
   using iterator_concept = std::forward_iterator_tag;
-  using iterator_category = std::input_iterator_tag;  // the most that C++17 allows if elements are values
+  // The highest category that C++17 allows if elements are values.
+  using iterator_category = std::input_iterator_tag;
   using value_type = std::size_t;
   using reference = std::size_t;
   using pointer = void;

@@ -13,8 +13,8 @@
 
 namespace sft::detail {
 
-/// Reserves `length` elements for the sequence at `leaf`, which has its own `slot`; encode() does not write
-/// these elements. Without a length the sequence is encoded as it is.
+/// Reserves `length` elements for the sequence at `leaf`, which has its own `slot`. encode() does not write
+/// these elements. Without a length the sequence is encoded normally.
 struct Reservation {
   std::size_t leaf = 0;
   std::optional<std::uint32_t> length{};

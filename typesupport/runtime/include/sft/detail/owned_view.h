@@ -10,17 +10,17 @@
 
 namespace sft::detail {
 
-/// True if the reader has asked for each field of the struct at that place, or may get each of them.
+/// True if the reader has requested each field of the struct at that place, or may get each of them.
 template <class Place>
 concept has_whole_struct = Place::has_whole;
 
-/// The same, and each sample has all of these fields.
+/// True if the reader has requested each field of the struct, and each sample has all of these fields.
 template <class Place>
 concept has_declared_struct = Place::has_whole && !Place::may_lack;
 
-/// Copies the struct S at that place. If fields may be lacking, the result is an Optional, which is empty if
-/// a field is lacking. If the bytes are malformed, the struct has its default values, and the sample is
-/// flagged as malformed.
+/// Copies the struct S at that place. If samples may lack fields, the result is an Optional, which is empty
+/// if this sample lacks one. If the bytes are malformed, the struct has its default values, and the sample
+/// is flagged as malformed.
 template <class S, class Place>
 auto owned_at(const Place& place) {
   static_assert(sizeof(S) <= (1 << 20), "the struct is too large for the stack: read its fields one by one");

@@ -1,6 +1,6 @@
-// Parts of fields that stay where they are: in a larger sample, of which other readers read other parts. The
-// reader's own sample has all other fields, rewritten for the parts, and empty fields in place of the parts.
-// Views find the parts here.
+// Parts of fields that are read at their place in a larger sample, of which other readers read other parts.
+// The reader's own sample has all other fields, rewritten for the parts, and empty fields in place of the
+// parts. Views find the parts through this class.
 #pragma once
 
 #include <cstddef>
@@ -17,26 +17,27 @@ namespace sft::detail {
 struct PartInPlace {
   const SampleState* source = nullptr;
   Layout::Field data{};
-  const Cut* cut = nullptr;  ///< the place of its cells
+  const Cut* cut = nullptr;  ///< the places of its cells
 
-  /// Returns all bytes in place if they are contiguous there. Returns nothing if they are not, or if they are
+  /// Returns all bytes in place if they are contiguous. Returns nothing if they are not, or if they are
   /// malformed.
   std::optional<std::span<const std::byte>> contiguous() const noexcept;
-  /// Copies cut->bytes() together. Must not be called for a part that is the whole field, which is
-  /// contiguous.
+  /// Copies the cells of the part to `to`, cut->bytes() bytes. Must not be called for a part that is the
+  /// whole field, which is contiguous.
   void gather_to(std::byte* to) const noexcept;
 };
 
 class PartsInPlace {
  public:
-  /// Returns the part of that leaf; nothing if the sample itself has the field. Any thread.
+  /// Returns the part of that leaf; nothing if the sample itself has the field. Any thread may call this.
   virtual std::optional<PartInPlace> find(std::size_t leaf) noexcept = 0;
-  /// Returns the bytes of the part, contiguous: in the larger sample, or in a copy that the first call makes.
-  /// Returns nothing if the sample itself has the field, and no bytes if there is no memory. Any thread;
-  /// valid as long as the sample.
+  /// Returns the bytes of the part, contiguous: in the larger sample, or in a copy that the first call
+  /// makes. Returns nothing if the sample itself has the field, and no bytes if there is no memory. Any
+  /// thread may call this. The result is valid as long as the sample.
   virtual std::optional<std::span<const std::byte>> bytes_of(std::size_t leaf) noexcept = 0;
   /// Returns the sample with its parts, which the first call puts together. It is empty if there is no
-  /// memory, or if the bytes are malformed. Any thread; valid as long as the sample.
+  /// memory, or if the bytes are malformed. Any thread may call this. The result is valid as long as the
+  /// sample.
   virtual const SampleState& put_together() noexcept = 0;
 
  protected:

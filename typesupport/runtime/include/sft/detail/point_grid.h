@@ -1,6 +1,6 @@
-// Finds the points of a cloud in a sample, and its channels in a point (selection.md, "Points"). The
-// bytes may be hostile, and in shared memory they may change while they are read. So each number of the
-// header is read once, checked, and kept here.
+// Finds the points of a cloud in a sample, and its channels in a point (selection.md, "Points"). The bytes
+// may be hostile, and in shared memory they may change while they are read. So each number of the header is
+// read once, checked, and stored.
 #pragma once
 
 #include <array>
@@ -36,9 +36,10 @@ struct CloudPlace {
   std::size_t data_leaf = 0;  ///< the leaf of the member `data`
 };
 
-// The compiler evaluates the following: declared_part.h says why it has loops in place of std::ranges.
+// The following functions are evaluated at compile time. declared_part.h says why they have loops in place
+// of std::ranges.
 
-/// Returns true if a struct has exactly single values of these kinds.
+/// Returns true if the members of a struct are exactly single values of these kinds.
 constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kinds) {
   if (type.members.size() != kinds.size()) return false;
   const Kind* kind = kinds.begin();
@@ -55,7 +56,7 @@ constexpr std::size_t number_of(std::span<const Member> members, std::string_vie
   return number;
 }
 
-/// Returns true if a member has the type that the cloud field of this number has in sensor_msgs.
+/// Returns true if the type of a member is the type that the cloud field of this number has in sensor_msgs.
 constexpr bool fits_cloud_field(const Member& member, std::size_t field) {
   const std::string_view name = cloud_fields[field];
   if (name == "fields") {
@@ -67,7 +68,8 @@ constexpr bool fits_cloud_field(const Member& member, std::size_t field) {
   return (name == "is_bigendian" ? is_byte : member.kind == Kind::uint32) && member.shape == Shape::single;
 }
 
-/// Returns nothing if the struct is no cloud. A struct of that name may have other fields.
+/// Returns the members of a cloud; nothing if the struct is no cloud. The name of a struct is not enough,
+/// since a struct of that name may have other fields.
 constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   if (type.name != "sensor_msgs::msg::PointCloud2") return {};
   CloudMembers members{};
@@ -79,17 +81,17 @@ constexpr std::optional<CloudMembers> cloud_members_of(const StructType& type) {
   return members;
 }
 
-/// The members of a cloud whose type is compiled in. Nothing if the struct is no cloud.
+/// The members of a cloud whose type is compiled in; nothing if the struct is no cloud.
 template <class S>
 inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(TypeTable<S>::type);
 
-/// A channel that a program asks for.
+/// A channel that a program requests.
 struct WantedChannel {
   std::string_view name;
-  std::uint8_t type;  ///< its number in sensor_msgs/PointField
-  // find_points() sets the following members.
+  std::uint8_t type;  ///< the number of the type in sensor_msgs/PointField
+  // The following members are set by find_points().
   std::uint32_t offset = 0;     ///< the offset in a point
-  std::uint8_t found_type = 0;  ///< 0: the channel is missing
+  std::uint8_t found_type = 0;  ///< the type that was found; 0: the channel is missing
   bool is_found = false;
 };
 

@@ -1,5 +1,5 @@
-// Long runs of primitives that encode() may leave where they are in the value. A transport that sends a body
-// at once can send these runs from there. It copies them afterwards, or not at all if the body is not needed
+// Long runs of primitives that encode() does not copy at once. A transport that sends a body immediately
+// can send these runs from the value. It copies them afterwards, or not at all if the body is not needed
 // any more.
 #pragma once
 
@@ -17,7 +17,7 @@ namespace sft::detail {
 /// Allocates nothing.
 class PostponedCopies {
  public:
-  /// Shorter runs are copied at once.
+  /// The length in bytes below which a run is copied at once.
   static constexpr std::size_t usual_bytes_min = 64 * 1024;
 
   explicit PostponedCopies(std::size_t bytes_min = usual_bytes_min) : bytes_min_(bytes_min) {}
@@ -37,10 +37,11 @@ class PostponedCopies {
   void make(std::size_t bytes_max) noexcept;
   void make_all() noexcept { make(static_cast<std::size_t>(-1)); }
 
-  /// Returns where `bytes` from `data` on can be read at present. Null if they are in several places.
+  /// Returns the address where `bytes` from `data` on can be read at present; null if they are in several
+  /// places.
   const std::byte* locate(const std::byte* data, std::size_t bytes) const;
 
-  /// Appends the present places of the bytes of these segments, which may refer to the body.
+  /// Appends the present addresses of the bytes of these segments, which may refer to the body.
   void locate(std::span<const Segment> segments, std::vector<Segment>& located) const;
 
  private:

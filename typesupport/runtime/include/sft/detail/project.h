@@ -1,6 +1,6 @@
-// Makes the CDR of a smaller mask from one encoded sample, without touching other fields. Small runs are
-// copied to a staging buffer; large ones are referenced in the source. If only a part of a field is asked for
-// (cut.h), the bytes of the part are gathered in the staging buffer, unless they are contiguous.
+// Makes the CDR of a smaller mask from one encoded sample, without reading other fields. Small runs are
+// copied to a staging buffer; large ones are referenced in the source. If only a part of a field is
+// requested (cut.h), the bytes of the part are gathered in the staging buffer, unless they are contiguous.
 #pragma once
 
 #include <array>
@@ -26,23 +26,24 @@ struct Segment {
 /// Runs of at least this many bytes are referenced in the source rather than copied.
 inline constexpr std::size_t reference_bytes_min = 4096;
 
-/// The runs that have to be gathered for one mask, for any source. They are found once, when the mask becomes
-/// known. A plan is immutable; any number of projections may use it at a time.
+/// The runs that have to be gathered for one mask, for any source. They are determined once, when the mask
+/// becomes known. A plan is immutable; any number of projections may use it at a time.
 class ProjectionPlan {
  public:
-  /// `type` outlives the plan. `mask` is closed.
+  /// `type` must outlive the plan. `mask` must be closed.
   ProjectionPlan(const StructType& type, FieldMask mask);
-  /// The same for a closed selection, whose gate is not used.
+  /// Makes the plan for a closed selection, whose gate is not used.
   ProjectionPlan(const TypeSupport& type, const Selection& selection);
 
   const FieldMask& mask() const { return mask_; }
-  /// The fields of which no part is taken.
+  /// Returns the fields that are taken whole.
   FieldMask whole() const;
   bool has_parts() const { return !parts_.empty(); }
   std::size_t parts() const { return parts_.size(); }
-  /// The field of part number i.
+  /// Returns the field of part number i.
   const Layout::Field& data(std::size_t i) const { return parts_[i].data; }
-  /// Returns true if views can read the parts in place, which they cannot for parts of sequences of texts.
+  /// Returns true if views can read the parts in place. They cannot read parts of sequences of texts in
+  /// place.
   bool can_stay_in_place() const;
   std::uint64_t parts_hash() const { return parts_hash_; }  ///< the value of Selection::parts_hash()
 
@@ -54,11 +55,12 @@ class ProjectionPlan {
     Layout::Field data{};
     const Layout* layout = nullptr;
   };
-  /// What a part changes: the field itself, or a field that depends on it.
+  /// A change because of a part: of the field itself, or of a field that depends on it.
   struct Change {
-    std::optional<std::size_t> part{};  ///< the number of the part; none: nothing changes
-    std::optional<LayoutRole> role{};   ///< none: the field itself
-    std::size_t coordinate = 0;         ///< the number of the coordinate of an origin, 0 to 2
+    std::optional<std::size_t> part{};  ///< the number of the part; empty: nothing changes
+    /// The role of the changed field; empty: the change is in the field itself.
+    std::optional<LayoutRole> role{};
+    std::size_t coordinate = 0;  ///< the number of the coordinate of an origin, 0 to 2
   };
 
   /// A leaf with a known size: a primitive or an array of primitives.
@@ -70,13 +72,14 @@ class ProjectionPlan {
   struct Run {
     std::uint32_t first_block = 0;
     std::uint32_t blocks = 0;
-    std::uint32_t alignment = 1;              ///< the largest alignment of its blocks
-    std::array<std::uint64_t, 8> bytes_at{};  ///< bytes with padding, by the offset of the run modulo 8
+    std::uint32_t alignment = 1;  ///< the largest alignment of the run's blocks
+    /// Number of bytes with padding, indexed by the offset of the run modulo 8.
+    std::array<std::uint64_t, 8> bytes_at{};
   };
   struct Step {
-    std::size_t slot = 0;  ///< the slot of its beginning in the source
+    std::size_t slot = 0;  ///< the slot of the first block in the source
     std::size_t leaf = 0;
-    const Member* member = nullptr;  ///< null: the step is a run
+    const Member* member = nullptr;  ///< the member of the step; null: the step is a run
     Run run{};
     Change change{};
   };
@@ -102,22 +105,22 @@ class Projection {
   /// state.
   bool project(const SampleState& source, const ProjectionPlan& plan);
 
-  /// The same for a plan with parts, all in one piece in `memory`. bytes_most() bytes suffice for nearly all
-  /// messages; returns false if they do not. If `memory` is empty, the projection uses memory of its own.
-  /// Bytes that the source still lacks because their copies are `postponed` are read where the copies will be
-  /// made from.
+  /// Projects with a plan with parts, all in one piece in `memory`. bytes_most() bytes suffice for nearly
+  /// all messages; returns false if they do not. If `memory` is empty, the projection uses memory of its
+  /// own. Bytes that the source still lacks because their copies are `postponed` are read from their
+  /// original place.
   bool project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
                const PostponedCopies* postponed = nullptr);
   /// Projects the fields around the parts of the plan, and leaves the parts empty. cuts() are valid
   /// afterwards.
   bool project_around_parts(const SampleState& source, const ProjectionPlan& plan);
-  /// Where the parts of the plan are in the source that was projected last.
+  /// Returns the places of the plan's parts in the source that was projected last.
   std::span<const Cut> cuts(const ProjectionPlan& plan) const { return std::span(cuts_).first(plan.parts()); }
-  /// Returns how many bytes the body of a plan with parts can have, without the padding of structs in
-  /// sequences. Returns 0 if project() would fail.
+  /// Returns the number of bytes that the body of a plan with parts can have, without the padding of
+  /// structs in sequences. Returns 0 if project() would fail.
   std::size_t bytes_most(const SampleState& source, const ProjectionPlan& plan);
 
-  /// Projects with a plan that is made for this call.
+  /// Projects with a plan that exists only for this call.
   bool project(const SampleState& source, const StructType& type, const FieldMask& mask) {
     return project(source, ProjectionPlan(type, mask));
   }
@@ -133,11 +136,11 @@ class Projection {
     }
   };
   Memory memory() const { return {staging_.size(), segments_.capacity()}; }
-  /// Takes at least this much memory, so that what another projection could project with it allocates nothing
-  /// here. Invalidates segments().
+  /// Takes at least this much memory. So a projection that needed no allocation in a Projection with this
+  /// memory needs none here. Invalidates segments().
   void reserve(const Memory& memory);
 
-  /// The projected body, in order. Valid until the next project() and as long as the source.
+  /// Returns the projected body, in order. Valid until the next project() and as long as the source.
   std::span<const Segment> segments() const { return segments_; }
   std::size_t bytes() const { return bytes_; }
 

@@ -3,9 +3,9 @@
 //   SampleHeader | u32 offset per slot | padding | 4 bytes of encapsulation | CDR body
 //
 // The body is 8-aligned in memory, so that every primitive has the alignment of CDR. The body is byte for
-// byte what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count from
-// the first byte of the body. The offset of a string or a sequence is that of its length. A slot whose leaves
-// are absent holds no_offset.
+// byte what DDS writes (XCDR1, little-endian) for the type projected to the sample's mask. Offsets count
+// from the first byte of the body. The offset of a string or a sequence is that of its length. A slot whose
+// leaves are absent has the value no_offset.
 #pragma once
 
 #include <array>
@@ -24,14 +24,15 @@ struct SampleHeader {
   std::uint16_t index_slots = 0;
   /// The number of gates in the table behind the body (core/seam/gate_table.h).
   std::uint16_t gates = 0;
-  std::uint64_t writer = 0;          ///< the writer's random id, a new one after a restart
-  std::uint64_t sequence = 0;        ///< counted from 1
-  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME when it was published
+  std::uint64_t writer = 0;          ///< the writer's random id, which is different after a restart
+  std::uint64_t sequence = 0;        ///< number of the sample, counted from 1
+  std::int64_t source_stamp_ns = 0;  ///< CLOCK_REALTIME when the sample was published
   std::uint64_t type_hash = 0;
-  std::uint32_t body_offset = 0;  ///< the offset from the header's first byte
+  std::uint32_t body_offset = 0;  ///< the offset of the body from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Sequence and stamp of the writer's newest earlier sample that was sent only by UDP, because shared memory
-  // was not in use yet or could not take it. That sample may arrive later than this one. 0: there was none.
+  // Sequence and stamp of the writer's newest earlier sample that was sent only by UDP, because shared
+  // memory was not in use yet or could not take it. That sample may arrive later than this one. 0: there is
+  // no such sample.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };

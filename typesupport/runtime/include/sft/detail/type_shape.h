@@ -1,4 +1,4 @@
-// Types for people: a type as text, and the difference between two definitions of a type.
+// A type as text for people, and the difference between two definitions of a type.
 #pragma once
 
 #include <cstdint>
@@ -8,11 +8,12 @@
 
 namespace sft::detail {
 
-/// All structs and enumerations of which `type` is made, each once and before its first use, and `type` last,
-/// in the syntax of IDL (without modules: names are whole).
+/// Returns the text of all structs and enumerations of which `type` is made, each once and before its first
+/// use, and `type` last, in the syntax of IDL (without modules: names are whole).
 std::string format_shape(const StructType& type);
 
-/// The type of one member: "uint32", "sequence<string<8>, 4>", "double[6]", "pkg::msg::Color".
+/// Returns the type of one member as text: "uint32", "sequence<string<8>, 4>", "double[6]",
+/// "pkg::msg::Color".
 std::string format_type(const StructType::Member& member);
 
 /// Returns the first difference of two types in one line: "fields[].offset: uint32 here, uint64 there". Only
@@ -20,7 +21,7 @@ std::string format_type(const StructType::Member& member);
 /// differs.
 std::string first_difference(const StructType& here, const StructType& there);
 
-/// 64-bit hash of a type's canonical structure: see TypeSupport::hash().
+/// Returns a 64-bit hash of a type's canonical structure: see TypeSupport::hash().
 std::uint64_t structure_hash(const StructType& type);
 
 }  // namespace sft::detail

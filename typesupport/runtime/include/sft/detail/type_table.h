@@ -22,8 +22,8 @@ using Kind = Member::Kind;
 using Shape = Member::Shape;
 using Enumerator = EnumType::Enumerator;
 
-/// The bytes of one primitive in CDR, which are also its alignment (XCDR1). For a string, the bytes of its
-/// length.
+/// Returns the number of bytes of one primitive in CDR, which is also its alignment (XCDR1). For a string,
+/// returns the number of bytes of its length.
 constexpr std::size_t size_of(Kind kind) {
   switch (kind) {
     case Kind::boolean:
@@ -56,7 +56,8 @@ constexpr bool is_primitive(Kind kind) { return kind < Kind::string; }
 struct SequenceAccess {
   std::size_t (*size)(const void* vector);
   const void* (*data)(const void* vector);
-  void* (*resize)(void* vector, std::size_t elements);  ///< returns the first element; existing ones are kept
+  /// Returns the first element; existing elements are kept.
+  void* (*resize)(void* vector, std::size_t elements);
 };
 
 /// Specialised for every generated enumeration, with `static constexpr EnumType type`.
@@ -89,7 +90,8 @@ constexpr std::size_t slot_alignment(const Member& m) {
   return m.kind == Kind::structure ? 1 : size_of(m.kind);
 }
 
-/// Returns the packed bytes of one element; 0 if each element has to be visited.
+/// Returns the number of packed bytes of one element (StructType::packed_bytes); 0 if each element has to
+/// be visited.
 constexpr std::uint32_t packed_bytes_of(const Member& m) {
   if (m.kind == Kind::structure) return m.type->packed_bytes;
   return is_primitive(m.kind) && m.kind != Kind::boolean ? static_cast<std::uint32_t>(size_of(m.kind)) : 0;
@@ -120,7 +122,7 @@ constexpr void StructType::find_packing() {
                         (m.kind != Member::Kind::structure || m.type->is_packed_in_memory);
     if (detail::alignment_of(m) > alignment) alignment = detail::alignment_of(m);
     bytes += std::uint64_t{m.count} * own;
-    if (bytes >> 32 != 0) {  // stops before a sum of more members overflows
+    if (bytes >> 32 != 0) {  // stops before the sum of further members overflows
       is_packed = false;
       bytes = 0;
     }
@@ -135,7 +137,7 @@ constexpr void StructType::find_packing() {
 
 namespace sft::detail {
 
-/// The first leaf of a member, counted from the first leaf of its struct.
+/// Returns the first leaf of a member, counted from the first leaf of its struct.
 constexpr std::size_t leaf_offset(const StructType& type, std::size_t member) {
   std::size_t n = 0;
   for (std::size_t i = 0; i < member; ++i) n += leaf_count(type.members[i]);
@@ -216,9 +218,9 @@ struct MemberOptions {
   std::string_view layout{};
 };
 
-/// Makes one row of a generated table. V is the member's type in the owned struct. `kind` is that of one
-/// element in IDL: it distinguishes octet from uint8, and a sequence of booleans, held as std::uint8_t, from
-/// one of octets.
+/// Makes one row of a generated table. V is the member's type in the owned struct. `kind` is the kind of
+/// one element in IDL. It is needed to distinguish octet from uint8, and a sequence of booleans, held as
+/// std::uint8_t, from a sequence of octets.
 template <class V>
 constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
   using Place = ShapeOf<V>;

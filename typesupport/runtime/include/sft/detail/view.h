@@ -34,7 +34,8 @@ static_assert(std::endian::native == std::endian::little, "views read little-end
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
-/// The type of the deleted getters of fields that were not declared: errors of compilers show this name.
+/// The return type of the deleted getters of fields that were not declared. Error messages of compilers
+/// show this name.
 struct this_field_is_not_declared {
   struct name_it_where_the_subscriber_is_opened {};
 };
@@ -113,14 +114,14 @@ struct ElementStep {
   }
 };
 
-/// Returns where the elements of member M, which begins at `offset`, begin.
+/// Returns the beginning of the elements of member M, which itself begins at `offset`, and their number.
 inline Extent elements_of(const SampleState& s, const Member& m, std::uint64_t offset) noexcept {
   if (m.shape == Shape::sequence) return checked_length(s, offset);
   return {offset < no_offset ? static_cast<std::uint32_t>(offset) : no_offset, m.count};
 }
 
-/// Reads member number Index of struct S, whose first leaf is Leaf and which begins at `offset`. As is the
-/// nested struct or the enumeration that the generated code names, otherwise void.
+/// Reads member number Index of struct S, whose first leaf is Leaf. The member begins at `offset`. As is
+/// the nested struct or the enumeration that the generated code names, otherwise void.
 template <auto R, class S, std::size_t Index, std::size_t Leaf, class As>
 auto read_leaf(const SampleState& s, std::uint64_t offset) {
   constexpr Member M = TypeTable<S>::members[Index];
@@ -150,7 +151,8 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   }
 }
 
-/// Not inlined into the getters, which are many and short: it is needed once for each leaf and sample.
+/// Not inlined into the getters, which are many and short, since a call is needed only once for each leaf
+/// and sample.
 [[gnu::noinline]] inline bool note_first(const SampleState& s, std::size_t leaf,
                                          std::size_t leaves) noexcept {
   if (s.log == nullptr) return s.mask->any_of(leaf, leaves);
@@ -166,14 +168,14 @@ struct RootOf<Req<T>> {
   using type = T;
 };
 
-/// What both places share: whether a member can be read, and noting that it was read.
+/// The common base of both places: it says if a member can be read, and notes that it was read.
 template <auto R, class S, std::size_t Leaf>
 struct PlaceBase {
   using Root = typename RootOf<std::remove_const_t<decltype(R)>>::type;
   using Struct = S;
   static constexpr Mask<Root> declared = R.mask;
-  /// True if the reader declared the mask only. With declared parts, fields that belong to them are sent,
-  /// too.
+  /// True if the reader declared only a mask. With declared parts, fields that belong to the parts are
+  /// sent, too.
   static constexpr bool declares_mask = !R.may_lack() && R.parts == DeclaredParts{};
   static constexpr bool may_lack = R.may_lack();
   static constexpr auto requirement = R;
@@ -187,14 +189,15 @@ struct PlaceBase {
   template <std::size_t M>
   static constexpr bool has = R.may_lack() || R.mask.intersects(leaf_of<M>,
                                                                 leaf_count(TypeTable<S>::members[M]));
-  /// True if all leaves of member M are.
+  /// True if all leaves of member M are in the declared mask, or if no mask is declared.
   template <std::size_t M>
   static constexpr bool has_all =
       R.may_lack() || R.mask.contains(R.mask.range(leaf_of<M>, leaf_count(TypeTable<S>::members[M])));
 
  protected:
   /// Notes the access if the reader records, and returns whether the sample has the leaf. For a sequence of
-  /// structs that is the leaf of its length, for an array of structs the first leaf of its element.
+  /// structs, `leaf` is the leaf of its length; for an array of structs, it is the first leaf of its
+  /// element.
   static bool note(const SampleState& s, std::size_t leaf, std::size_t leaves) noexcept {
     if constexpr (!R.is_recorded) return s.mask->any_of(leaf, leaves);
     return (s.log != nullptr && s.log->has_found(leaf)) || note_first(s, leaf, leaves);
@@ -238,8 +241,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // Functions that read several members at once (points.h, cells.h) need the sample, and the offset of member
-  // M in it. M is no single struct.
+  // These functions are used where several members are read at once (points.h, cells.h). They return the
+  // sample, and the offset of member M in it. M must not be a single struct.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
@@ -281,7 +284,7 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
     }
   }
 
-  // As in IndexedPlace.
+  // These functions have the same meaning as in IndexedPlace.
   const SampleState& state() const { return *s_; }
   template <std::size_t M>
   std::uint64_t begin_of() const {
@@ -295,8 +298,8 @@ class ElementPlace : public PlaceBase<R, S, Leaf> {
   std::uint64_t offset_;
 };
 
-/// The view of a whole sample of type T for a reader with requirement R. (Pass R through a parameter of type
-/// Req<T> in an alias template: g++ 12 crashes on a mask variable there.)
+/// The type of the view of a whole sample of type T for a reader with requirement R. (Pass R through a
+/// parameter of type Req<T> in an alias template: g++ 12 crashes on a mask variable there.)
 template <class T, Req<T> R>
 using ViewOf = typename T::template View<IndexedPlace<R, T, 0, 0>>;
 

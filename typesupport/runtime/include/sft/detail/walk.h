@@ -17,25 +17,26 @@
 
 namespace sft::detail {
 
-/// The maximum number of elements that are made or walked over of a sequence of structs of which only the
-/// length was sent.
+/// The maximum number of elements that are made or walked over if only the length of a sequence of structs
+/// was sent.
 inline constexpr std::uint32_t max_empty_elements = 65'536;
 
 class ElementIndex;
 class PartsInPlace;
 
-/// A CDR body under a mask, as it was when the sample was taken. Owns nothing.
+/// A CDR body under a mask, in the state at the time of the take. Owns nothing.
 struct SampleState {
   const std::byte* body = nullptr;  ///< the first byte, aligned to 8
   std::uint32_t body_bytes = 0;
-  const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null if the body is only walked
-  const FieldMask* mask = nullptr;       ///< leaves that are present
-  AccessLog* log = nullptr;              ///< null unless the reader records
-  ElementIndex* elements = nullptr;      ///< stores where elements begin; null: a jump walks over elements
-  PartsInPlace* parts = nullptr;         ///< null: all parts are in the body (parts_in_place.h)
-  mutable bool malformed = false;        ///< set if a getter met bytes that are malformed
+  const std::uint32_t* index = nullptr;  ///< one offset per slot; may be null if the body is only walked over
+  const FieldMask* mask = nullptr;       ///< the leaves that are present
+  AccessLog* log = nullptr;              ///< the log of reads; null unless the reader records
+  ElementIndex* elements = nullptr;      ///< stores the offsets of elements; null: a jump walks over elements
+  /// The parts that are outside of the body; null: there are none (parts_in_place.h).
+  PartsInPlace* parts = nullptr;
+  mutable bool malformed = false;  ///< set if a getter found malformed bytes
 
-  // Atomic, since several threads may read one sample.
+  // The flag is accessed atomically, since several threads may read one sample.
   void flag_malformed() const noexcept { __atomic_store_n(&malformed, true, __ATOMIC_RELAXED); }
   bool is_malformed() const noexcept { return __atomic_load_n(&malformed, __ATOMIC_RELAXED); }
 };
@@ -44,23 +45,24 @@ constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) 
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-/// Checks `count` elements of `element_bytes` each at `offset`, which is aligned unless there are none.
-/// Returns the offset of the first one, or no_offset if they would not lie within the body.
+/// Checks `count` elements of `element_bytes` each at `offset`, which must be aligned unless `count` is 0.
+/// Returns the offset of the first element, or no_offset if the elements would not lie within the body.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes, std::uint64_t alignment) noexcept {
   if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
   const std::uint64_t first = align_up(offset, alignment);
   return first + count * element_bytes <= s.body_bytes ? static_cast<std::uint32_t>(first) : no_offset;
 }
-/// The same for elements that are aligned to their size, as all elements in samples are.
+/// Checks elements that are aligned to their size, as all elements in samples are.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes) noexcept {
   return checked_block(s, offset, count, element_bytes, element_bytes);
 }
 
-/// Reads a number on which a decision depends, such as how far to read. For a compiler these bytes do not
-/// change: it might read them again where the number is used, after it was checked. The empty instruction
-/// claims to change the number, so that the compiler cannot replace the number by the value in memory.
+/// Reads a number on which a decision depends, such as how far to read. A compiler assumes that these bytes
+/// do not change. So it might read them again where the number is used, after it was checked. The empty
+/// instruction claims to change the number, so that the compiler cannot replace the number by the value in
+/// memory.
 template <std::integral T>
 T read_once(const std::byte* at) noexcept {
   T value;
@@ -75,7 +77,7 @@ struct Extent {
   explicit operator bool() const { return first != no_offset; }
 };
 
-/// Reads the u32 at `offset` (aligned to 4). Returns it with the offset behind it.
+/// Reads the u32 at `offset`, which must be aligned to 4. Returns the number with the offset behind it.
 inline Extent checked_length(const SampleState& s, std::uint64_t offset,
                              std::endian byte_order = std::endian::little) noexcept {
   const std::uint32_t at = checked_block(s, offset, 1, 4);
@@ -99,12 +101,12 @@ std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, s
 /// Returns the sample with its parts: see PartsInPlace. REQUIRES: s.parts is not null.
 const SampleState& put_together(const SampleState& s) noexcept;
 
-/// Notes that these leaves are read if reads are recorded. Returns whether the sample has all of them as they
-/// were published. For values that are found without the getters of their leaves.
+/// Notes a read of these leaves if reads are recorded. Returns whether the sample has all of them with
+/// their published values. Used for values that are found without the getters of their leaves.
 bool note_leaves(const SampleState& s, std::size_t first, std::size_t count);
 
-/// Checks a string whose length (with its NUL) is at `offset`. `count` of the result is without the NUL. A
-/// string of length 0 counts as empty.
+/// Checks a string whose length (including its NUL) is at `offset`. `count` of the result does not include
+/// the NUL. A string of length 0 counts as empty.
 inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcept {
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
@@ -117,8 +119,8 @@ inline std::uint32_t skip_string(const SampleState& s, std::uint64_t offset) noe
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
 }
 
-/// Checks contiguous elements of at least `bytes_min` each at `extent`. Returns no elements if the body
-/// cannot hold so many.
+/// Checks contiguous elements of at least `bytes_min` each at `extent`. Returns an extent without elements
+/// if the body cannot hold so many.
 inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_t bytes_min) noexcept {
   if (extent.first > s.body_bytes) return {};
   const bool fits = std::uint64_t{extent.count} * bytes_min <= s.body_bytes - extent.first;
@@ -126,17 +128,20 @@ inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_
 }
 
 /// Returns the offset just behind the selected leaves of a member (or of a whole struct) that begins at
-/// `offset`, or no_offset if the body ends before. `leaf` is the number of its first leaf in the root type.
+/// `offset`. Returns no_offset if the body ends before. `leaf` is the number of the member's first leaf in
+/// the root type.
 std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 
-/// The same for `n` contiguous structs. Structs of which nothing is selected take no bytes.
+/// Returns the offset just behind `n` contiguous structs, in the same way as skip(). Structs of which
+/// nothing is selected take no bytes.
 std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
                             std::uint64_t offset) noexcept;
 
-/// Returns where member number `member` of a struct begins, before alignment. The struct begins at `offset`.
+/// Returns the offset at which member number `member` of a struct begins, before alignment. The struct
+/// begins at `offset`.
 std::uint32_t member_begin(const SampleState& s, const StructType& type, std::size_t member, std::size_t leaf,
                            std::uint64_t offset) noexcept;
 
@@ -147,18 +152,19 @@ enum class WalkStatus : std::uint8_t {
   bad_boolean,
   bad_string,
   trailing_bytes,
-  bad_delimiter,  ///< only in foreign encodings (convert.h), as is the next one
+  bad_delimiter,  ///< a wrong delimiter; only in foreign encodings (convert.h), like the next value
   too_large
 };
 const char* to_string(WalkStatus status);
 
-/// The maximum number of bytes behind the last member of a body: other implementations pad payloads to 4.
+/// The maximum number of bytes behind the last member of a body. Other implementations pad payloads to a
+/// multiple of 4.
 inline constexpr std::uint32_t max_trailing_bytes = 3;
 
 /// Walks a whole body of `type` under `s.mask`, checks it, and writes the offset of every slot to `index`
-/// (slot_count(type) entries). The check covers lengths, bounds, booleans (0 or 1), the NUL at the end of
-/// strings and nowhere before it, and at most max_trailing_bytes behind the last member. Time is bounded by
-/// the body's bytes. `body_end`, if given, is set to the end of the last member.
+/// (slot_count(type) entries). The check covers lengths, bounds, booleans (0 or 1), strings (a NUL at the
+/// end and none before it), and the bytes behind the last member (max_trailing_bytes at most). Time is
+/// bounded by the body's bytes. `body_end`, if given, is set to the end of the last member.
 WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
                        std::uint32_t* body_end = nullptr) noexcept;
 
