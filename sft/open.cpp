@@ -1,5 +1,5 @@
-// The composition root: the only place where the parts of a node are connected, and where the environment is
-// read.
+// The composition root. Only this file connects the parts of a node, and only this file reads the
+// environment.
 #include <cstdlib>
 
 #include "core/control/remapping.h"
@@ -20,7 +20,8 @@ namespace sft {
 
 namespace {
 
-/// The needs of a node on one network interface and the loopback, with its first publishers and subscribers.
+/// The numbers of descriptors and threads that a node needs on one network interface and the loopback, with
+/// its first publishers and subscribers.
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
@@ -35,7 +36,7 @@ NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, Node
   return result;
 }
 
-/// Opens UDP. The defaults in `options` have been resolved.
+/// Opens UDP. The defaults in `options` must have been resolved.
 Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
                                                 std::shared_ptr<core::BufferPool> heap) {
   Result<std::vector<std::string>> interfaces =
@@ -57,8 +58,8 @@ Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
 Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options) {
   shm::ShmOptions shm;
   shm.daemon_path = options.shm.daemon_path;
-  // secure_getenv() ignores the environment in a program with more rights than the user who started it, since
-  // that user controls the environment.
+  // secure_getenv() ignores the environment if the program has more rights than the user who started it,
+  // since that user controls the environment.
   const char* daemon = secure_getenv("SFT_DAEMON");
   if (shm.daemon_path.empty() && daemon != nullptr && *daemon != '\0') {
     shm.daemon_path = daemon;
@@ -80,7 +81,8 @@ Result<std::shared_ptr<core::SimulatedClock>> open_clock(Node& node) {
       .map([](DynamicSubscriber&& samples) { return std::make_shared<SimulatedClock>(std::move(samples)); });
 }
 
-/// Adds the selections of SubscriberOptions::further_selections. `selection_of` parses one of these texts.
+/// Adds the selections of SubscriberOptions::further_selections. `selection_of` parses the text of one
+/// selection.
 template <class SelectionOf>
 Result<void> add_further(detail::untyped::Requirement& requirement, const SubscriberOptions& options,
                          SelectionOf selection_of) {

@@ -13,10 +13,12 @@
 
 namespace sft::core {
 
-/// Bounds of the bodies of records and reports (record_body.h).
+/// Bounds of the bodies of records and reports (record_body.h): the words of a mask, and the bytes of
+/// Request::parts.
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t wants_bytes_max = 2304;
-inline constexpr std::size_t leaves_max = 64 * mask_words_max;  ///< fields of a type: a word has 64 bits
+/// The most fields of a type; a word of a mask has 64 bits.
+inline constexpr std::size_t leaves_max = 64 * mask_words_max;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
 inline constexpr std::size_t living_max = 1024;
@@ -25,10 +27,10 @@ inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
 
-/// The greatest sequence of a request. So there is always room for the sequence of a later one.
+/// The greatest sequence of an accepted request. It leaves room for the sequences of later requests.
 inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
 
-using NodeId = std::uint64_t;  ///< random per incarnation, never 0
+using NodeId = std::uint64_t;  ///< random, new each time that a node is opened; never 0
 
 enum class Role : std::uint8_t { writer, reader };
 
@@ -42,23 +44,23 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
-  std::uint32_t min_period_us = 0;  ///< at most one sample per period; 0: all samples
-  /// Selection::to_bytes() of the selection without its maximum rate, if it has parts of fields or
+  std::uint32_t min_period_us = 0;  ///< the least time between two samples; 0: all samples
+  /// The encoded selection (Selection::to_bytes()) without its maximum rate, if it has parts of fields or
   /// conditions; empty: whole fields of all samples. The receiving process may not know the type, so the
   /// bytes are decoded only when the reader is served.
   std::vector<std::byte> parts{};
-  std::vector<EndpointId> listening;  ///< writers whose datagrams the reader takes
+  std::vector<EndpointId> listening;  ///< writers whose datagrams the reader accepts
   std::vector<EndpointId> attached;   ///< writers to whose shared memory the reader is attached
-  /// Durable writers from which the reader has received samples that were sent to it alone.
+  /// Durable writers from which the reader has received samples that were sent to the reader alone.
   std::vector<EndpointId> begun;
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-/// The progress of one writer.
+/// The amount that one writer has sent.
 struct Progress {
   EndpointId writer = 0;
-  std::uint64_t samples = 0;  ///< samples that it has sent to its readers so far
-  std::uint64_t bytes = 0;    ///< bytes of their bodies over the network, counted for each reader
+  std::uint64_t samples = 0;  ///< samples that were sent to the writer's readers so far
+  std::uint64_t bytes = 0;    ///< bytes of their bodies over the network; a body counts once for each reader
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 
@@ -69,14 +71,14 @@ struct PairId {
   friend auto operator<=>(const PairId&, const PairId&) = default;
 };
 
-/// Identifies an account. Each side of a pair has an account of it.
+/// Identifies an account. Each side of a pair has its own account of the pair.
 struct AccountId {
   PairId pair{};
   Role said_by{};  ///< the side whose node counts
   friend auto operator<=>(const AccountId&, const AccountId&) = default;
 };
 
-/// One side's counts of a pair. The members for the other side's counts are empty.
+/// The counts of one side of a pair. The members for the other side's counts are empty.
 struct Account {
   AccountId id{};
   struct OfWriter {
@@ -87,8 +89,9 @@ struct Account {
     std::uint64_t bytes_sent = 0;
     std::uint64_t bytes_saved = 0;
     std::uint64_t diverted = 0;
-    std::uint64_t too_large_bytes = 0;  ///< the largest sample that was too large for shared memory
-    std::uint64_t chunk_bytes = 0;      ///< what would have fitted into the largest chunk then
+    /// The bytes of the largest sample that was too large for shared memory.
+    std::uint64_t too_large_bytes = 0;
+    std::uint64_t chunk_bytes = 0;  ///< the bytes that would have fitted into the largest chunk at that time
     friend bool operator==(const OfWriter&, const OfWriter&) = default;
   };
   OfWriter by_writer{};
@@ -104,14 +107,14 @@ struct Account {
 /// A request of a node for information that records do not contain.
 struct Inquiry {
   std::string topic{};  ///< the topic; empty: all topics
-  bool wants_accounts =
-      false;  ///< true: the accounts of pairs; false: the progress of writers, and which live
+  /// True: asks for the accounts of pairs; false: for the progress of writers, and for the living ones.
+  bool wants_accounts = false;
   friend auto operator<=>(const Inquiry&, const Inquiry&) = default;
 };
 
 /// A report of a node about its own endpoints, for the nodes that inquire.
 struct NodeReport {
-  std::vector<EndpointId> living{};  ///< writers that are alive, which their samples alone do not show
+  std::vector<EndpointId> living{};  ///< writers that are alive although their samples alone do not show it
   std::vector<Progress> progress{};
   std::vector<Account> accounts{};
 
@@ -119,20 +122,22 @@ struct NodeReport {
   friend bool operator==(const NodeReport&, const NodeReport&) = default;
 };
 
-/// A publisher or subscriber, of this node or another. The fields are those of sft_control.idl.
-/// Larger than usual: it is the record of all that a node announces of an endpoint.
+/// A publisher or subscriber, of this node or of another one. The fields are those of sft_control.idl.
+/// Larger than usual: it is the record of all that a node announces about an endpoint.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};
   NodeId node_id = 0;
   std::string node;
   std::string topic;
-  std::string given_topic;  ///< the topic name that its program uses; empty if that is `topic`
+  std::string given_topic;  ///< the topic name that the endpoint's program uses; empty if that is `topic`
   std::string type_name;
   std::uint64_t type_hash = 0;
-  std::vector<std::byte> type_description;  ///< may be empty (described_type.h)
+  /// The encoded fields of the type; may be empty (described_type.h).
+  std::vector<std::byte> type_description;
   HostToken host;
-  std::string memory_failure;  ///< why its node has no shared memory; empty: it has it, or may get it
+  /// The reason why the endpoint's node has no shared memory; empty: the node has it, or may get it.
+  std::string memory_failure;
   std::uint64_t network = 0;
   bool may_use_memory = false;
   bool may_use_network = false;

@@ -1,4 +1,5 @@
-// The type descriptions that are announced with endpoints: encoding of our own, decoding of those of others.
+// The type descriptions that are announced with endpoints. Own descriptions are encoded here, and those of
+// other processes decoded.
 #pragma once
 
 #include <cstddef>
@@ -10,13 +11,13 @@
 
 namespace sft::core {
 
-/// Returns the description of a type. Returns an error, which names the limit, if the type is too large for
-/// one (DynamicType::Limits, type_description_bytes_max). It is then announced without a description, and
-/// still works between programs that were compiled with it.
+/// Returns the description of a type. If the type is too large for a description (DynamicType::Limits,
+/// type_description_bytes_max), the result is an error that names the limit. Such a type is announced without
+/// a description, and works only between programs that were compiled with it.
 Result<std::vector<std::byte>> announced_description(const StructType& type);
 
-/// Returns the type that an endpoint describes. Returns an error if it describes none, or if the name or hash
-/// of that type is not the announced one.
+/// Returns the type that an endpoint describes. Returns an error if the endpoint has no description, or if
+/// the name or hash of the described type is not the announced one.
 Result<DynamicType> described_type(const Endpoint& endpoint);
 
 }  // namespace sft::core

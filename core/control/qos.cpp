@@ -13,14 +13,14 @@ using std::chrono::nanoseconds;
 constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
 constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
-constexpr std::chrono::milliseconds shortest_watched{1};  // the agent does not check more often
+constexpr std::chrono::milliseconds shortest_watched{1};  // the shortest period that the agent can watch
 
 Result<void> check_duration(const char* name, nanoseconds duration) {
   if (duration.count() >= 0) return {};
   return fail(Errc::invalid_argument, std::string(name) + " is negative; 0 is none");
 }
 
-/// Checks a deadline or lease, which the agent has to check in each such period.
+/// Checks a deadline or lease. The agent must be able to watch the period.
 Result<void> check_period(const char* name, nanoseconds period) {
   if (auto ok = check_duration(name, period); !ok) return ok;
   if (period.count() == 0 || period >= shortest_watched) return {};
@@ -28,7 +28,7 @@ Result<void> check_period(const char* name, nanoseconds period) {
                                           text_of(shortest_watched) + ", or 0 for none");
 }
 
-/// Checks max_blocking. It is limited because the agent may have to wait for a publish() that is under way.
+/// Checks max_blocking. It is limited because the agent may have to wait for a publish() that is running.
 Result<void> check_max_blocking(nanoseconds longest) {
   if (auto ok = check_duration("max_blocking", longest); !ok) return ok;
   if (longest <= std::chrono::seconds(1)) return {};
@@ -72,7 +72,8 @@ class Conflicts {
 
  private:
   QosConflict conflict_;
-  std::string of_publisher_, of_subscriber_;  ///< what either side sets to match
+  /// The options that either side has to set so that the two match.
+  std::string of_publisher_, of_subscriber_;
 };
 
 std::string has_no_effect(const char* option, const std::string& why) {

@@ -14,21 +14,23 @@ namespace sft::core {
 
 using sft::Qos;
 
-/// Return the checked policies. Errors name the option and its valid values.
+/// These functions return the checked policies of the options. Errors name the option and its valid values.
 Result<Qos> qos_of(const PublisherOptions& options);
 Result<Qos> qos_of(const SubscriberOptions& options);
-/// Returns the period of a maximum rate, as it is in requests, rounded to microseconds; 0: no maximum rate.
+/// Returns the least time between two samples at a maximum rate, in microseconds, as requests contain it. 0:
+/// no maximum rate.
 Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
-/// A sentence for each option that was set and changes nothing beside the other ones. `udp`, `shm`: the
-/// transports that the endpoint may use.
+/// These functions return a sentence for each option that was set and has no effect because of the other
+/// options. `udp` and `shm` say which transports the endpoint may use.
 std::vector<std::string> options_without_effect(const NodeOptions& options);
 std::vector<std::string> options_without_effect(const PublisherOptions& options, bool udp);
 std::vector<std::string> options_without_effect(const SubscriberOptions& options, bool shm, bool recorded);
 
 struct QosConflict {
   QosPolicy policy = QosPolicy::none;  ///< the first policy that does not fit
-  std::string reason;                  ///< names all policies that do not fit, both values, and what to set
+  /// A text that names all policies that do not fit, both values of each, and the options to set.
+  std::string reason;
 };
 QosConflict conflict_between(const Qos& offered, const Qos& requested);
 

@@ -32,7 +32,7 @@ class BodyWriter {
     const auto* const first = reinterpret_cast<const std::byte*>(text.data());
     bytes_.insert(bytes_.end(), first, first + size);
   }
-  /// Writes a list; `item(value)` writes one value. Of a list that is too long, only the first `most` are
+  /// Writes a list; `item(value)` writes one value. If a list is too long, only its first `most` values are
   /// written.
   template <class Value, class Item>
   void list(const std::vector<Value>& values, std::size_t most, Item item) {
@@ -47,8 +47,8 @@ class BodyWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads what BodyWriter has written. The first member that does not fit and all members after it keep their
-/// values.
+/// Reads bytes that BodyWriter has written. From the first member that does not fit into the bytes, all
+/// members keep their previous values.
 class BodyReader {
  public:
   explicit BodyReader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -84,11 +84,11 @@ class BodyReader {
     for (std::size_t i = 0; i < size && is_sound_; ++i) item(values.emplace_back());
   }
 
-  /// Returns true if there were exactly the bytes of all members.
+  /// Returns true if the bytes contained all members and nothing else.
   bool is_complete() const { return is_sound_ && rest_.empty(); }
 
  private:
-  /// Returns the next `size` octets; empty if there are not that many.
+  /// Returns the next `size` octets. If fewer octets are left, the result is empty.
   std::span<const std::byte> take(std::size_t size) {
     is_sound_ &= size <= rest_.size();
     if (!is_sound_) return {};
@@ -168,7 +168,8 @@ void each_member(Body& body,
   body.flag(inquiry.wants_accounts);
 }
 
-/// An account is transmitted only with the counts of the side that reports it.
+/// Lists the members of an account. An account is transmitted only with the counts of the side that reports
+/// it.
 template <class Body, class AnyAccount>
 void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.pair.writer);
@@ -215,7 +216,7 @@ Result<What> read(std::span<const std::byte> bytes, const char* what) {
                                    " bytes that are cut, too many, or out of bounds");
 }
 
-/// Returns why the endpoint is invalid; empty if it is valid.
+/// Returns the reason why the endpoint is invalid, or an empty text if it is valid.
 std::string fault_of(const Endpoint& endpoint) {
   const bool has_known_qos = endpoint.qos.reliability <= Reliability::reliable &&
                              endpoint.qos.durability <= Durability::transient_local &&

@@ -16,26 +16,27 @@
 
 namespace sft::core {
 
-/// A topic as the program of a node names it, and as other nodes see it.
+/// A topic: the name that the program of a node uses, and the name that other nodes see.
 struct TopicName {
   std::string topic;  ///< the resolved name, without a slash in front
-  std::string
-      given{};  ///< the name that the program uses; empty if that is `topic`, apart from a slash in front
-  /// All rules that match the name, as they were written. The first one was applied.
+  /// The name that the program uses; empty if that is `topic`, apart from a slash in front.
+  std::string given{};
+  /// All rules that match the name, as they were written. The first rule was applied.
   std::vector<std::string> rules{};
-  /// Returns the error with the name that the program uses.
+  /// Returns the error with the name that the program uses added to its text.
   Error explained(Error error) const;
 };
 
 class Remapping {
  public:
-  /// No namespace, no rules, and a node without a name.
+  /// Makes an object without a namespace and rules, for a node without a name.
   Remapping() = default;
-  /// `environment` is the value of SFT_REMAP, or null. Its rules come before those of the options. The error
-  /// says what is wrong with a rule, the name of the node or its namespace.
+  /// Makes the rules and names of a node. `environment` is the value of SFT_REMAP, or null; its rules come
+  /// before those of the options. The error says what is wrong with a rule, the name of the node or its
+  /// namespace.
   static Result<Remapping> of(const NodeOptions& options, const char* environment);
 
-  /// Returns the full name of the node: "left/cam". Empty if the node has no name.
+  /// Returns the full name of the node: "left/cam". The result is empty if the node has no name.
   std::string node() const;
   /// Resolves a topic that the program names. Returns Errc::invalid_argument if the name is invalid. A rule
   /// for the name of a service applies to both of its topics, which are recognized by their types
@@ -48,7 +49,7 @@ class Remapping {
   const std::vector<std::string>& rules_of_node() const { return rules_of_node_; }
 
  private:
-  /// A rule for topics of this node; both names are full.
+  /// A rule for topics of this node. `from` and `to` are full names.
   struct TopicRule {
     std::string text, from, to;
   };
@@ -60,7 +61,7 @@ class Remapping {
   Result<void> add_topic_rule(const Rule& rule);
   Result<std::string> full(std::string_view given) const;
 
-  std::string name_, namespace_;  ///< the namespace has no slash at either end
+  std::string name_, namespace_;  ///< the node's name, and its namespace without a slash at either end
   std::vector<TopicRule> topic_rules_;
   std::vector<std::string> texts_, rules_of_node_;
 };

@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// All accounts are of topics that the program asks about, so no topic needs a share of its own.
+/// Topics get no shares in the table, because it has only accounts of topics that the program asks about.
 AccountTable::AccountTable(const Limits& limits)
     : limits_(limits),
       shares_({.entries = limits.accounts,

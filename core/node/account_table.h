@@ -1,6 +1,6 @@
 // The accounts of pairs that other nodes have reported. Accounts that are not reported again are dropped.
-// Limits bound their number: a process that reports without end loses its own newest accounts, and no other
-// process loses any (table_shares.h). Uses no clock, thread or I/O.
+// Limits bound the number of accounts. If a process reports too many accounts, the newest of its own accounts
+// are lost, and those of other processes remain (table_shares.h). Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -22,13 +22,14 @@ class AccountTable {
   struct Limits {
     std::size_t accounts = 4096;
     std::size_t of_announcer = 1024;
-    /// Within this time a node can report 300 accounts, if no report gets lost.
+    /// The time for which an account is kept without a new report. Within this time a node can report 300
+    /// accounts, if no report is lost.
     std::chrono::milliseconds kept_for{10'000};
   };
   AccountTable() : AccountTable(Limits{}) {}
   explicit AccountTable(const Limits& limits);
 
-  /// `by` has announced the endpoint whose account it is.
+  /// Enters an account. `by` is the announcer of the endpoint that has counted.
   void enter(const Account& account, AnnouncerId by, Time now);
   void clear();
   /// Returns all accounts that were reported within `kept_for`, with their ages.

@@ -17,7 +17,7 @@ bool ArrivalWatchdog::needs_progress(Time now) {
 
 bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now) {
   if (signs_ != signs) {
-    if (signs_) pause_ = {};  // it works
+    if (signs_) pause_ = {};  // the connection works
     excuse();
     signs_ = signs;
     arrived_at_ = now;
@@ -26,7 +26,7 @@ bool ArrivalWatchdog::look(const Progress* progress, std::uint64_t signs, const 
   if (!base_) return false;
   if (!missed_since_ && is_missed(pair)) missed_since_ = now;
   if (!missed_since_ || now - *missed_since_ < time_to_arrive(pair) || now < next_) return false;
-  excuse();  // a new connection counts its arrivals anew
+  excuse();  // a new connection counts its arrivals from 0
   ++restarts_;
   pause_ = std::clamp<std::chrono::nanoseconds>(pause_ * 2, pause_first, pause_longest);
   next_ = now + pause_;
@@ -49,7 +49,8 @@ void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Time n
   latest_ = progress;
 }
 
-/// Returns true if so many samples were sent that not all of them can be missing on a connection that works.
+/// Returns true if the number of samples sent is so large that a working connection cannot have lost them
+/// all.
 bool ArrivalWatchdog::is_missed(const Pair& pair) const {
   const std::uint64_t enough = pair.reliable ? missing_where_reliable : missing_where_lossy;
   const bool was_let_through = pair.min_period_us == 0 || periods_ >= enough;

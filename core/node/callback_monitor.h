@@ -1,5 +1,5 @@
-// Watches whether the callback of one subscriber takes long, or waits long for those of other subscribers of
-// the node. Used by the agent only.
+// Watches the callback of one subscriber: does it take long, or does it wait long for callbacks of other
+// subscribers of the node? Used by the agent only.
 #pragma once
 
 #include <memory>
@@ -16,20 +16,23 @@ class CallbackMonitor {
   explicit CallbackMonitor(std::shared_ptr<SubscriberCore> core) : core_(std::move(core)) {}
 
   struct LongWaits {
-    std::optional<Time::duration> of_sample;    ///< a sample has waited for its callback
-    std::optional<Time::duration> of_receiver;  ///< the thread that receives has waited for a callback
+    /// Not empty: a sample has waited for its callback for this time.
+    std::optional<Time::duration> of_sample;
+    /// Not empty: the receiving thread has waited for a callback for this time.
+    std::optional<Time::duration> of_receiver;
   };
-  /// Returns each wait once, when it has become long. Long waits of samples are counted.
+  /// Returns the waits that have become long since the last call. Each long wait is returned once. Long waits
+  /// of samples are counted.
   LongWaits look(Time now);
-  /// Returns true if a sample waits for the callback. That may take long.
+  /// Returns true if a sample waits for the callback. The wait may become long.
   bool has_waiting_sample() const { return of_sample_.is_under_way(); }
-  /// Returns true if this and several earlier looks in a row have found a callback running.
+  /// Returns true if a callback was running at this look and at several earlier looks in a row.
   bool is_in_long_callback();
 
  private:
   const std::shared_ptr<SubscriberCore> core_;
   LongWait of_sample_, of_receiver_;
-  int looks_in_callback_ = 0;  ///< how many of the latest looks in a row found a callback running
+  int looks_in_callback_ = 0;  ///< the number of the latest looks in a row at which a callback was running
 };
 
 }  // namespace sft::core

@@ -11,7 +11,8 @@ constexpr std::chrono::seconds log_refusals_every{60};
 constexpr std::size_t refusals_named_max = 10;
 constexpr std::chrono::seconds look_at_servers_every{8};
 
-/// The name of the service of which this is the publisher of replies (sft/service.h); empty if it is none.
+/// Returns the name of the service if the endpoint is its publisher of replies (sft/service.h), otherwise an
+/// empty text.
 std::string_view service_of(const Endpoint& e) {
   constexpr std::string_view end = "/reply";
   const bool is_of_service = e.role == Role::writer && e.topic.ends_with(end) &&

@@ -16,7 +16,7 @@ namespace sft::core {
 
 namespace {
 
-/// Knows the types that endpoints describe. Reads each description once.
+/// The types that endpoints describe. Each description is decoded once.
 class Types {
  public:
   const std::optional<DynamicType>& of(const Endpoint& endpoint) {
@@ -65,7 +65,7 @@ DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeI
   return info;
 }
 
-/// Judges the pair as the writer's node does.
+/// Returns the state of the pair, by the same rules as the writer's node.
 DomainSnapshot::Pair pair_info(const Endpoint& writer, const Endpoint& reader,
                                const std::optional<DynamicType>& type, TypeComparisons& comparisons) {
   static const StructType no_members;

@@ -12,10 +12,10 @@ namespace sft::core {
 
 struct KnownEndpoint {
   Endpoint endpoint;
-  std::optional<Progress> progress{};  ///< of a writer, as last reported
+  std::optional<Progress> progress{};  ///< the last report of a writer's progress
 };
 
-/// `id` and `network` are those of the node that makes the snapshot.
+/// Makes the snapshot. `id` and `network` are those of the node that makes it.
 DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
                                std::uint64_t network);
 

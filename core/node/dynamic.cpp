@@ -9,7 +9,7 @@ namespace sft {
 
 namespace {
 
-/// Returns encapsulation and body of the fields in `mask`. Empty if the sample is malformed.
+/// Returns encapsulation and body of the fields in `mask`. The result is empty if the sample is malformed.
 std::vector<std::byte> projected(const detail::SampleState& state, const StructType& type,
                                  const FieldMask& mask) {
   detail::Projection projection;

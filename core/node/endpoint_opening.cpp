@@ -13,7 +13,8 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::seconds max_spin{1};  // of the thread that calls back, which has other work, too
+// The limit for the thread that calls back, which has other work, too.
+constexpr std::chrono::seconds max_spin{1};
 }  // namespace
 
 bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
@@ -155,7 +156,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
   return Writer{std::move(endpoint), std::move(core)};
 }
 
-/// Returns null if the writer must not use UDP.
+/// Opens the UDP port of a writer. Returns null if the writer must not use UDP.
 Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
     const Endpoint& writer, const TypeSupport& type, const PublisherOptions& options,
     std::shared_ptr<DeliveryBook> book) const {
@@ -219,14 +220,15 @@ Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) c
   return reader;
 }
 
-/// Closes the ports before the slot is given back, so that no transport rings its doorbell after that.
+/// Closes the ports of a reader, and then gives its slot back, so that no transport rings the doorbell of the
+/// slot after that.
 void EndpointOpening::give_up(Reader reader) const {
   for (std::size_t i = 0; i < reader.core->selections(); ++i) reader.core->ports(i).set_network(nullptr);
   reader.endpoints.clear();
   node_.slots.give_back(reader.slot);
 }
 
-/// Returns the first selection and the further ones, checked and closed, each with its rate.
+/// Returns the first selection and the further ones. They are checked and closed, and each has its rate.
 Result<std::vector<Selection>> EndpointOpening::all_selections(const ReaderOrder& order) {
   if (order.requirement.recorded && !order.options.further_selections.empty()) {
     return fail(
@@ -269,14 +271,14 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Select
   Endpoint endpoint = describe(Role::reader, order.name, order.type, order.options.transport);
   endpoint.qos = qos;
   endpoint.doorbell = {node_.slots.page_id(), slot};
-  // No other process could ring without a shared page.
+  // Without a shared page, no other process could ring the doorbell.
   endpoint.may_use_memory = endpoint.may_use_memory && node_.slots.page_id() != 0;
   endpoint.request.reader = endpoint.id;
   endpoint.request.sequence = 1;
   const Selection without_rate = selection.without_rate();
   endpoint.request.mask_words = without_rate.mask().to_words();
   if (!without_rate.is_mask()) endpoint.request.parts = without_rate.to_bytes();
-  // Both rates have been checked; the slower one counts.
+  // Both rates have been checked; the slower one is in force.
   endpoint.request.min_period_us =
       std::max(*min_period_us_of(order.options.max_rate_hz), *min_period_us_of(rate_hz_of(selection)));
   return endpoint;
@@ -318,7 +320,7 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
       node_.slots.at(slot), std::move(recorder));
 }
 
-/// Returns null if the reader must not use UDP.
+/// Opens the UDP port of a reader. Returns null if the reader must not use UDP.
 Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpoint& reader,
                                                                      SubscriberCore& core,
                                                                      std::size_t selection) const {
@@ -335,8 +337,8 @@ Result<std::shared_ptr<NetworkReader>> EndpointOpening::open_network(const Endpo
   return network;
 }
 
-/// Returns how many samples of a writer shared memory keeps for the reader. If this is less than the reader's
-/// depth, the log says so: with a warning if the reader is reliable.
+/// Returns the number of samples of a writer that shared memory keeps for the reader. If this is less than
+/// the reader's depth, a line is logged, which is a warning if the reader is reliable.
 std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t depth = reader.qos.history_depth;
   const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();

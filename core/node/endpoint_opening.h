@@ -1,6 +1,6 @@
-// Opens the publishers and subscribers of a node, as far as that needs no agent: checks what the program asks
-// for, describes the endpoint for other nodes, opens its UDP port and makes its core. The agent then adds
-// them to the reconciler. Any thread.
+// Opens the publishers and subscribers of a node, as far as no agent is needed: checks the options, describes
+// the endpoint for other nodes, opens its UDP port and makes its core. The agent then adds the endpoint to
+// the reconciler. Any thread.
 #pragma once
 
 #include <chrono>
@@ -28,20 +28,22 @@ namespace sft::core {
 
 class EndpointOpening {
  public:
-  /// All outlive this object; a transport is null if the node must not use it.
+  /// The parts of the node. All of them must outlive this object. A transport is null if the node must not
+  /// use it.
   struct Node {
     const NodeOptions& options;
     std::shared_ptr<NodeNames> names;
     NodeId id = 0;
     SharedMemory* memory = nullptr;
     Network* network = nullptr;
-    std::shared_ptr<BufferPool> heap;  ///< memory for samples outside of shared memory
+    std::shared_ptr<BufferPool> heap;  ///< the memory for samples outside of shared memory
     WakeSlots& slots;
     Dispatcher& dispatcher;
     Dispatcher& poller;
     CallbackThread& callbacks;
   };
-  /// Called by any thread with the id of an endpoint; each posts to the agent, and returns.
+  /// Functions that any thread may call with the id of an endpoint. Each posts a task to the agent, and
+  /// returns.
   struct Notifications {
     std::function<void(EndpointId)> asserted;
     std::function<void(EndpointId)> requirement_changed;
@@ -59,12 +61,12 @@ class EndpointOpening {
                              const PublisherOptions& options) const;
 
   struct ReaderOrder {
-    std::string_view topic;  ///< as the program names it
+    std::string_view topic;  ///< the topic as the program names it
     const TypeSupport& type;
     detail::untyped::Requirement requirement;
     const SubscriberOptions& options;
     detail::untyped::Callback callback;
-    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null where it is static
+    std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null if the type is static
     TopicName name{};                          ///< set by open_reader()
   };
   struct ReaderEndpoint {
@@ -73,8 +75,8 @@ class EndpointOpening {
   };
   struct Reader {
     std::shared_ptr<SubscriberCore> core;
-    std::vector<ReaderEndpoint> endpoints;  ///< by the number of the selection
-    std::uint32_t slot = 0;                 ///< to be given back to WakeSlots after the reader has ended
+    std::vector<ReaderEndpoint> endpoints;  ///< in the order of the selections
+    std::uint32_t slot = 0;                 ///< must be given back to WakeSlots after the reader has ended
   };
   Result<Reader> open_reader(ReaderOrder order) const;
 

@@ -11,7 +11,8 @@
 
 namespace sft::core {
 
-/// Does not own the endpoints. Each must be struck off before it is destroyed.
+/// The list of publishers and subscribers. It does not own them: each must be struck off before it is
+/// destroyed.
 class EndpointRegistry {
  public:
   void enter(const PublisherCore& publisher);
@@ -19,12 +20,12 @@ class EndpointRegistry {
   void strike_off(const PublisherCore& publisher);
   void strike_off(const SubscriberCore& subscriber);
 
-  /// Adds the status of all endpoints, in the order in which they were entered.
+  /// Adds the status of all endpoints to the snapshot, in the order in which they were entered.
   void describe(NodeSnapshot& snapshot);
 
  private:
-  Mutex mutex_ SFT_ACQUIRED_BEFORE(lock_order::endpoints);  // also held while the endpoints are asked for
-                                                            // their status, which takes their own locks
+  // Also held while the status of the endpoints is read, which takes locks of the endpoints.
+  Mutex mutex_ SFT_ACQUIRED_BEFORE(lock_order::endpoints);
   std::vector<const PublisherCore*> publishers_ SFT_GUARDED_BY(mutex_);
   std::vector<SubscriberCore*> subscribers_ SFT_GUARDED_BY(mutex_);
 };

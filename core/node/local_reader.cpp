@@ -10,19 +10,22 @@ namespace sft::core {
 
 namespace {
 
-/// A host's daemon has 1,024 ports for all readers. Forged publishers must not take all of them.
+/// The limit of all readers' connections that are not attached yet. A host's daemon has 1,024 ports for all
+/// readers. Forged publishers must not take all of them.
 constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
-constexpr std::chrono::milliseconds restart_pause{500};  // lets the writer's node notice the disconnection
-/// The next daemon cannot use lost memory while samples in it can be taken. When sftd starts afresh, it waits
-/// 1.2 s at most until the memory is released. A node may take 1 s of that to notice the loss.
+// Gives the writer's node time to notice the disconnection.
+constexpr std::chrono::milliseconds restart_pause{500};
+/// The time for which samples in lost memory can still be taken. The next daemon cannot use the memory
+/// before. When sftd starts afresh, it waits at most 1.2 s until the memory is released. A node may take 1 s
+/// of that to notice the loss.
 constexpr std::chrono::milliseconds lost_memory_kept{200};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
-/// Returns true if the writer's announcement has changed. The first one may have been forged: a later one
-/// corrects it.
+/// Returns true if the writer's announcement has changed. The first announcement may have been forged; a
+/// later one corrects it.
 bool says_otherwise(Source wanted, const Source& before) {
-  wanted.history_first = before.history_first;  // it matters only when a connection begins
+  wanted.history_first = before.history_first;  // the value matters only when a connection begins
   return wanted != before;
 }
 
@@ -63,13 +66,13 @@ void LocalReader::reconcile(std::size_t& unattached) {
   std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
   std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
   ports().hears(wanted);
-  // A writer may have been killed after it handed over its last sample and before it rang the doorbell.
+  // The writer may have been killed after it had passed on its last sample and before it rang the doorbell.
   core_->wake();
   has_changes_ = true;
   watch_matching();
 }
 
-/// Connects to and disconnects from one writer as wanted. Returns the connections that are in force then.
+/// Connects to or disconnects from one writer, as wanted. Returns the connections that are then in force.
 Hearing LocalReader::connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached) {
   Connecting& connecting = connecting_[wanted.source.writer];
   if (!wanted.memory) connecting.memory = {};
@@ -92,8 +95,8 @@ bool LocalReader::connect_network(const Hearing& wanted, const Hearing& before, 
   return false;
 }
 
-/// A connection is set up anew if its writer starts or stops waiting for the reader, because the queue
-/// depends on that.
+/// Connects to or disconnects from one writer in shared memory, as wanted. If the writer starts or stops
+/// waiting for the reader, the connection is set up anew, because the queue depends on that.
 bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry,
                                  std::size_t& unattached) {
   const auto attempt = [&] {
@@ -172,7 +175,7 @@ LocalReader::Connections LocalReader::look_after_connections() {
   return connections;
 }
 
-/// Returns true if retained samples have begun to come. The request has to say so.
+/// Returns true if retained samples have begun to arrive. The request must contain this fact.
 bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections) {
   const HistoryProgress progress = port.history(writer);
   if (progress == HistoryProgress::awaited) return false;
@@ -196,7 +199,7 @@ bool LocalReader::may_try_again(Time now) const {
 }
 
 bool LocalReader::requirement_changed() {
-  has_changes_ = true;  // status() shows it already
+  has_changes_ = true;  // status() shows the new requirement already
   const Wanted wanted{feed_.required(), ports().min_period_us()};
   const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
   const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
@@ -238,7 +241,7 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   });
 }
 
-/// Watches the writers that match, if the subscriber has asked for a promise that can be watched.
+/// Watches the writers that match, if the subscriber has requested a deadline or a lease.
 void LocalReader::watch_matching() {
   std::erase_if(watched_, [&](const auto& item) {
     const auto heard = heard_.find(item.first);
@@ -294,9 +297,10 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   const bool attached = holds(request.attached);
   ArrivalWatchdog& watchdog = watchdogs_[writer];
   const bool connected = attached || holds(request.listening);
-  // A publisher that waits for its readers sends nothing while the program does not take what has come.
+  // A publisher that waits for its readers does not send while the program does not take the samples that
+  // have arrived.
   const bool waits = hearing.source.waits && ports().available();
-  // It may take long until a sample fulfils the conditions.
+  // A long time may pass until a sample fulfils the conditions.
   const bool has_conditions = !accepted_.latest().selection.gate().is_open();
   if (!connected || waits || held_up || has_conditions) {
     watchdog.excuse();
@@ -305,7 +309,7 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   const auto named = std::ranges::find(reported, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
   std::uint64_t signs = ports().arrivals(writer);
-  // Parts of samples may arrive although no sample does.
+  // Parts of samples may arrive although no sample is complete.
   if (lossy && node_.network != nullptr) signs += node_.network->counters().incomplete;
   const ReaderPort* by = network_.get();
   if (attached) by = memory_.get();
@@ -316,9 +320,9 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
 
-/// The request says that the reader has stopped listening, and a moment later that it listens. So both sides
-/// begin anew. If nothing arrived by shared memory, UDP is used for a while before shared memory is tried
-/// again.
+/// Sets up a connection anew. A request reports that the reader has stopped receiving, and a later one that
+/// it receives again, so that both sides begin anew. If nothing arrived by shared memory, UDP is used for a
+/// while before shared memory is tried again.
 void LocalReader::restart(Hearing& hearing, Time now) {
   const EndpointId writer = hearing.source.writer;
   const bool attached = memory_ != nullptr && hearing.memory && memory_->connected(writer);
@@ -350,7 +354,7 @@ void LocalReader::restart(Hearing& hearing, Time now) {
                                          std::to_string(watchdogs_.at(writer).restarts()) + ")");
 }
 
-/// States are copied and compared only if something may have changed.
+/// Reports events. States are copied and compared only if a change is possible.
 void LocalReader::report_events() {
   const std::uint64_t losses = ports().losses();
   has_changes_ |= std::exchange(losses_reported_, losses) != losses;

@@ -1,6 +1,6 @@
-// One reader of this node, for one selection of a subscriber: connects its ports to the writers that the
-// negotiation wants it to receive from, sends them its requests, watches their deadlines and leases, and
-// restarts connections by which nothing arrives. Used by the agent only.
+// One reader of this node, which serves one selection of a subscriber. It connects its ports to the writers
+// from which it should receive according to the negotiation, sends requests to these writers, watches their
+// deadlines and leases, and restarts connections by which nothing arrives. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -25,75 +25,79 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; accepts the first mask already
-    std::size_t selection = 0;               ///< the number of the selection that this reader asks for
+    std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; must already accept the first mask
+    std::size_t selection = 0;               ///< the number of the selection that this reader serves
   };
-  /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
+  /// `node` must outlive this object. `endpoint` is the endpoint that is added to the negotiation.
   LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts);
 
   SubscriberCore& core() const { return *core_; }
   SubscriberPorts& ports() const { return feed_.ports(); }
-  /// Stops taking samples. It is called when the reader is removed.
+  /// Stops receiving samples. Called when the reader is removed.
   void close();
 
-  // Connections.
+  // Functions about connections.
 
-  /// Connects to the writers that the reader should receive from, and disconnects from others. `unattached`
-  /// counts the connections in shared memory, of all readers, that are not attached to their writers yet.
+  /// Connects to the writers from which the reader should receive, and disconnects from other writers.
+  /// `unattached` counts the connections in shared memory, of all readers, that are not attached to their
+  /// writers yet.
   void reconcile(std::size_t& unattached);
-  /// Returns how many connections of this reader in shared memory are not attached to their writers yet.
+  /// Returns the number of connections of this reader in shared memory that are not attached to their writers
+  /// yet.
   std::size_t unattached() const;
   struct Connections {
-    bool changed = false;        ///< the negotiation must be asked for the desired states again
-    bool waiting = false;        ///< some connection in shared memory is not complete yet
-    std::uint64_t arrivals = 0;  ///< changes when samples come by shared memory
+    bool changed = false;        ///< true: the negotiation must be asked again for the desired states
+    bool waiting = false;        ///< true: a connection in shared memory is not complete yet
+    std::uint64_t arrivals = 0;  ///< a number that changes when samples arrive by shared memory
   };
-  /// Sends the writers a new request if the connections have changed, which the request lists.
+  /// Examines the connections. If they have changed, a new request is sent to the writers, because requests
+  /// list the connections.
   Connections look_after_connections();
-  /// Gives up the port in shared memory, because the memory is gone, or is another daemon's. Samples that
-  /// have come by the port can be taken for a while.
+  /// Gives up the port in shared memory, because the memory is lost or belongs to another daemon. Samples
+  /// that have arrived by the port can still be taken for a while.
   void drop_memory();
   /// Returns true if a connection has failed and may be tried again now.
   bool may_try_again(Time now) const;
 
-  // Requests.
+  // Functions about requests.
 
-  /// The program or the recorder may need other fields, parts of them, conditions or another maximum rate.
-  /// Returns true if the negotiation must be asked for the desired states again.
+  /// Called when the program or the recorder may need other fields, parts of them, conditions or another
+  /// maximum rate. Returns true if the negotiation must be asked again for the desired states.
   bool requirement_changed();
   /// Sends the present request to other nodes.
   void send_request();
-  /// Stops accepting samples under earlier requests, from writers that have gone, and by lost memory, once
-  /// none of them can be in flight any more.
+  /// Stops accepting three kinds of samples when none of them can be in flight any more: samples for earlier
+  /// requests, samples of departed writers, and samples in lost memory.
   void forget_what_was_in_flight(Time now);
 
-  // Life.
+  // Functions about deadlines, leases and the state of writers.
 
   void watch_promises(Time now);
   void asserted(const std::vector<EndpointId>& writers);
-  /// Returns how long the next look can wait, `longest` at most.
+  /// Returns the time until the next look, at most `longest`.
   std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
-  /// Returns the monitor of the callback. Only the reader of the first selection has one, because all
-  /// selections share the callback; null for others.
+  /// Returns the monitor of the callback, or null. Only the reader of the first selection has a monitor,
+  /// because all selections share the callback.
   CallbackMonitor* callback() const { return callback_.get(); }
   /// Sets up connections anew by which nothing arrives although the writer's node reports that it sends.
-  /// `reported`: progress of writers that has just been reported. `held_up`: a callback of this node may hold
-  /// up what arrives. Returns true if a connection was set up anew.
+  /// `reported` is the progress of writers that has just been reported. `held_up` means that a callback of
+  /// this node may delay arrivals. Returns true if a connection was set up anew.
   bool restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now);
-  /// Returns true if other nodes have to report on the topic: nothing has arrived from some writer for a
-  /// while, or the reader has asked for a lease.
+  /// Returns true if the reports of other nodes on the topic are needed, because nothing has arrived from
+  /// some writer for a while, or because the reader has requested a lease.
   bool awaits_reports(Time now);
 
   /// Reports events to the user.
   void report_events();
-  /// Returns the writers that match. Each has an account.
+  /// Returns the writers that match. Each of them has an account.
   std::vector<EndpointId> matching_writers() const;
 
  private:
   struct Connecting {
     Retry memory;
     Retry network;
-    std::chrono::seconds network_preferred{0};  ///< the last pause of shared memory after it failed
+    /// The last pause before shared memory was tried again after it had failed.
+    std::chrono::seconds network_preferred{0};
   };
 
   Hearing connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached);
@@ -111,21 +115,24 @@ class LocalReader {
   EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::size_t selection_;
-  Feed& feed_;  ///< belongs to `core_`
+  Feed& feed_;  ///< a part of `core_`
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
-  // The keys of these maps are writers:
+  // The keys of these maps are the ids of writers.
   std::map<EndpointId, Hearing> heard_;  ///< the connections in force
   std::map<EndpointId, Connecting> connecting_;
   std::map<EndpointId, RequestMonitor> watched_;
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
-  std::map<EndpointId, Time> departed_;  ///< when writers departed; datagrams may be in flight
-  Time memory_lost_at_ = Time::max();    ///< while its samples can be taken; max: long ago
-  Time others_asked_at_ = Time::max();   ///< when other samples were asked for last; max: long ago
+  /// The times at which writers departed; their datagrams may still be in flight.
+  std::map<EndpointId, Time> departed_;
+  /// The time of the loss while samples in that memory can be taken, otherwise Time::max().
+  Time memory_lost_at_ = Time::max();
+  /// The time of the last change of the request, or Time::max() if that was long ago.
+  Time others_asked_at_ = Time::max();
   const std::unique_ptr<CallbackMonitor> callback_;
   Qos requested_;
   AcceptedRequests accepted_;
-  SubscriberStatus reported_;  ///< the state up to which events were reported
+  SubscriberStatus reported_;  ///< the state that the last reported events led to
   bool has_changes_ = false;   ///< the state may differ from reported_
   std::uint64_t losses_reported_ = 0;
 };

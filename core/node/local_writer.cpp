@@ -32,7 +32,8 @@ void LocalWriter::reconcile() {
   if (has_other_port) vanilla_.in_force();
 }
 
-/// Returns true if the desired state has changed: with the port, further readers may be reached.
+/// Opens the port in shared memory if it is wanted and not open. Returns true if the desired state has
+/// changed, because the port may reach further readers.
 bool LocalWriter::open_memory(bool wanted) {
   if (!wanted || memory_ != nullptr) {
     opening_memory_ = {};
@@ -49,7 +50,8 @@ bool LocalWriter::open_memory(bool wanted) {
   return opened && reach_all_again();
 }
 
-/// A reader is served in shared memory only if its doorbell can be rung. Returns what can be served.
+/// Returns the part of `wanted` that is possible: a reader is served in shared memory only if its doorbell
+/// can be rung.
 Serving LocalWriter::reachable(Serving wanted) {
   forget_unreached_but(wanted);
   bool changed = false;
@@ -66,13 +68,14 @@ Serving LocalWriter::reachable(Serving wanted) {
   return changed ? node_.negotiation.serving(id_) : wanted;
 }
 
-/// A reader can be attached to a port that is not open here: the daemon created it, but answered too late.
+/// Returns the reason why the port in shared memory is not open. (A reader can be attached to a port that is
+/// not open here: the daemon has created the port, but answered too late.)
 std::string LocalWriter::why_not_open() const {
   return "the publisher's port in shared memory is not open: " + opening_memory_.reason();
 }
 
-/// Discards failures to reach readers that are not attached any more: they may be reached when they attach
-/// again.
+/// Discards failures to reach readers that are not attached any more. Such readers may be reachable when they
+/// attach again.
 void LocalWriter::forget_unreached_but(const Serving& wanted) {
   std::erase_if(reaching_, [&](const auto& item) {
     const auto is_it = [&](const Route& route) { return route.reader == item.first; };
@@ -91,7 +94,7 @@ bool LocalWriter::is_served_already(const Route& route) const {
 
 void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
   if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
-  if (memory_ == nullptr) return;  // the failure to open the port is logged already
+  if (memory_ == nullptr) return;  // the failure to open the port has been logged already
   const Endpoint* reader = node_.negotiation.table().known(route.reader);
   node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
                                          (reader == nullptr ? "" : reader->node) +
@@ -99,7 +102,7 @@ void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
 }
 
 bool LocalWriter::look_after_reach(Time now) {
-  if (memory_ == nullptr) return false;  // they are tried once the port is open
+  if (memory_ == nullptr) return false;  // these readers are tried again once the port is open
   bool changed = false;
   for (const auto& [reader, retry] : reaching_) {
     if (retry.due_again(now)) changed |= node_.negotiation.reach_changed(id_, reader, {});
@@ -121,7 +124,7 @@ bool LocalWriter::look_after_history() {
   return changed;
 }
 
-/// Returns true if some reader was unreached.
+/// Discards all failures to reach readers. Returns true if there were any.
 bool LocalWriter::reach_all_again() {
   bool changed = false;
   for (const auto& [reader, retry] : std::exchange(reaching_, {}))
@@ -161,7 +164,7 @@ std::uint64_t LocalWriter::sent_in_memory() const {
   return in_force_ && !in_force_->memory.empty() ? core_->signs().published : 0;
 }
 
-/// States are copied and compared only if something may have changed.
+/// Reports events. States are copied and compared only if a change is possible.
 void LocalWriter::report_events() {
   has_changes_ |= core_->diverted() != reported_.diverted;
   if (!std::exchange(has_changes_, false)) return;

@@ -1,6 +1,6 @@
-// One writer of this node: brings its ports to the state that the negotiation wants, opens its port in shared
-// memory and tries again if that fails, gives retained samples to late readers, and watches its promises.
-// Used by the agent only.
+// One writer of this node. It brings its ports to the state that the negotiation wants, opens its port in
+// shared memory and tries again if that fails, sends retained samples to late readers, and watches its
+// deadline and its liveliness. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -21,46 +21,47 @@ namespace sft::core {
 
 class LocalWriter {
  public:
-  /// `node` outlives this object. `endpoint` is the one that is added to the negotiation.
+  /// `node` must outlive this object. `endpoint` is the endpoint that is added to the negotiation.
   LocalWriter(NodeContext& node, const Endpoint& endpoint, std::shared_ptr<PublisherCore> core);
 
   const PublisherCore& core() const { return *core_; }
 
-  // Functions that return true have changed the negotiation's table: it must be asked for the desired states
-  // again.
+  // Some functions return true if they have changed the negotiation's table. The negotiation must then be
+  // asked again for the desired states.
 
   /// Brings the writer to its desired state.
   void reconcile();
-  /// Tries again to serve readers in shared memory whose doorbells could not be rung: the obstacle may be
-  /// gone.
+  /// Tries again to serve readers in shared memory whose doorbells could not be rung, since the obstacle may
+  /// have disappeared.
   bool look_after_reach(Time now);
-  /// Gives retained samples to late readers. A reader may change over to shared memory one tick after all its
-  /// samples by UDP have left.
+  /// Sends retained samples to late readers. A reader that got them by UDP may change over to shared memory
+  /// one tick after all of them have left this process.
   bool look_after_history();
-  /// Gives up the port in shared memory, because the memory is gone, or is another daemon's.
+  /// Gives up the port in shared memory, because the memory is lost or belongs to another daemon.
   bool drop_memory();
   /// Returns a number that changes when samples are sent in shared memory.
   std::uint64_t sent_in_memory() const;
-  /// Returns true if a late reader has not got all retained samples yet.
+  /// Returns true if a late reader has not been sent all retained samples yet.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
-  /// Returns true if the port could not be opened and may be tried again.
+  /// Returns true if the opening of a port has failed and may be tried again.
   bool may_try_again(Time now) const {
     return node_.attempts.may_retry_in_memory(opening_memory_, now) || vanilla_.may_try_again(now);
   }
 
-  /// Watches the promises of the publisher. Returns true if its readers must be told now that it is alive.
+  /// Watches the deadline and the liveliness of the publisher. Returns true if a report must now assert to
+  /// its readers that it is alive.
   bool watch_promises(Time now);
-  /// Returns how long the next look can wait; nothing if no promise has to be watched.
+  /// Returns the time until the next look, or nothing if no deadline or liveliness has to be watched.
   std::optional<std::chrono::nanoseconds> pace() const { return monitor_.pace(); }
-  /// Returns the progress of the writer: each progress a few times, because reports may get lost. Returns
-  /// nothing after that, or if the writer has no readers. `again`: some reader may not have received the last
-  /// progress.
+  /// Returns the progress of the writer. Each progress is returned a few times, because reports may be lost,
+  /// and then nothing, until there is new progress. Also returns nothing if the writer has no readers.
+  /// `again` means that some node may not have received the last progress.
   std::optional<Progress> take_progress(bool again);
 
   /// Reports events to the user.
   void report_events();
 
-  /// Returns the readers that match. Each has an account.
+  /// Returns the readers that match. Each of them has an account.
   std::vector<EndpointId> matching_readers() const;
   Account::OfWriter account_of(EndpointId reader) const;
 
@@ -84,11 +85,11 @@ class LocalWriter {
   VanillaServing vanilla_;
   std::optional<Serving> in_force_;
   OfferMonitor monitor_;
-  std::set<EndpointId> history_sent_;     ///< late readers that had been sent everything at the last tick
-  std::uint64_t progress_reported_ = 0;   ///< samples published at the last new progress
-  int progress_left_ = 0;                 ///< how often that must still be reported
-  PublisherStatus reported_;              ///< the state up to which events were reported
-  bool has_changes_ = false;              ///< the state may differ from reported_
+  std::set<EndpointId> history_sent_;    ///< late readers to which all samples had been sent at the last tick
+  std::uint64_t progress_reported_ = 0;  ///< the number of samples published at the last new progress
+  int progress_left_ = 0;                ///< the number of reports that must still contain this progress
+  PublisherStatus reported_;             ///< the state that the last reported events led to
+  bool has_changes_ = false;             ///< the state may differ from reported_
   std::map<EndpointId, Retry> reaching_;  ///< readers whose doorbells could not be rung
 };
 

@@ -1,5 +1,6 @@
 // Detects long waits for a callback: of a sample of one subscriber for its turn, or of the receiving thread
-// for the callback that it runs. Pure: observations and times go in, answers come out.
+// for the callback that it runs. The class uses no clock: observations and times are passed in, decisions are
+// returned.
 #pragma once
 
 #include <chrono>
@@ -15,8 +16,9 @@ class LongWait {
  public:
   static constexpr std::chrono::seconds is_long{1};
 
-  /// `turns` has changed if the subscriber was called back since the last look. An earlier wait is over then.
-  /// Returns how long the present wait has taken, once for each long wait.
+  /// Returns the duration of the present wait when it has become long, and nothing at the other looks.
+  /// `waits` is true if something waits for the callback now. A change of `turns` means that the subscriber
+  /// was called back since the last look, so that an earlier wait is over.
   std::optional<Time::duration> look(bool waits, std::uint64_t turns, Time now) {
     const bool had_turn = std::exchange(turns_, turns) != turns;
     if (!waits || had_turn || !since_) {

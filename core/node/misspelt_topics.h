@@ -15,23 +15,24 @@
 
 namespace sft::core {
 
-/// Returns whether a person may have meant the one topic and written the other: few letters differ, or one is
-/// the end of the other, as "points" is of "lidar/points". Topics that differ only in their digits, as
-/// "camera1" and "camera2", are not similar: both are usual.
+/// Returns true if a person may have meant one of the topics and written the other: few letters differ, or
+/// one topic is the end of the other, as in "points" and "lidar/points". Topics that differ only in their
+/// digits, such as "camera1" and "camera2", are not similar, because such names are common.
 bool is_similar_topic(std::string_view a, std::string_view b);
 
 class MisspeltTopics {
  public:
-  /// By then, each publisher that exists is known. A topic is looked up again after twice that time, and so
-  /// on, because its publisher and that of a similar topic may come later.
+  /// The time until the first look, after which each existing publisher is known. The next look is due after
+  /// twice that time, and so on, because the publisher of the topic, or that of a similar topic, may start
+  /// later.
   static constexpr std::chrono::seconds first_look{3};
 
-  /// A subscriber of ours was opened.
+  /// Called when a subscriber of this node was opened.
   void added(EndpointId reader, Time now) { unpublished_[reader] = {now + first_look, first_look}; }
   using PublishersOf = std::function<std::vector<Discovery::KnownPublisher>(const std::string& type_name)>;
-  /// Returns a sentence for each subscriber whose topic may be misspelt, and whose next look is due.
-  /// `publishers_of`: see Discovery. Once the topic has had a publisher, the subscriber is not looked at
-  /// again.
+  /// Returns a sentence for each subscriber whose next look is due and whose topic may be misspelt.
+  /// `publishers_of` is explained in Discovery. Once the topic has had a publisher, its subscriber is not
+  /// examined again.
   std::vector<std::string> look(const EndpointTable& table, const PublishersOf& publishers_of, Time now);
 
  private:
@@ -39,7 +40,7 @@ class MisspeltTopics {
     Time at{};
     std::chrono::seconds pause{};
   };
-  std::map<EndpointId, NextLook> unpublished_;  ///< by the reader
+  std::map<EndpointId, NextLook> unpublished_;  ///< by the id of the reader
 };
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// What the endpoints of one node share: the table of all endpoints, discovery, the transports, and the log.
-// Used by the agent only.
+// The objects that the endpoints of one node share: the table of all endpoints, discovery, the transports,
+// and the log. Used by the agent only.
 #pragma once
 
 #include "core/discovery/discovery.h"
@@ -22,9 +22,9 @@ struct NodeContext {
   VanillaAccess* vanilla = nullptr;  ///< null if unmodified DDS readers are not served
 };
 
-/// Reports to the user, as events, how the present state differs from the last reported one. `reported`: that
-/// state, which is updated. `read_status` returns the present one, and `differences` turns two states into
-/// events.
+/// Reports the differences between the present state and the last reported one to the user, as events.
+/// `reported` is the last reported state; it is updated. `read_status` returns the present state, and
+/// `differences` turns the two states into events.
 template <class Core, class Status, class ReadStatus, class Differences>
 void report_events(Core& core, Status& reported, NodeLog& log, ReadStatus read_status,
                    Differences differences) {

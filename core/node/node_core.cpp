@@ -20,11 +20,12 @@ using namespace std::chrono_literals;
 
 namespace {
 constexpr std::chrono::seconds complaint_pause{1};
-/// A signal handler may interrupt a search for a type, but cannot wake it. So the search looks this often.
+/// The period in which a search for a type checks if it was interrupted. A signal handler may interrupt the
+/// search, but cannot wake it.
 constexpr std::chrono::milliseconds interrupt_look_period{100};
 
-/// A user can do nothing about what holds an agent up. So nothing is measured unless the log has lines for
-/// debugging.
+/// Returns the function that logs hold-ups of the agent, or an empty function. Users cannot do anything about
+/// hold-ups, so nothing is measured unless the level of the log is `debug`.
 HoldUpMonitor::Report report_of_hold_ups(NodeLog& log) {
   if (!log.wants(LogLevel::debug)) return {};
   return [&log](std::source_location what, std::chrono::milliseconds held_up) {
@@ -149,14 +150,14 @@ NodeCore::NodeCore(const NodeOptions& options, Parts parts)
 
 NodeCore::~NodeCore() {
   if (opening_) agent_.post([this] { log_unfit(opening_->names().leave(), log_); });
-  agent_.stop();  // first withdraws endpoints, as was posted before the last handle was released
+  agent_.stop();  // runs the posted tasks first, so that the endpoints are withdrawn
   discovery_.reset();
   callbacks_.stop();
 }
 
-/// The agent does not call the sink itself: a callback may take long, or wait for the agent. So may standard
-/// error, whose reader may have stopped. If the program has no sink of its own, the thread starts with the
-/// first line.
+/// Returns a sink that posts lines to the callback thread. The agent does not call the sink itself: the
+/// program's sink may take long, or wait for the agent, and so may standard error if its reader has stopped.
+/// If the program has no sink of its own, the thread starts with the first line.
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
@@ -165,9 +166,11 @@ NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   };
 }
 
-/// The last handle may be released within a callback, on a thread that the destructor would wait for.
+/// Destroys the node. The last handle may be released within a callback, on a thread for which the destructor
+/// would wait.
 void NodeCore::dispose(NodeCore* node) {
-  if (is_forked_copy()) return;  // its threads are not there, and its sockets and files are the parent's
+  // The threads of the node do not exist here, and its sockets and files belong to the parent.
+  if (is_forked_copy()) return;
   const bool own_thread = SubscriberCore::in_callback() || node->agent_.is_current_thread() ||
                           node->callbacks_.is_current_thread() || node->dispatcher_.is_current_thread() ||
                           node->poller_.is_current_thread();
@@ -225,7 +228,8 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  // The agent gives back the doorbells of subscribers that other threads have closed.
+  // The agent gives back the doorbells of subscribers that other threads have closed. If it is behind, this
+  // thread waits for it.
   if (agent_.is_behind()) ask_agent([] {});
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
@@ -275,7 +279,7 @@ void NodeCore::request_received(Request request) {
   agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
 }
 
-/// Only the publishers that are alive are urgent, because of their leases.
+/// Posts a report to the agent. Only a report about living publishers is urgent, because of their leases.
 void NodeCore::report_received(NodeReport report) {
   const bool has_time = report.living.empty();
   Agent::Task task = [this, report = std::move(report)] { reconciler_->report_received(report); };
@@ -295,7 +299,7 @@ void NodeCore::warned(const std::string& what) { log_.write(LogLevel::warning, "
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;
-  // A flood must not fill the agent's queue: a line now and then is enough.
+  // A flood of malformed messages must not fill the agent's queue. One line per pause is enough.
   const auto now = std::chrono::steady_clock::now();
   if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
   next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
@@ -334,7 +338,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   const Result<TopicName> name = opening_->names().topic(topic);
   if (!name) return tl::unexpected(name.error());
-  // The agent cannot wait for what it has to do itself.
+  // The agent must not wait for its own work.
   const bool may_wait = !agent_.is_current_thread();
   const Time begun = std::chrono::steady_clock::now();
   TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
@@ -344,7 +348,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
-    // What discovery knew already was posted to the agent before this question.
+    // Announcements that discovery had received before were posted to the agent before this question.
     Result<DynamicType> type = ask_agent(
         [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;

@@ -1,6 +1,5 @@
-// The core of a node: owns the transports, discovery, the threads and the endpoints' memory, opens publishers
-// and subscribers, and passes everything that happens on to the agent's thread, where the reconciler acts on
-// it.
+// The core of a node. It owns the transports, discovery, the threads and the memory of the endpoints, opens
+// publishers and subscribers, and posts all events to the agent's thread, where the reconciler handles them.
 #pragma once
 
 #include <atomic>
@@ -38,21 +37,22 @@ namespace sft::core {
 class NodeCore final : private DiscoveryListener {
  public:
   struct Parts {
-    std::unique_ptr<SharedMemory> memory;  ///< null where the node must not use it
+    std::unique_ptr<SharedMemory> memory;  ///< null if the node must not use it
     std::unique_ptr<Network> network;
     std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
     LogSetting log{};
     Remapping names{};
   };
 
-  /// `options` must have its defaults resolved (domain, configuration), and the full name of the node.
+  /// `options` must have its defaults resolved (domain, configuration), and must contain the full name of the
+  /// node.
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 
   Result<detail::untyped::Publisher> open_publisher(const std::shared_ptr<NodeCore>& self,
                                                     std::string_view topic, const TypeSupport& type,
                                                     const PublisherOptions& options);
-  /// Returns the type, which is kept as long as the node lives.
+  /// Keeps the type as long as the node lives, and returns the kept type.
   const TypeSupport& kept(const DynamicType& type) { return kept_types_.keep(type); }
   Result<detail::untyped::Subscriber> open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                       EndpointOpening::ReaderOrder order);
@@ -72,7 +72,7 @@ class NodeCore final : private DiscoveryListener {
   EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
-  // DiscoveryListener: each call is posted to the agent, except where the agent calls itself.
+  // DiscoveryListener: each call is posted to the agent, except for calls by the agent itself.
   void endpoint_seen(Endpoint endpoint) override;
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
@@ -84,17 +84,17 @@ class NodeCore final : private DiscoveryListener {
   void link_was_renewed(const std::string& what) override;  // called by the agent
   void warned(const std::string& what) override;
 
-  /// Makes discovery report the publishers, or subscribers, of all nodes from now on. Only the agent calls
-  /// it.
+  /// Makes discovery report the publishers, or the subscribers, of all nodes from now on. Called by the agent
+  /// only.
   void hear(Role role);
   void hear_everybody();
-  /// Calls `question` on the agent's thread, the only one that may look at the reconciler; returns its
-  /// answer.
+  /// Calls `question` on the agent's thread, which is the only thread that may use the reconciler. Returns
+  /// the answer.
   template <class Question>
   auto ask_agent(Question question) -> decltype(question());
 
   const OfOneProcess of_one_process_;
-  KeptTypes kept_types_;  ///< outlive everything below
+  KeptTypes kept_types_;  ///< must outlive all members below
 
   const NodeOptions options_;
   const NodeId id_;
@@ -106,16 +106,17 @@ class NodeCore final : private DiscoveryListener {
     std::atomic<std::uint64_t> malformed{0}, links_renewed{0};
   };
   DiscoveryCounts counts_;
-  std::atomic<Time> next_complaint_{};  ///< no line on malformed control traffic before this
-  CallbackThread callbacks_;            ///< for events, readers and the log
-  NodeLog log_;                         ///< posts its lines to callbacks_
+  /// The earliest time of the next line about malformed control traffic.
+  std::atomic<Time> next_complaint_{};
+  CallbackThread callbacks_;  ///< for callbacks about events and readers, and for the log
+  NodeLog log_;               ///< posts its lines to callbacks_
   EventCount endpoints_changed_;
   mutable EndpointRegistry registry_;
 
   Dispatcher dispatcher_;
   Dispatcher poller_;                       ///< makes file descriptors readable for samples in shared memory
   std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent
-  std::unique_ptr<Reconciler> reconciler_;  ///< only the agent changes it; set before that starts
+  std::unique_ptr<Reconciler> reconciler_;  ///< changed by the agent only; set before the agent starts
   std::optional<EndpointOpening> opening_;  ///< set once discovery is open
   Agent agent_;
 };

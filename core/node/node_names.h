@@ -1,4 +1,4 @@
-// Applies the remapping rules of one node to its topics, and returns the rules that have matched nothing.
+// Applies the remapping rules of one node to its topics, and returns the rules that have matched no name.
 #pragma once
 
 #include <memory>
@@ -25,17 +25,18 @@ class NodeNames {
   NodeNames(const NodeNames&) = delete;
   NodeNames& operator=(const NodeNames&) = delete;
 
-  /// Any thread.
+  /// Returns the resolved name of a topic. Any thread.
   Result<TopicName> topic(std::string_view given, std::string_view type = {}) const {
     Result<TopicName> name = remapping_.topic(given, type);
     if (name && !name->rules.empty()) use_->fit(name->rules);
     return name;
   }
-  /// See RuleUse. Called by the agent, and by the thread that destroys the node after the agent has ended.
+  /// Returns the rules to be reported as unused, see RuleUse. Called by the agent, and by the thread that
+  /// destroys the node after the agent has ended.
   std::vector<std::string> take_unfit_rules(Time now) const {
     return use_ == nullptr ? std::vector<std::string>() : use_->take_unfit(now);
   }
-  /// The node closes. topic() must not be called after that.
+  /// Called when the node closes. topic() must not be called after that.
   std::vector<std::string> leave() {
     const std::shared_ptr<RuleUse> use = std::exchange(use_, nullptr);
     return use == nullptr ? std::vector<std::string>() : use->leave();
@@ -43,7 +44,7 @@ class NodeNames {
 
  private:
   const Remapping remapping_;
-  std::shared_ptr<RuleUse> use_;  ///< null: there are no rules, or the node has left
+  std::shared_ptr<RuleUse> use_;  ///< null: there are no rules, or leave() was called
 };
 
 }  // namespace sft::core

@@ -4,7 +4,7 @@
 
 namespace sft::core {
 
-/// Notes the outcome in `retry`. Returns true if it is a failure, and the first one with this reason.
+/// Notes the outcome in `retry`. Returns true if the outcome is the first failure with its reason.
 bool PortAttempts::is_new_failure(Retry& retry, const Result<void>& outcome) {
   if (!outcome) return retry.failed(outcome.error().message, std::chrono::steady_clock::now());
   retry.succeeded();

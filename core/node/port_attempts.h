@@ -1,5 +1,5 @@
-// Attempts to open ports and to connect them: what has failed is tried again after a pause, and each reason
-// is written to the log once. Used by the agent only.
+// Attempts to open ports and to connect them. A failed attempt is repeated after a pause, and each reason is
+// written to the log once. Used by the agent only.
 #pragma once
 
 #include <functional>
@@ -16,21 +16,21 @@ class PortAttempts {
  public:
   using Open = std::function<Result<void>()>;
 
-  /// The log and the memory outlive this object. `memory` may be null.
+  /// The log and the memory must outlive this object. `memory` may be null.
   explicit PortAttempts(NodeLog& log, const SharedMemory* memory = nullptr) : log_(log), memory_(memory) {}
 
-  /// Returns true if open() was called and has succeeded. Does not call it while `retry` pauses.
+  /// Calls open() unless `retry` pauses. Returns true if open() was called and has succeeded.
   bool over_network(Retry& retry, const Open& open);
-  /// The same for ports that need the daemon of shared memory. A daemon that did not answer is not asked
-  /// again for a while, for any endpoint, because the agent waits a moment for each answer. An answer that is
-  /// still to come is no failure: open() is called again with the next look.
+  /// Does the same for ports that need the daemon of shared memory. If the daemon did not answer, it is not
+  /// asked again for a while, for any endpoint, because the agent waits a moment for each answer. A pending
+  /// answer is not a failure: open() is called again at the next look.
   bool in_memory(Retry& retry, const Open& open);
 
   /// Returns true if an attempt of in_memory() has failed and may be repeated now.
   bool may_retry_in_memory(const Retry& retry, Time now) const {
     return retry.due_again(now) && asking_daemon_.due(now);
   }
-  /// Another daemon runs, which may be asked at once.
+  /// Called when another daemon runs, which may be asked at once.
   void forget_daemon() { asking_daemon_ = {}; }
 
  private:

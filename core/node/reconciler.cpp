@@ -14,10 +14,10 @@ constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
     "open a node of its own for a long callback, or give its work to another thread";
-constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is looked at less often
+constexpr int hurried_ticks_max = 1000;  // if a connection takes longer, it is looked at less often
 
 /// Returns true if frequent looks are needed, because no event will report a change: an endpoint is missing,
-/// a late reader still gets retained samples, or a callback may take long.
+/// a late reader is still being sent retained samples, or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_peer() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
@@ -54,7 +54,7 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
 }
 
 void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) {
-  const bool is_first = parts.selection == 0;  // the core is dispatched for all of its selections
+  const bool is_first = parts.selection == 0;  // the core serves all selections, and is dispatched once
   if (is_first && parts.core->has_callback()) dispatcher_.add(parts.core);
   const LocalReader& added =
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
@@ -65,9 +65,9 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
   if (is_first) control_monitor_.reader_added(endpoint.id, std::chrono::steady_clock::now());
 }
 
-/// The destructors of ports wait for calls of their listener to return. The agent must not wait for that: the
-/// callback in which a subscriber was destroyed may take long, or itself ask the agent for something. So such
-/// a reader is kept until its callback has returned.
+/// The destructor of a port waits until calls of its listener have returned. The agent must not wait for
+/// that: the callback in which a subscriber was destroyed may take long, or may itself wait for the agent. So
+/// such a reader is kept until its callback has returned.
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
@@ -86,7 +86,8 @@ void Reconciler::requirement_changed(EndpointId id) {
   if (reader != ours_.readers.end()) dirty_ |= reader->second.requirement_changed();
 }
 
-/// Reports the assertion at once, so that one that the program makes in time reaches other nodes in time.
+/// Reports the assertion at once. So if the program asserts in time, the assertion reaches other nodes in
+/// time.
 void Reconciler::program_asserts(EndpointId id) {
   const auto writer = ours_.writers.find(id);
   if (writer == ours_.writers.end()) return;
@@ -113,7 +114,8 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
-/// `reported`: the progress of writers that has just been reported.
+/// Sets up connections anew by which nothing arrives. `reported` is the progress of writers that has just
+/// been reported.
 void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
   arrivals_looked_at_ = now;
   const bool held_up = now - held_up_at_ < held_up_for;
@@ -163,11 +165,12 @@ void Reconciler::look_after_memory(Time now) {
   const TransportMonitor::MemoryChange change = transports_.look_at_memory(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
-  if (change.of_host) {  // the memory of the ports is gone, or another daemon's, which may be asked at once
+  // The memory of the ports is lost or belongs to another daemon, which may be asked at once.
+  if (change.of_host) {
     attempts_.forget_daemon();
     for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_memory();
     for (auto& [id, reader] : ours_.readers) reader.drop_memory();
-    reconcile();  // first: readers that were served in shared memory are served by UDP from here on
+    reconcile();  // readers that were served in shared memory are served by UDP from here on
   }
   if (change.of_state || change.of_host) transports_.log_memory();
   if (change.of_host || change.of_failure) announce_all();
@@ -175,7 +178,7 @@ void Reconciler::look_after_memory(Time now) {
   for (auto& [id, reader] : ours_.readers) reader.send_request();
 }
 
-/// When interfaces come or go, the addresses at which this node is reached are announced anew.
+/// Announces the addresses of this node anew if its interfaces have changed.
 void Reconciler::look_after_addresses(Time now) {
   const TransportMonitor::NetworkChange change = transports_.look_at_network(now);
   if (change == TransportMonitor::NetworkChange::none) return;
@@ -229,7 +232,7 @@ void Reconciler::log_long_waits(const LocalReader& reader, const CallbackMonitor
 }
 
 /// Returns true if some reader still waits for its connection in shared memory. Notes whether samples are
-/// sent or received there.
+/// sent or received in shared memory.
 bool Reconciler::look_after_connections(Time now) {
   bool waiting = false;
   std::uint64_t samples = 0;
@@ -258,10 +261,11 @@ void Reconciler::report(std::vector<EndpointId> living, Time now) {
   report.living = std::move(living);
   if (report.empty()) return;
   discovery_.report(report);
-  report_received(report, now);  // our own readers
+  report_received(report, now);  // for the readers of this node
 }
 
-/// Returns the time until the next tick. It is no longer than a deadline, a lease or the network can wait.
+/// Returns the time until the next tick. It is at most the time until a deadline, a lease or the network
+/// needs a look.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   std::chrono::nanoseconds pace = tick_pace_.next(now);
   for (const Time next : {transports_.next_look(now), discovery_looks_at_, vanilla_.next_look()}) {
@@ -280,8 +284,8 @@ std::chrono::milliseconds Reconciler::reconcile() {
   return pace(now);
 }
 
-/// Repeats this until nothing changes any more, because new connections of our readers concern our own
-/// writers.
+/// Brings the endpoints to the desired states. This is repeated until nothing changes any more, because new
+/// connections of this node's readers concern its own writers.
 void Reconciler::settle() {
   if (dirty_) tick_pace_.stirred(std::chrono::steady_clock::now());
   while (std::exchange(dirty_, false)) {

@@ -1,6 +1,6 @@
-// The loop of a node: takes events from discovery and from the program, gives them to the negotiation, brings
-// the node's endpoints to the states that the negotiation wants, and reports changes to other nodes and to
-// the user. Used by the agent only, except what is marked.
+// The loop of a node. It takes events from discovery and from the program, passes them to the negotiation,
+// brings the node's endpoints to the states that the negotiation wants, and reports changes to other nodes
+// and to the user. Used by the agent only, except for functions that are marked.
 #pragma once
 
 #include <atomic>
@@ -31,7 +31,7 @@ namespace sft::core {
 /// Larger than usual: an event of each kind, of discovery and of the program, has a function.
 class Reconciler {
  public:
-  /// All arguments outlive this object; a transport is null if the node must not use it.
+  /// All arguments must outlive this object. A transport is null if the node must not use it.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
              Dispatcher& dispatcher, NodeLog& log, VanillaAccess::Setup vanilla = {});
 
@@ -39,9 +39,9 @@ class Reconciler {
   void add_reader(const Endpoint& endpoint, LocalReader::Parts parts);
   /// Withdraws an endpoint and gives up its ports.
   void remove(EndpointId id);
-  /// The program or the recorder may have changed what one of our readers asks for.
+  /// Called when the requirement of a reader of this node may have changed, by the program or the recorder.
   void requirement_changed(EndpointId id);
-  /// The program has asserted the liveliness of one of our writers.
+  /// Called when the program has asserted the liveliness of a writer of this node.
   void program_asserts(EndpointId writer);
 
   // Events of discovery.
@@ -50,22 +50,24 @@ class Reconciler {
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
   void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
-  /// To be called when nodes of DDS have come or gone, or readers of one of our publishers among them.
+  /// To be called when nodes of DDS have appeared or departed, or when the DDS readers of a publisher of this
+  /// node have changed.
   void look_after_vanilla(Time now = std::chrono::steady_clock::now());
 
-  /// Does what is due in transports, discovery and endpoints. Returns the time until the next call.
+  /// Does the work that is due in transports, discovery and endpoints. Returns the time until the next call.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
-  /// Must be called after any of the above: brings the endpoints to the states that are desired now. Returns
-  /// the time until tick() must be called, like tick().
+  /// Brings the endpoints to the states that are desired now. Must be called after any of the functions
+  /// above. Returns the time until tick() must be called, as tick() does.
   std::chrono::milliseconds reconcile();
 
-  /// All endpoints that are known and not lost, ours too. Valid until the next event.
+  /// Returns all endpoints that are known and not lost, including those of this node. Valid until the next
+  /// event.
   std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
   /// Returns the same endpoints, with the progress of writers.
   std::vector<KnownEndpoint> known_endpoints() const;
   Reports& reports() { return reports_; }
 
-  // Any thread.
+  // The functions for any thread.
   /// Other threads may call only those functions of the result that are marked (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
@@ -94,14 +96,15 @@ class Reconciler {
   VanillaAccess vanilla_;
   NodeContext context_;
   LocalEndpoints ours_;
-  std::map<EndpointId, LocalReader> departing_;  ///< removed within callbacks that have not returned yet
+  /// Readers that were removed within callbacks that have not returned yet.
+  std::map<EndpointId, LocalReader> departing_;
   Reports reports_;
   TickPace tick_pace_;
-  Time discovery_looks_at_{};  ///< when look_after() must be called at the latest
+  Time discovery_looks_at_{};  ///< the latest time at which look_after() must be called
   Time arrivals_looked_at_{};
-  Time held_up_at_{};      ///< when a callback that takes long was seen last
+  Time held_up_at_{};      ///< the last time at which a callback that takes long was seen
   bool dirty_ = false;     ///< something changed since the last reconcile()
-  int hurried_ticks_ = 0;  ///< in a row, because some reader waits for its connection
+  int hurried_ticks_ = 0;  ///< the number of ticks in a row in which some reader waited for its connection
   std::atomic<std::uint64_t> control_ignored_{0};
 };
 

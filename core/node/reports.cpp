@@ -33,8 +33,8 @@ void Reports::inquire(Time now) {
   discovery_.inquire(inquired_);
 }
 
-/// Discovery has checked that the reporting process owns the endpoints. The other side of a pair must be
-/// known as well.
+/// Enters the accounts of a report. Discovery has checked that the reporting process owns the endpoints. The
+/// other side of a pair must be known, too.
 void Reports::received(const NodeReport& report, Time now) {
   for (const Account& account : report.accounts) {
     const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
@@ -57,8 +57,8 @@ NodeReport Reports::take(Time now) {
   return report;
 }
 
-/// Returns the progress of writers that have sent something since their last report, in turns. `again`: of
-/// all writers, because another node has begun to ask.
+/// Returns the progress of writers that have sent samples since their last report, in turns. If `again` is
+/// true, another node has begun to inquire, and the progress of all writers is returned.
 std::vector<Progress> Reports::take_progress(const std::set<Inquiry>& asked, bool again) {
   const bool of_all_topics = asked.contains({});
   std::vector<Progress> all;
@@ -82,8 +82,8 @@ std::vector<Account> Reports::take_accounts(const std::set<Inquiry>& asked) {
   return accounts;
 }
 
-/// Returns the accounts of the pairs that our endpoints of such topics match. Other pairs have nothing to
-/// count.
+/// Returns the ids of the accounts of pairs that this node's endpoints match, for the topics for which
+/// `is_of` returns true. Only pairs that match have counts.
 template <class IsOf>
 std::set<AccountId> Reports::accounts_of_ours(IsOf is_of) const {
   std::set<AccountId> accounts;
@@ -98,7 +98,7 @@ std::set<AccountId> Reports::accounts_of_ours(IsOf is_of) const {
   return accounts;
 }
 
-/// `id` is one of accounts_of_ours().
+/// Returns the counts of an account. `id` must be one of accounts_of_ours().
 Account Reports::account(const AccountId& id) const {
   Account account{.id = id};
   if (id.said_by == Role::reader) {
@@ -109,7 +109,7 @@ Account Reports::account(const AccountId& id) const {
   return account;
 }
 
-/// Returns what other nodes have reported, and the present accounts of our own endpoints.
+/// Returns the accounts that other nodes have reported, and the present ones of this node's endpoints.
 PairAccounts Reports::accounts(Time now) {
   PairAccounts known = table_.accounts(now);
   for (const AccountId& id : accounts_of_ours([this](const std::string& topic) { return asks_about(topic); }))

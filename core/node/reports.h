@@ -1,7 +1,7 @@
 // The inquiries of this node, its reports to nodes that inquire, and the accounts that other nodes have
-// reported. A report says how far publishers are, what both sides of pairs have counted, and which publishers
-// are alive although nothing else shows it. Reports are best effort, so each of them is repeated. Only the
-// agent uses it.
+// reported. A report contains the progress of publishers, the counts of both sides of pairs, and the
+// publishers that are alive although nothing else shows it. Reports are best effort, so each of them is
+// repeated. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -21,32 +21,32 @@ namespace sft::core {
 
 class Reports {
  public:
-  /// All outlive this object.
+  /// All arguments must outlive this object.
   Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery)
       : negotiation_(negotiation), ours_(ours), discovery_(discovery) {}
 
-  // Questions of the program.
+  // Functions for questions of the program.
 
-  /// Asks for the accounts of all pairs on that topic, until ask_no_more() is called as often as ask().
+  /// Inquires the accounts of all pairs on that topic, until ask_no_more() was called as often as ask().
   void ask(const std::string& topic);
   void ask_no_more(const std::string& topic);
-  /// Asks for the progress of all publishers, for a while.
+  /// Inquires the progress of all publishers, for a while.
   void ask_for_progress(Time now);
   /// Returns the known accounts of the pairs that the program asks about.
   PairAccounts accounts(Time now = std::chrono::steady_clock::now());
 
-  /// Announces what this node asks for, if that has changed.
+  /// Announces the inquiries of this node if they have changed.
   void inquire(Time now);
-  /// Another node has reported on its own endpoints.
+  /// Called when another node has reported on its own endpoints.
   void received(const NodeReport& report, Time now);
 
   bool is_due(Time now) const { return now >= reported_at_ + pause; }
-  /// Returns the report that is due, without the publishers that are alive. It may be empty, and counts as
-  /// sent.
+  /// Returns the report that is due, without the publishers that are alive. The report may be empty. It
+  /// counts as sent.
   NodeReport take(Time now);
 
  private:
-  static constexpr std::chrono::milliseconds pause{900};  // so that an idle node reports at each look
+  static constexpr std::chrono::milliseconds pause{900};  // chosen so that an idle node reports at each look
   static constexpr std::chrono::seconds asks_for_progress{10};
 
   bool asks_about(const std::string& topic) const { return topics_.contains(topic); }
@@ -59,10 +59,11 @@ class Reports {
   const Negotiation& negotiation_;
   LocalEndpoints& ours_;
   Discovery& discovery_;
-  std::map<std::string, std::size_t> topics_;  ///< with the number of times that the program asks about each
+  /// The topics that the program asks about, each with the number of calls of ask().
+  std::map<std::string, std::size_t> topics_;
   Time progress_until_{};
-  std::set<Inquiry> inquired_;        ///< by this node, as announced
-  std::uint64_t inquiries_made_ = 0;  ///< as of the last report
+  std::set<Inquiry> inquired_;        ///< the inquiries of this node, as they are announced
+  std::uint64_t inquiries_made_ = 0;  ///< the number of inquiries of other nodes at the last report
   Time reported_at_{};
   Turns<EndpointId> progress_turns_;
   Turns<AccountId> account_turns_;

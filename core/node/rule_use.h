@@ -1,6 +1,6 @@
-// Remembers which remapping rules of the nodes of this process have matched a name. A rule is often meant for
-// one of several nodes. So the user is told of a rule only if it has matched nothing in any of them. One of
-// the nodes does that, once.
+// Records which remapping rules of the nodes of this process have matched a name. A rule is often meant for
+// one of several nodes. So a rule is reported to the user only if it has matched no name of any node. One of
+// the nodes reports it, once.
 #pragma once
 
 #include <chrono>
@@ -17,23 +17,26 @@ namespace sft::core {
 
 class RuleUse {
  public:
-  /// The time that a program needs, after it has opened its last node, to open its first publishers and
-  /// subscribers.
+  /// The time that a program gets to open its first publishers and subscribers after it has opened its last
+  /// node.
   static constexpr std::chrono::seconds time_to_open{5};
 
-  /// Returns the object that all nodes of the process share. It lives as long as one of them holds it.
+  /// Returns the object that all nodes of the process share. The object lives as long as one of the nodes
+  /// holds it.
   static std::shared_ptr<RuleUse> of_process();
 
   using Rules = std::vector<std::string>;
-  // Any thread.
+  // The functions for any thread.
 
   /// Notes that a node with these rules has opened.
   void enter(const Rules& rules, Time now);
   /// Notes that these rules have matched a name.
   void fit(const Rules& rules);
-  /// Returns the rules that have matched nothing so far, each once; none before `time_to_open` is over.
+  /// Returns the rules that have matched no name so far, each rule once. Returns no rules before
+  /// `time_to_open` is over.
   Rules take_unfit(Time now);
-  /// A node closes. If it was the last node, this returns what take_unfit() would return, whatever the time.
+  /// Called when a node closes. If it was the last node, the result is that of take_unfit() without its
+  /// waiting time.
   Rules leave();
 
  private:
@@ -41,8 +44,9 @@ class RuleUse {
 
   Mutex mutex_;
   std::size_t nodes_ SFT_GUARDED_BY(mutex_) = 0;
-  Time opened_ SFT_GUARDED_BY(mutex_){};                        ///< when the last node opened
-  std::map<std::string, bool> is_done_ SFT_GUARDED_BY(mutex_);  ///< by rule; true: matched or reported
+  Time opened_ SFT_GUARDED_BY(mutex_){};  ///< the time when the last node was opened
+  /// By the text of the rule; true: matched or reported.
+  std::map<std::string, bool> is_done_ SFT_GUARDED_BY(mutex_);
 };
 
 }  // namespace sft::core

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::chrono::nanoseconds first_pause = 100ms;  // until a call is repeated
+constexpr std::chrono::nanoseconds first_pause = 100ms;  // the time after which a call is first repeated
 constexpr std::chrono::nanoseconds longest_pause = 1s;
 constexpr std::chrono::nanoseconds look_for_server = 20ms;
 constexpr std::chrono::nanoseconds look_whether_it_lives = 100ms;
@@ -24,7 +24,7 @@ std::string text_of(std::chrono::nanoseconds time) {
 
 }  // namespace
 
-// No name is no topic either, and not "/call".
+// Returns the topic of calls. Without a name of the service there is no topic, not even "/call".
 std::string call_topic(std::string_view service) {
   return service.empty() ? "" : std::string(service) + "/call";
 }
@@ -43,8 +43,8 @@ bool in_sample_callback() { return core::SubscriberCore::in_callback(); }
 std::vector<SeenServer> seen_servers(const PublisherStatus& calls, const SubscriberStatus& replies) {
   std::vector<SeenServer> seen;
   for (const SubscriberStatus::Writer& writer : replies.writers) {
-    // Other programs, such as `sft echo`, may receive the calls, too. If such a program has a node of the
-    // same name, a call may be sent too early. It is repeated later.
+    // Other programs, such as `sft echo`, may receive the calls, too. If such a program has a node with the
+    // name of the server's node, a call may be sent too early. It is repeated later.
     const auto hears = [&](const PublisherStatus::Reader& r) { return r.served && r.node == writer.node; };
     const bool is_heard = std::ranges::any_of(calls.readers, hears);
     seen.push_back({.id = writer.id,
@@ -77,7 +77,7 @@ ClientCall::Step ClientCall::next(ServiceTime now, const std::vector<SeenServer>
                     "', has gone; whether it has carried out the call is not known");
     }
   }
-  // A server that exists gets the call at least once, however late this thread runs.
+  // An existing server gets the call at least once, even if this thread runs late.
   const SeenServer* const only = was_sent ? nullptr : only_server(seen);
   if (now >= deadline_ && only == nullptr) return failed(why_late(seen));
   if (only != nullptr) {

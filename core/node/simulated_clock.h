@@ -1,5 +1,6 @@
-// The time of a node that follows the topic "/clock" (NodeOptions::use_sim_time): that of the newest sample.
-// The sample is taken when the program asks for the time, so the clock needs no thread, and wakes none.
+// The time of a node that follows the topic "/clock" (NodeOptions::use_sim_time): the time in the newest
+// sample. The sample is taken when the program asks for the time, so the clock needs no thread, and wakes
+// none.
 #pragma once
 
 #include <atomic>
@@ -12,10 +13,10 @@
 
 namespace sft::core {
 
-/// Any thread.
+/// Any thread may use the clock.
 class SimulatedClock {
  public:
-  // The topic and its type, as ROS 2 has them.
+  // The topic and its type, as in ROS 2.
   static constexpr const char* topic = "/clock";
   static constexpr const char* type_name = "rosgraph_msgs/Clock";
   static constexpr const char* type_text =
@@ -24,12 +25,12 @@ class SimulatedClock {
       "MSG: builtin_interfaces/Time\n"
       "int32 sec\n"
       "uint32 nanosec\n";
-  /// If no publisher of the topic is known after this time, the log says so.
+  /// The time after which the log says that no publisher of the topic is known.
   static constexpr std::chrono::seconds timeout{5};
 
   explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}
 
-  /// Returns the time of the newest sample; 0 until the first one has come.
+  /// Returns the time of the newest sample, or 0 if none has arrived yet.
   std::chrono::nanoseconds now();
 
  private:

@@ -1,4 +1,4 @@
-// The names are documented in sft/snapshot.h, and must not change.
+// The names in the JSON text are documented in sft/snapshot.h, and must not change.
 #include <nlohmann/json.hpp>
 
 #include "core/platform/random_id.h"

@@ -7,8 +7,10 @@ namespace sft::core {
 
 namespace {
 constexpr const char* ruled_out = "the node rules it out";
-constexpr std::chrono::milliseconds look_at_addresses_every{200};  // costs one call while nothing changes
-/// Used while shared memory may become available: an obstacle may go away at any time.
+// A look costs one call while nothing changes.
+constexpr std::chrono::milliseconds look_at_addresses_every{200};
+/// The pause between looks while shared memory may become available, since an obstacle may disappear at any
+/// time.
 constexpr std::chrono::milliseconds look_for_memory_every{200};
 }  // namespace
 
@@ -44,8 +46,9 @@ TransportMonitor::MemoryChange TransportMonitor::look_at_memory(Time now) {
   return change;
 }
 
-/// An attempt after a failed one is not logged, but its outcome is. The first failure is a warning, since
-/// whole samples go by UDP from then on, unless there is no daemon because the user wants none.
+/// Logs the state of shared memory. An attempt after a failed one is not logged, but its outcome is. The
+/// first failure is a warning, since whole samples go by UDP from then on. If there is no daemon because the
+/// user wants none, it is not a warning.
 void TransportMonitor::log_memory() {
   const bool unavailable = memory_availability_ == Availability::unavailable;
   if (memory_availability_ == Availability::starting && !self_.memory_failure.empty()) return;
@@ -55,7 +58,7 @@ void TransportMonitor::log_memory() {
   log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.memory_state);
 }
 
-/// A transport that the system has stopped cannot be repaired from within; status() says so from then on.
+/// If the system has stopped a transport, the node cannot repair it. From then on status() says so.
 TransportMonitor::NetworkChange TransportMonitor::look_at_network(Time now) {
   if (network_ == nullptr || network_failed_) return NetworkChange::none;
   const bool is_ready = network_->poll(now) == Availability::ready;

@@ -1,5 +1,6 @@
-// The state of a node's two transports: whether shared memory is available, on which host, where the node is
-// reached by UDP, and what of this is written to the log. Used by the agent only, except what is marked.
+// The state of a node's two transports: whether shared memory is available, on which host, and the UDP
+// addresses of the node. Writes changes to the log. Used by the agent only, except for functions that are
+// marked.
 #pragma once
 
 #include <atomic>
@@ -17,7 +18,7 @@ namespace sft::core {
 
 class TransportMonitor {
  public:
-  /// All outlive this object; a transport is null if the node must not use it.
+  /// All arguments must outlive this object. A transport is null if the node must not use it.
   TransportMonitor(SharedMemory* memory, Network* network, std::uint64_t network_id, NodeLog& log);
 
   const Self& self() const { return self_; }
@@ -26,25 +27,25 @@ class TransportMonitor {
 
   struct MemoryChange {
     bool any = false;         ///< self() has changed
-    bool of_host = false;     ///< former ports are dead, and new ones may be opened
-    bool of_state = false;    ///< the description for people
-    bool of_failure = false;  ///< the reason that other nodes are told
+    bool of_host = false;     ///< the former ports are dead, and new ones may be opened
+    bool of_state = false;    ///< the description for people has changed
+    bool of_failure = false;  ///< the reason that other nodes receive has changed
   };
   MemoryChange look_at_memory(Time now);
-  /// Logs the change that look_at_memory() found last.
+  /// Logs the change that the last look_at_memory() has found.
   void log_memory();
 
   enum class NetworkChange : std::uint8_t {
     none,
-    links,      ///< of links()
-    addresses,  ///< of addresses(), and maybe of links()
+    links,      ///< links() has changed
+    addresses,  ///< addresses() has changed, and maybe links()
   };
-  /// Writes the remarks of the transport to the log, and logs its failure.
+  /// Writes the remarks of the network to the log, and logs its failure.
   NetworkChange look_at_network(Time now);
-  /// Returns when a transport must be looked at again. Must be called after both were looked at.
+  /// Returns the time at which a transport must be looked at again. Must be called after both looks.
   Time next_look(Time now) const;
 
-  // Any thread.
+  // The functions for any thread.
   bool memory_ready() const { return memory_ready_.load(); }
   std::string memory_state() const;
 
@@ -56,7 +57,8 @@ class TransportMonitor {
   NodeLog& log_;
   Self self_;
   Availability memory_availability_ = Availability::starting;
-  std::string logged_failure_;  ///< the last one of shared memory in the log; empty while that may come up
+  /// The last failure of shared memory in the log; empty while shared memory may still become available.
+  std::string logged_failure_;
   bool memory_warned_ = false;
   bool network_failed_ = false;
   std::vector<UdpAddress> addresses_;

@@ -1,7 +1,7 @@
 // Decides when a node that searches for the type of a topic begins to read the announcements of readers, too.
-// Publishers announce the type as well, and a node that has begun to read those of all readers never stops.
-// If all nodes that search for types did so, they would have to announce all their subscribers to each other.
-// Uses no clock, thread or I/O.
+// Publishers announce the type as well, and a node that has begun to read the announcements of all readers
+// never stops. If all nodes that search for types did so, they would have to announce all their subscribers
+// to each other. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -13,10 +13,10 @@ namespace sft::core {
 
 class TypeSearch {
  public:
-  /// By then, the announcement of each publisher that exists has come.
+  /// The time after which the announcements of all existing publishers have arrived.
   static constexpr std::chrono::seconds publishers_first{1};
-  /// However many processes start, readers are included after this time, or after half of the time for the
-  /// search.
+  /// The latest time at which readers are included, even if further processes start: this time, or half of
+  /// the time for the search, if that is less.
   static constexpr std::chrono::seconds readers_after{5};
 
   TypeSearch(Time now, Time deadline)
@@ -27,10 +27,11 @@ class TypeSearch {
             std::max(readers_at_, now + std::min<Time::duration>(readers_after, (deadline - now) / 2))) {}
 
   bool hears_readers() const { return hears_readers_; }
-  /// Returns the time until which to wait for announcements.
+  /// Returns the time at which the wait for announcements ends.
   Time waits_until() const { return hears_readers_ ? deadline_ : readers_at_; }
-  /// Must be called if the type was not found until then. `newcomer_at`: when another process was discovered
-  /// last; while processes start, a publisher may still come. Returns false if the search is over.
+  /// Must be called if the type was not found by then. `newcomer_at` is the time at which the last process
+  /// was discovered: while processes start, a publisher may still appear. Returns false if the search is
+  /// over.
   bool goes_on(Time now, Time newcomer_at) {
     if (hears_readers_) return false;
     readers_at_ = std::clamp(newcomer_at + publishers_first, readers_at_, readers_at_last_);

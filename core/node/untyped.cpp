@@ -60,7 +60,7 @@ SampleState view_of(core::SampleBuffer& buffer, std::size_t slots) {
   return state;
 }
 
-constexpr std::size_t slots_max = core::leaves_max;  // types with more leaves have no subscribers
+constexpr std::size_t slots_max = core::leaves_max;  // types with more leaves cannot be subscribed to
 
 constexpr std::array<std::uint32_t, slots_max> absent_slots = [] {
   std::array<std::uint32_t, slots_max> slots{};
@@ -92,7 +92,7 @@ std::vector<std::string> Sample::missing_channels(const TypeSupport& type) const
   std::vector<std::string> missing;
   if (selection_ == nullptr) return missing;
   SampleState state = state_;
-  state.log = nullptr;  // this is no read of the program
+  state.log = nullptr;  // this access is not a read of the program
   const DynamicView view(state, type.type(), *state.mask);
   for (const Selection::Part& part : selection_->parts()) {
     const Layout* const layout = type.layout_of(part.leaf);
@@ -122,7 +122,8 @@ void Sample::reset() noexcept {
   SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
 }
 
-/// Memory is given back once, by the process that took it.
+/// Drops the references without giving memory back, because only the process that took the memory must give
+/// it back.
 void Sample::leave_to_the_parent() noexcept {
   record_ = nullptr;
   parts_ = nullptr;
@@ -143,7 +144,7 @@ Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* b
 
 Loan::~Loan() {
   if (core::is_forked_copy()) {
-    // Leaks the handle: it may be the last one, and not even the publisher must be destroyed here.
+    // The handle is leaked: it may be the last one, and not even the publisher must be destroyed here.
     static_cast<void>(new std::shared_ptr<core::PublisherCore>(std::move(publisher_)));
     return;
   }
@@ -187,8 +188,8 @@ PublishStatus Loan::publish() && {
   return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
 }
 
-// A forked copy of a process must not even read what other threads were using when it was forked. No function
-// waits for a lock there.
+// A forked copy of a process must not even read objects that other threads were using at the time of the
+// fork. No function waits for a lock in such a copy.
 
 PublishStatus Publisher::publish(const void* value) {
   if (core::is_forked_copy()) [[unlikely]]
@@ -234,7 +235,7 @@ Sample Subscriber::take() { return core::is_forked_copy() ? Sample() : core_->ta
 
 Sample Subscriber::take_latest() { return core::is_forked_copy() ? Sample() : core_->take_latest(); }
 
-/// Does not wait within a callback: its thread may be the one that receives, so no sample would come
+/// Does not wait within a callback: its thread may be the receiving thread, so that no sample would arrive
 /// meanwhile.
 bool Subscriber::wait(std::chrono::nanoseconds timeout) {
   if (core::is_forked_copy()) return false;

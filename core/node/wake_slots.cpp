@@ -30,7 +30,8 @@ void WakeSlots::give_back(std::uint32_t slot) {
   free_.push_back(slot);
 }
 
-/// Rings free slots as well: the list of these has a lock, which a signal handler cannot take.
+/// Rings the doorbells of free slots as well, because the list of free slots has a lock, which a signal
+/// handler must not take.
 void WakeSlots::interrupt() noexcept {
   interrupted_.store(true, std::memory_order_seq_cst);
   for (std::uint32_t slot = 0; slot < DoorbellPage::slots; ++slot) page_->at(slot).ring();

@@ -23,14 +23,15 @@ class Agent {
  public:
   using Task = std::function<void()>;
 
-  /// `tick` is called when the time has passed that its last call returned. `idle` is called after each batch
-  /// of tasks, since the next tick may then have to come sooner. Both return the time until the next tick.
+  /// The work of the thread besides tasks. `tick` is called when the time that its last call returned has
+  /// passed. `idle` is called after each batch of tasks, since the next tick may then be due earlier. Both
+  /// return the time until the next tick.
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
-    /// Called for each piece of work that took the thread too long. If it is empty, nothing is measured.
+    /// Called for each piece of work that took too long. If the function is empty, no time is measured.
     HoldUpMonitor::Report held_up{};
-    ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that times the pieces
+    ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that measures the pieces of work
   };
 
   Agent() = default;
@@ -43,15 +44,15 @@ class Agent {
   /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread, even
   /// before start().
   void post(Task task, std::source_location by = std::source_location::current());
-  /// The same for a task that can wait until the next tick. It wakes the agent only if `waiting_max` tasks
-  /// wait.
+  /// Posts a task that can wait until the next tick. Wakes the agent only if `waiting_max` tasks wait.
   void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
-  /// Returns true if at least `behind_from` tasks wait. Then threads that post very many tasks should wait
+  /// Returns true if at least `behind_from` tasks wait. Threads that post very many tasks should then wait
   /// for the agent.
   bool is_behind();
   static constexpr std::size_t behind_from = 256;
-  /// Runs the tasks that were posted before, then ends the thread. Tasks that are posted later are not run.
+  /// Runs the tasks that were posted before, and then ends the thread. Tasks that are posted later are not
+  /// run.
   void stop();
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
 

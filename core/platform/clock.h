@@ -12,15 +12,15 @@ using Time = std::chrono::steady_clock::time_point;
 /// A function that reads that clock, or the clock of a test.
 using ReadTime = Time (*)();
 
-/// Returns CLOCK_REALTIME in ns, with which samples are stamped. Between hosts, stamps are comparable only if
-/// the clocks agree.
+/// Returns the time of CLOCK_REALTIME in ns. Samples are stamped with this time. Stamps of different hosts
+/// are comparable only if the clocks of the hosts agree.
 inline std::int64_t realtime_ns() noexcept {
   const auto now = std::chrono::system_clock::now().time_since_epoch();
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-/// CLOCK_REALTIME, read when it is first needed. Most decisions that might need the time do not, and then the
-/// clock is not read.
+/// The time of CLOCK_REALTIME, read at the first use. Most decisions that might need the time do not use it,
+/// so that the clock is not read.
 class LazyRealtime {
  public:
   LazyRealtime() = default;
@@ -34,8 +34,8 @@ class LazyRealtime {
   std::optional<std::int64_t> ns_;
 };
 
-/// Returns true if a stamp is more than `age_ns` before `now_ns`. The stamp may have any value; the other two
-/// are not negative.
+/// Returns true if the stamp is more than `age_ns` before `now_ns`. The stamp may have any value; the other
+/// two arguments must not be negative.
 constexpr bool is_older(std::int64_t stamp_ns, std::int64_t age_ns, std::int64_t now_ns) noexcept {
   return stamp_ns < now_ns - age_ns;
 }

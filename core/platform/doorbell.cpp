@@ -26,7 +26,7 @@ namespace {
 
 constexpr const char* page_directory = "/dev/shm";
 constexpr std::string_view prefix = "sft_bell_";
-constexpr std::string_view no_directory = "/memfd:";  // links to files that never had a path begin with this
+constexpr std::string_view no_directory = "/memfd:";  // the beginning of links to files that never had a path
 constexpr std::size_t page_bytes = DoorbellPage::slots * sizeof(Doorbell);
 
 Doorbell* map(int fd) {
@@ -45,8 +45,8 @@ int create_file(const std::string& path) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
   if (fd < 0) return -1;
-  // posix_fallocate(), because a write to a page that a full tmpfs cannot allocate later would cause a
-  // SIGBUS. fchmod(), because other members of our group must be able to ring, whatever the umask.
+  // posix_fallocate() is used because a later write to a page that a full tmpfs cannot allocate would cause a
+  // SIGBUS. fchmod() is used because other members of our group must be able to ring, whatever the umask is.
   if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0)
     return fd;
   unlink(path.c_str());
@@ -54,7 +54,7 @@ int create_file(const std::string& path) {
   return -1;
 }
 
-/// The same, but creates a file without a path, which needs no space in /dev/shm.
+/// Creates such a file without a path, which needs no space in /dev/shm. Returns its descriptor, or -1.
 int create_nameless_file(std::uint64_t id) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = memfd_create((std::string(prefix) + in_hex(id)).c_str(), MFD_CLOEXEC);
@@ -68,7 +68,8 @@ bool is_number(const char* text) {
   return *text != '\0' && std::strspn(text, "0123456789") == std::strlen(text);
 }
 
-/// Returns the id of the page to which this link leads, if it leads to a page that has no path (any more).
+/// Returns the id of the page to which the link leads. Returns nothing if the link does not lead to a page,
+/// or if the page still has a path.
 std::optional<std::uint64_t> nameless_id(const std::filesystem::path& link) {
   std::error_code ignored;
   const std::string target = std::filesystem::read_symlink(link, ignored);
@@ -92,7 +93,7 @@ void note_nameless_pages(const std::filesystem::path& process, std::map<std::uin
 }  // namespace
 
 void Doorbell::wake() noexcept {
-  // Wakes all threads: two threads of a process may wait on one word, and each checks its own condition.
+  // All threads are woken: two threads of a process may wait on one word, and each checks its own condition.
   syscall(SYS_futex, &rings, FUTEX_WAKE, 0x7fffffff, nullptr, nullptr, 0);
 }
 
@@ -158,7 +159,7 @@ Result<std::unique_ptr<DoorbellPage>> DoorbellPage::open_nameless(std::uint64_t 
 }
 
 Result<std::unique_ptr<DoorbellPage>> DoorbellPage::share(std::uint64_t id, const FileDescriptor& file) {
-  // With a shorter file every ring would cause a SIGBUS.
+  // With a file shorter than a page, every ring would cause a SIGBUS.
   Doorbell* bells = is_whole(file.get()) ? map(file.get()) : nullptr;
   if (bells == nullptr) return fail(Errc::malformed, path_of(id) + ": not a doorbell page");
   return std::unique_ptr<DoorbellPage>(new DoorbellPage(id, bells, -1));
@@ -171,7 +172,7 @@ std::size_t DoorbellPage::sweep() noexcept {
     const std::string name = entry.path().filename().string();
     if (!name.starts_with(prefix)) continue;
     const auto file = open_trusted_file(entry.path(), O_RDWR, {.everybody = true});
-    // A new page is empty until its owner has locked it, so empty pages must not be removed.
+    // A new page is empty until its owner has locked the file. So empty pages must not be removed.
     if (!file || !is_whole(file->get())) continue;
     if (flock(file->get(), LOCK_EX | LOCK_NB) == 0 && unlink(entry.path().c_str()) == 0) ++removed;
   }

@@ -1,11 +1,11 @@
-// A doorbell wakes a sleeping reader, in this process or another. It is a word in a page that the reader's
-// process shares through /dev/shm. Ringing costs one atomic addition while the reader is awake, and also a
-// futex call if it sleeps. A thread that rings several doorbells may do the additions at once, and leave the
-// calls to another thread.
+// A doorbell wakes a sleeping reader, in this process or in another one. The doorbell is a word in a page
+// that the reader's process shares through /dev/shm. Ringing costs one atomic addition while the reader is
+// awake, and also a futex call if it sleeps. A thread that rings several doorbells may do the additions at
+// once, and leave the calls to another thread.
 //
-// A page is a file `/dev/shm/sft_bell_<id in hex>`, which its owner locks (flock) as long as the process
-// lives. Any process may remove a page that is not locked, so that pages of killed processes do not stay for
-// long.
+// A page is a file `/dev/shm/sft_bell_<id in hex>`. The process that owns the page locks the file (flock) as
+// long as it lives. Any process may remove a page that is not locked, so that pages of killed processes do
+// not stay for long.
 #pragma once
 
 #include <atomic>
@@ -21,19 +21,19 @@
 
 namespace sft::core {
 
-/// One word to wait on. Lives in shared memory: no pointers, fixed layout.
+/// One word on which threads wait. It lies in shared memory, so it has no pointers, and a fixed layout.
 struct alignas(64) Doorbell {
   std::atomic<std::uint32_t> rings{0};
   std::atomic<std::uint32_t> sleepers{0};
 
-  // These are called by any thread or process, after it has made data visible.
+  // The following functions are called by any thread or process, after it has made data visible.
 
   /// Wakes all sleeping threads.
   void ring() noexcept {
     if (announce()) wake();
   }
-  /// The first half of ring(), which suffices for threads that are awake. Returns true if a thread sleeps.
-  /// Then wake() must be called.
+  /// Does the first half of ring(), which is enough for threads that are awake. If it returns true, a thread
+  /// sleeps, and the caller must call wake().
   [[nodiscard]] bool announce() noexcept {
     rings.fetch_add(1, std::memory_order_seq_cst);
     return has_sleepers();
@@ -41,11 +41,11 @@ struct alignas(64) Doorbell {
   void wake() noexcept;
   bool has_sleepers() const noexcept { return sleepers.load(std::memory_order_seq_cst) != 0; }
 
-  /// Returns true if the doorbell was rung since `rings` was `seen`.
+  /// Returns true if the doorbell was rung since `rings` had the value `seen`.
   bool rung(std::uint32_t seen) const noexcept { return rings.load(std::memory_order_seq_cst) != seen; }
 
-  /// Keeps the core busy until the doorbell was rung since `rings` was `seen`, and returns true, or until the
-  /// time is over, and returns false. Lets other threads run that wait for this core.
+  /// Keeps the core busy until the doorbell has been rung since `rings` had the value `seen`, and then
+  /// returns true. Returns false if the time is over before. Lets other threads run that wait for this core.
   bool spin(std::uint32_t seen, std::chrono::steady_clock::time_point until) const noexcept;
 
   /// Sleeps until the doorbell is rung or the deadline has passed. Does not sleep if `ready()` returns true.
@@ -67,21 +67,23 @@ class DoorbellPage {
   static constexpr std::uint32_t slots = 1024;
 
   /// Creates a page of this process with a random id. If /dev/shm cannot be used, for example because it is
-  /// full, the page has no path, and processes of this account find it by nameless_pages(). If that fails,
-  /// too, the page is private memory with id 0. Then readers of this process work, but no other process can
-  /// ring.
+  /// full, the page has no path, and processes of this account find it by nameless_pages(). If a page without
+  /// a path cannot be created either, the page is private memory with id 0. Then readers of this process
+  /// work, but no other process can ring.
   static std::unique_ptr<DoorbellPage> create();
   /// Opens a page of another process (or of this one), to ring its doorbells. The page must belong to one of
-  /// these accounts, because its owner can truncate it, which would crash processes that ring in it.
+  /// `accounts`, because its owner can truncate the file, which would crash processes that ring a doorbell in
+  /// it.
   static Result<std::unique_ptr<DoorbellPage>> open(std::uint64_t id, const TrustedAccounts& accounts = {});
-  /// Returns the pages without a path of all processes of this account, by id: links by which they can be
-  /// opened. Such a page never had a path, or the path was removed, by a clean-up script or by a service
-  /// manager at log-out. Reads the open files of all processes, which takes milliseconds.
+  /// Returns the pages without a path of all processes of this account: for each id a link by which the page
+  /// can be opened. Such a page never had a path, or the path was removed, by a clean-up script or by a
+  /// service manager at log-out. The function reads the open files of all processes, which takes
+  /// milliseconds.
   static std::map<std::uint64_t, std::string> nameless_pages();
   static Result<std::unique_ptr<DoorbellPage>> open_nameless(std::uint64_t id, const std::string& link);
   /// Returns the path of the page with that id.
   static std::string path_of(std::uint64_t id);
-  /// Removes the pages of processes that have ended. Returns how many.
+  /// Removes the pages of processes that have ended. Returns the number of removed pages.
   static std::size_t sweep() noexcept;
 
   ~DoorbellPage();
@@ -97,7 +99,7 @@ class DoorbellPage {
 
   std::uint64_t id_;
   Doorbell* bells_;
-  int fd_;  ///< holds the lock of a page that this process owns; -1 otherwise
+  int fd_;  ///< the descriptor that holds the lock of a page that this process owns; -1 for other pages
 };
 
 }  // namespace sft::core

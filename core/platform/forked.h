@@ -1,6 +1,7 @@
 // A program that has nodes may fork. The new process has a copy of the node's memory, but none of its
-// threads, and it shares the node's sockets, files and shared memory with its parent. The copy must not touch
-// any of these. Destroying a node there, or what the node has opened or lent, therefore does nothing.
+// threads, and it shares the node's sockets, files and shared memory with its parent. The copy must not use
+// any of these. Therefore the destruction of a node, or of an object that the node has opened or lent, does
+// nothing in the copy.
 #pragma once
 
 namespace sft::core {
@@ -15,8 +16,8 @@ class OfOneProcess {
   OfOneProcess& operator=(const OfOneProcess&) = delete;
 };
 
-/// Returns true if this process was forked, directly or not, from one in which a node lived, and has not
-/// executed another program since.
+/// Returns true if this process was forked, directly or indirectly, from a process in which a node lived, and
+/// has not executed another program since.
 bool is_forked_copy() noexcept;
 
 /// The message of errors that functions return in a copy.

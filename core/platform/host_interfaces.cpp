@@ -37,8 +37,8 @@ IpAddress ip_of(const sockaddr& address) noexcept {
   return ip;
 }
 
-/// Returns the prefix length of a network mask: the number of its set bits. `family` is passed, because the
-/// system may not set that of the mask.
+/// Returns the prefix length of a network mask: the number of its set bits. `family` is an argument because
+/// the system might not set the family of the mask.
 std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
   std::array<std::uint8_t, sizeof(sockaddr_in6)> bytes{};
   const std::size_t begin =
@@ -50,9 +50,9 @@ std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
   return static_cast<std::uint8_t>(bits);
 }
 
-/// Returns IPv6 addresses that must not be announced: temporary ones, besides which there is a permanent one,
-/// and those that are not yet, or no longer, in use. They are read from /proc (proc(5)), since getifaddrs()
-/// does not show this.
+/// Returns IPv6 addresses that must not be announced: temporary addresses, besides which there is a permanent
+/// one, and addresses that are not yet, or no longer, in use. They are read from /proc (proc(5)), since
+/// getifaddrs() does not show these states.
 std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
   constexpr unsigned unfit = IFA_F_TEMPORARY | IFA_F_TENTATIVE | IFA_F_DADFAILED | IFA_F_DEPRECATED;
   std::set<IpAddress::Bytes> avoid;
@@ -81,7 +81,7 @@ HostInterface without_address(const ifaddrs& entry) {
   return interface;
 }
 
-/// Returns the interface with the address of this entry; empty if other hosts could not use the address.
+/// Returns the interface with the address of this entry, or nothing if other hosts could not use the address.
 std::optional<HostInterface> with_address(const ifaddrs& entry, const std::set<IpAddress::Bytes>& avoid) {
   if (entry.ifa_addr == nullptr || entry.ifa_netmask == nullptr) return {};
   const int family = entry.ifa_addr->sa_family;
@@ -110,8 +110,8 @@ std::optional<std::vector<HostInterface>> host_interfaces() {
     if (std::ranges::find(interfaces, name, &HostInterface::name) == interfaces.end())
       interfaces.push_back(without_address(*i));
   }
-  // The system needs a descriptor to find an index. If there is none, or if an interface has just
-  // disappeared, the caller has to try again.
+  // The system needs a descriptor to find the index of an interface. If there is no free descriptor, or if an
+  // interface has just disappeared, the caller has to try again.
   if (std::ranges::find(interfaces, 0U, &HostInterface::index) != interfaces.end()) return {};
   return interfaces;
 }
@@ -121,7 +121,7 @@ bool is_named(const HostInterface& interface, const std::string& text) {
   if (!network) return text == interface.name;
   if (interface.ip.is_any()) return false;
   if (network->prefix_bits) return in_one_network(network->ip, interface.ip, *network->prefix_bits);
-  // The text is the address of the interface, or of its network, in which all other bits are 0.
+  // The text is the address of the interface, or the address of its network, in which all other bits are 0.
   if (network->ip.bytes == interface.ip.bytes) return true;
   return in_one_network(network->ip, interface.ip, interface.prefix_bits) &&
          network_of(network->ip, interface.prefix_bits) == network->ip;

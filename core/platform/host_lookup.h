@@ -1,4 +1,4 @@
-// Asks the system for the addresses of a host by its name.
+// Looks up the addresses of a host by its name, with the functions of the system.
 #pragma once
 
 #include <string>
@@ -11,9 +11,9 @@ namespace sft::core {
 
 enum class IpFamily { ipv4, ipv6 };
 
-/// Returns the addresses in ascending order, each once. The error contains the system's reason why there are
-/// none. The call may take minutes if a name server does not answer, so it needs a thread that has nothing
-/// else to do.
+/// Returns the addresses in ascending order, each once. If there are none, the error contains the system's
+/// reason. The call may take minutes if a name server does not answer, so it needs a thread without other
+/// work.
 Result<std::vector<IpAddress>> addresses_of_host(const std::string& name, IpFamily family);
 
 }  // namespace sft::core

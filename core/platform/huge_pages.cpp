@@ -9,7 +9,7 @@ namespace sft::core {
 std::string why_no_huge_pages(const std::filesystem::path& root) {
   const std::filesystem::path settings = root / "sys/kernel/mm/transparent_hugepage";
   std::string choices;
-  std::getline(std::ifstream(settings / "enabled"), choices);  // "always [madvise] never"
+  std::getline(std::ifstream(settings / "enabled"), choices);  // a text such as "always [madvise] never"
   if (choices.empty()) return "the kernel has none, or hides it";
   if (choices.find("[never]") != std::string::npos)
     return "the system turns them off (/sys/kernel/mm/transparent_hugepage/enabled)";

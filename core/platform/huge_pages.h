@@ -7,10 +7,11 @@
 
 namespace sft::core {
 
-/// Blocks of memory that have at least this size ask for huge pages.
+/// The least size of the blocks of memory that ask for huge pages.
 inline constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 
-/// Returns why such memory does not get huge pages. Empty: it does, as far as the system has free ones.
+/// Returns the reason why such memory does not get huge pages. The result is empty if the memory gets them,
+/// as far as the system has free ones.
 std::string why_no_huge_pages(const std::filesystem::path& root = "/");
 
 }  // namespace sft::core

@@ -12,7 +12,7 @@
 namespace sft::core {
 
 /// An IP address. An IPv4 address is stored in its IPv6 form, "IPv4-mapped" (RFC 4291, 2.5.5.2):
-/// ::ffff:a.b.c.d. If all bytes are 0, it means no address, or any.
+/// ::ffff:a.b.c.d. All bytes are 0 if there is no address, or for the address "any".
 struct IpAddress {
   using Bytes = std::array<std::uint8_t, 16>;
 
@@ -33,7 +33,7 @@ struct IpAddress {
     }
     return bytes[10] == 0xff && bytes[11] == 0xff;
   }
-  /// REQUIRES: is_ipv4().
+  /// Returns the address in host byte order. REQUIRES: is_ipv4().
   constexpr std::uint32_t ipv4() const {
     std::uint32_t number = 0;
     for (std::size_t i = 12; i < 16; ++i) number = number << 8 | bytes[i];
@@ -53,18 +53,18 @@ struct IpAddress {
 inline constexpr IpAddress loopback_ipv4{0x7f000001};
 inline constexpr IpAddress loopback_ipv6{IpAddress::Bytes{0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
 
-/// Returns the address with all bits set to 0 except the first `prefix_bits`: 0 to 32 for IPv4, 0 to 128 for
-/// IPv6.
+/// Returns the address with all bits set to 0 except for the first `prefix_bits`, which is 0 to 32 for IPv4,
+/// and 0 to 128 for IPv6.
 IpAddress network_of(const IpAddress& address, unsigned prefix_bits);
 
-/// Returns true if both addresses are of one family and their first `prefix_bits` are equal. Since all
-/// link-local networks have the same prefix, the interfaces of link-local addresses are also compared, if
+/// Returns true if both addresses are of the same family and their first `prefix_bits` are equal. Since all
+/// link-local networks have the same prefix, the interfaces of link-local addresses are compared, too, if
 /// both are known.
 bool in_one_network(const IpAddress& a, const IpAddress& b, unsigned prefix_bits);
 
 struct IpNetwork {
   IpAddress ip;
-  std::optional<unsigned> prefix_bits;  ///< empty: the text named none
+  std::optional<unsigned> prefix_bits;  ///< the prefix length; empty: the text has none
   friend bool operator==(const IpNetwork&, const IpNetwork&) = default;
 };
 
@@ -73,8 +73,8 @@ std::string format(const IpAddress& address);
 /// Returns an address with a port as text: "10.99.1.2:7000", "[fe80::1%eth0]:7000".
 std::string format(const IpAddress& address, std::uint16_t port);
 
-/// Parses an address that has the form of format(). Returns nothing if it names an interface that this host
-/// lacks.
+/// Parses an address in the form of format(). Returns nothing if the text is not an address, or names an
+/// interface that this host lacks.
 std::optional<IpAddress> parse_ip_address(std::string_view text);
 /// Parses an address, or an address with a prefix length: "10.0.0.0/24", "fd00::/64".
 std::optional<IpNetwork> parse_ip_network(std::string_view text);

@@ -1,5 +1,5 @@
-// The id of the network stack that this process is in. It is equal for processes between which 127.0.0.1 is
-// the same address. One machine has several network stacks if it runs containers.
+// The id of the network stack of this process. Two processes have equal ids if 127.0.0.1 is the same address
+// for both. A machine that runs containers has several network stacks.
 #pragma once
 
 #include <cstdint>

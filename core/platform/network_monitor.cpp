@@ -24,7 +24,8 @@ bool NetworkMonitor::is_another_file() const noexcept {
   return ::fstat(netlink_.get(), &file) != 0 || file.st_ino != inode_;
 }
 
-/// This function only removes the messages from the socket. The callers determine elsewhere what has changed.
+/// Removes the messages from the socket without reading their contents. The callers determine elsewhere which
+/// state has changed.
 bool NetworkMonitor::changed() noexcept {
   if (!netlink_) return true;
   was_closed_ = is_another_file();
@@ -32,7 +33,8 @@ bool NetworkMonitor::changed() noexcept {
   for (bool any = false;; any = true) {
     char start_of_message = 0;
     const bool came = ::recv(netlink_.get(), &start_of_message, sizeof start_of_message, 0) >= 0;
-    if (!came && errno != ENOBUFS && errno != EINTR) return any;  // ENOBUFS: the socket has lost messages
+    // ENOBUFS means that the socket has lost messages.
+    if (!came && errno != ENOBUFS && errno != EINTR) return any;
   }
 }
 

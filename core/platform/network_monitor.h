@@ -1,5 +1,5 @@
-// Detects changes of the host's interfaces, addresses or routes by a netlink socket (rtnetlink(7)), which
-// costs nothing while there are no changes.
+// Detects changes of the host's interfaces, addresses or routes by a netlink socket (rtnetlink(7)). The
+// socket costs nothing while there are no changes.
 #pragma once
 
 #include <cstdint>
@@ -13,14 +13,14 @@ class NetworkMonitor {
   /// Watches the network namespace of the calling thread.
   NetworkMonitor();
 
-  /// Returns true if anything may have changed since the last call. Always returns true if the system refuses
-  /// the socket.
+  /// Returns true if interfaces, addresses or routes may have changed since the last call. Always returns
+  /// true if the system refuses the socket.
   bool changed() noexcept;
   /// Returns true if the program has closed the socket, and probably all other descriptors of this process.
-  /// The number of the descriptor may now be that of another file.
+  /// The number of the descriptor may now belong to another file.
   bool was_closed() const noexcept { return was_closed_; }
-  /// For several users that share a monitor, and call only this function: returns a number that has grown if
-  /// anything may have changed.
+  /// Returns a number that has grown if interfaces, addresses or routes may have changed. It is meant for
+  /// several users that share a monitor. They must call only this function.
   std::uint64_t changes() noexcept {
     if (changed()) ++changes_;
     return changes_;

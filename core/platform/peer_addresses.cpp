@@ -10,7 +10,7 @@ namespace sft::core {
 
 namespace {
 
-/// A name server that can be reached usually answers within this time.
+/// The time within which a reachable name server usually answers.
 constexpr std::chrono::milliseconds usual_answer{200};
 /// The limits of the pauses between two checks for an answer, which grow with the time that the lookup takes.
 constexpr std::chrono::milliseconds answer_pause_min{20}, answer_pause_max{1'000};
@@ -84,8 +84,8 @@ void PeerAddresses::network_changed() {
   for (auto& [name, host] : hosts_) host.is_due = true;
 }
 
-/// Begins a lookup. A name has at most one thread. If the network changes while a lookup is under way, its
-/// answer is used, and then the name is looked up again.
+/// Begins a lookup. A name has at most one thread. If the network changes during a lookup, the answer is
+/// used, and then the name is looked up again.
 void PeerAddresses::begin(const std::string& name, Host& host, Time now) {
   host.is_due = false;
   host.asked_at = now;
@@ -100,7 +100,7 @@ void PeerAddresses::begin(const std::string& name, Host& host, Time now) {
   take({name, *family_, tl::unexpected(thread.error())}, now);
 }
 
-/// Takes an answer. Returns true if the known addresses change.
+/// Takes the answer of a lookup. Returns true if the known addresses have changed.
 bool PeerAddresses::take(Answer answer, Time now) {
   Host& host = hosts_.at(answer.name);
   host.asked_at.reset();

@@ -1,8 +1,8 @@
 // The addresses of the peers that users name. Cyclone DDS would look up names itself whenever a link is made,
 // and would block the thread that makes the link while a name server does not answer. So Cyclone gets numeric
-// addresses only. Each lookup has a thread of its own, so that no other thread depends on the answer. This
-// thread ends with the answer, even if the answer is not needed any more. The last good answer is used until
-// there is another one.
+// addresses only. Each lookup has its own thread, so that no other thread depends on the answer. The thread
+// of a lookup ends with the answer, even if the answer is not needed any more. The last good answer is used
+// until there is another one.
 #pragma once
 
 #include <chrono>
@@ -30,24 +30,24 @@ using KnownHosts = std::map<std::string, std::vector<IpAddress>>;
 /// Returns the host name in a peer: "robot.local" in "robot.local:7410". Returns nothing if the peer is a
 /// numeric address.
 std::optional<std::string> name_in(const std::string& peer);
-/// Returns the numeric addresses of a peer, in the form that Cyclone takes on links of that family. Empty if
-/// none is known.
+/// Returns the numeric addresses of a peer, in the form that Cyclone accepts on links of the given family.
+/// The result is empty if no address is known.
 std::vector<std::string> in_numbers(const std::string& peer, IpFamily family, const KnownHosts& hosts);
 
-/// Used by one thread at a time.
+/// One thread at a time uses an object.
 class PeerAddresses {
  public:
   using Ask = std::function<Result<std::vector<IpAddress>>(const std::string& name, IpFamily family)>;
 
-  /// The most addresses of one name that are used. Further ones are left out.
+  /// The most addresses of one name that are used. Further addresses are left out.
   static constexpr std::size_t addresses_max = 4;
-  /// A name is looked up again after this time, since its address may have changed.
+  /// The time after which a name is looked up again, since its address may have changed.
   static constexpr std::chrono::seconds ask_again_after{120};
 
-  /// `ask` is called on threads with these settings, possibly even after this object was destroyed.
+  /// `ask` is called on threads with the settings `threads`, possibly even after this object was destroyed.
   PeerAddresses(const std::vector<std::string>& peers, ThreadSettings threads, Ask ask = &addresses_of_host);
 
-  /// Sets the family of the links that use the peers. If there is none, no name is looked up.
+  /// Sets the IP family of the links that use the peers. If it is empty, no name is looked up.
   void used_on(std::optional<IpFamily> family);
   /// Called when the network has changed. Names are looked up again, since they may have other addresses, and
   /// another name server may answer.
@@ -59,13 +59,14 @@ class PeerAddresses {
     std::vector<std::string> news;   ///< the new warnings
     Time next = Time::max();         ///< the latest time for the next call
   };
-  /// Begins the lookups that are due, and takes the answers that have come.
+  /// Begins the lookups that are due, and takes the answers that have arrived.
   Look look_after(Time now);
-  /// Returns once no lookup is under way, or at the deadline.
+  /// Waits until no lookup is running, or until the deadline.
   void wait_for_answers(Time deadline);
 
   const KnownHosts& known() const { return known_; }
-  /// Returns warnings for people about peers that are not looked for, or only at their last known addresses.
+  /// Returns warnings for people about peers that are not looked for, or that are looked for only at their
+  /// last known addresses.
   std::vector<std::string> warnings() const;
 
  private:
@@ -74,18 +75,19 @@ class PeerAddresses {
     IpFamily family{};
     Result<std::vector<IpAddress>> addresses;
   };
-  /// The threads of lookups share the mailbox, since they may outlive the object that began them.
+  /// The answers of lookups. The threads of lookups share the mailbox, since they may outlive the object that
+  /// started them.
   struct Mailbox {
     Mutex mutex;
     Condition came;
     std::vector<Answer> answers SFT_GUARDED_BY(mutex);
   };
   struct Host {
-    std::optional<Time> asked_at{};  ///< the beginning of the lookup that is under way
-    bool is_due = true;              ///< a lookup has to begin, whatever `next` is
+    std::optional<Time> asked_at{};  ///< the time when the running lookup began; empty: none is running
+    bool is_due = true;              ///< true: a lookup has to begin, even if `next` is later
     Time next{};                     ///< the time of the next lookup
     Retry retry{};
-    std::string why_not{};  ///< why the last lookup has not found an address (so far)
+    std::string why_not{};  ///< the reason why the last lookup has not found an address (so far)
   };
 
   void begin(const std::string& name, Host& host, Time now);

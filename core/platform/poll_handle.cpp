@@ -19,13 +19,13 @@ Result<std::unique_ptr<PollHandle>> PollHandle::create() {
 }
 
 void PollHandle::raise() noexcept {
-  // An exchange even if the handle is raised already, so that the thread that lowers it sees the data of this
-  // one.
+  // The exchange is made even if the handle is raised already, so that the thread that lowers the handle sees
+  // the data of this thread.
   if (!raised_.exchange(true, std::memory_order_seq_cst)) ::eventfd_write(event_.get(), 1);
 }
 
-/// The order matters: in the other order, the event of a raise() between the two steps would be consumed,
-/// although the handle would still count as raised.
+/// The order of the two steps matters. In the reverse order, the event of a raise() between the steps would
+/// be consumed, although the handle would still count as raised.
 void PollHandle::lower() noexcept {
   std::uint64_t ignored = 0;
   ::eventfd_read(event_.get(), &ignored);

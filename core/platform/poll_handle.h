@@ -11,8 +11,8 @@
 
 namespace sft::core {
 
-/// Any thread, at any time. After lower(), the caller must check whether there is a reason to raise the
-/// handle again: an event that raised it before lower() does not raise it a second time.
+/// Any thread may call any function at any time. After lower(), the caller must check if there is a reason to
+/// raise the handle again: an event that raised the handle before lower() does not raise it a second time.
 class PollHandle {
  public:
   static Result<std::unique_ptr<PollHandle>> create();
@@ -28,7 +28,7 @@ class PollHandle {
   explicit PollHandle(FileDescriptor event) : event_(std::move(event)) {}
 
   const FileDescriptor event_;       ///< an eventfd
-  std::atomic<bool> raised_{false};  ///< saves system calls: a raised handle need not be raised again
+  std::atomic<bool> raised_{false};  ///< saves system calls, because a raised handle need not be raised again
 };
 
 }  // namespace sft::core

@@ -34,7 +34,7 @@ std::string limit_of(Resource resource) {
   return std::to_string(limit.rlim_cur);
 }
 
-/// Takes `count` free descriptors, those with the lowest numbers. If it returns fewer, errno says why.
+/// Takes `count` free descriptors, those with the lowest numbers. If it returns fewer, errno is the reason.
 std::vector<FileDescriptor> take_descriptors(std::size_t count) {
   std::vector<FileDescriptor> taken;
   taken.reserve(count);
@@ -93,8 +93,8 @@ class SpareThreads {
 };
 
 /// Checks that the addresses that `threads` threads need at most can be reserved. The GNU C library gives
-/// each thread that allocates memory an arena of its own, and reserves its addresses at once: mallopt(3),
-/// HEAP_MAX_SIZE in its source.
+/// each thread that allocates memory a separate arena, and reserves its addresses at once (mallopt(3),
+/// HEAP_MAX_SIZE in the source of the library).
 Result<void> check_addresses(std::size_t threads) {
   constexpr std::size_t arena = std::size_t{64} << 20;
   constexpr std::size_t besides = std::size_t{64} << 20;
@@ -122,8 +122,8 @@ bool is_far_from_the_limits(std::size_t threads) {
   return threads_left(of_user.rlim_cur).value_or(0) >= threads + that_others_may_start;
 }
 
-/// Checks that `count` threads can be started. Threads are only started if a limit is near, because this
-/// costs more than a millisecond: threads that have ended keep the processor busy for a while.
+/// Checks that `count` threads can be started. Threads are started for the check only if a limit is near,
+/// because this costs more than a millisecond: threads that have ended keep the processor busy for a while.
 Result<void> check_threads(std::size_t count) {
   if (is_far_from_the_limits(count)) return {};
   const SpareThreads spare(count);

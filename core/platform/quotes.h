@@ -16,10 +16,11 @@ struct Character {
 Character first_of(std::string_view text);
 
 /// Returns true for control characters, line breaks, and characters that change the direction of the text
-/// that follows.
+/// behind them.
 bool acts_on_terminals(char32_t code);
 
-/// Returns the text within quotation marks, cut if it is long, and with escapes for what is not printable.
+/// Returns the text within quotation marks. It is cut if it is long, and characters that cannot be printed
+/// are replaced by escapes.
 std::string in_quotes(std::string_view text);
 
 }  // namespace sft::core

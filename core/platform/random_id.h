@@ -1,5 +1,5 @@
-// Ids that are unique without any coordination: for endpoints, doorbell pages, control sequences of
-// incarnations.
+// Ids that are unique without any coordination: for endpoints, doorbell pages, and the control sequences of
+// processes.
 #pragma once
 
 #include <cstdint>
@@ -7,11 +7,11 @@
 
 namespace sft::core {
 
-/// Returns 64 random bits of the kernel, never 0. If getrandom() fails, it uses the time and an address
-/// instead.
+/// Returns 64 random bits of the kernel, never 0. If getrandom() fails, the result is made from the time and
+/// an address.
 std::uint64_t random_id() noexcept;
 
-/// Returns an id as in names of files and services: 16 hex digits.
+/// Returns an id as 16 hex digits, as in names of files and services.
 std::string in_hex(std::uint64_t id);
 
 }  // namespace sft::core

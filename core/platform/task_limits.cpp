@@ -14,7 +14,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uint64_t unlimited = std::numeric_limits<std::uint64_t>::max();
 
-/// Returns the number in a file; "max" means no limit.
+/// Returns the number in a file. The word "max" means no limit.
 std::optional<std::uint64_t> number_in(const fs::path& file) {
   std::ifstream stream(file);
   std::string word;
@@ -25,7 +25,7 @@ std::optional<std::uint64_t> number_in(const fs::path& file) {
   return number;
 }
 
-/// Returns the total of field 4 of /proc/loadavg, "running/total".
+/// Returns the total number of threads, from field 4 of /proc/loadavg, "running/total".
 std::optional<std::uint64_t> threads_of_the_system(const fs::path& root) {
   std::ifstream stream(root / "proc/loadavg");
   std::string load, running;
@@ -39,8 +39,8 @@ struct ControlGroup {
   fs::path path;  ///< the path of the group below the mount point
 };
 
-/// Returns the control group that limits threads: that of the controller `pids`, or else that of the unified
-/// hierarchy.
+/// Returns the control group that limits threads: the group of the controller `pids`, or else that of the
+/// unified hierarchy.
 std::optional<ControlGroup> control_group(const fs::path& root) {
   std::ifstream stream(root / "proc/self/cgroup");
   std::optional<ControlGroup> unified;
@@ -55,7 +55,8 @@ std::optional<ControlGroup> control_group(const fs::path& root) {
   return unified;
 }
 
-/// Returns the number of threads that the group and all groups above it leave.
+/// Returns the number of threads that can still be started within the limits of the group and of all groups
+/// above it.
 std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   const std::optional<ControlGroup> group = control_group(root);
   std::error_code missing;
@@ -63,7 +64,8 @@ std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   std::uint64_t left = unlimited;
   for (fs::path path = group->path;; path = path.parent_path()) {
     const fs::path directory = group->mounted_at / path;
-    const std::uint64_t limit = number_in(directory / "pids.max").value_or(unlimited);  // no file: no limit
+    // Without the file there is no limit.
+    const std::uint64_t limit = number_in(directory / "pids.max").value_or(unlimited);
     if (limit != unlimited) {
       const auto current = number_in(directory / "pids.current");
       if (!current) return {};

@@ -67,9 +67,9 @@ class CpuSet {
   std::array<cpu_set_t, size / CPU_SETSIZE> bits_{};
 };
 
-/// The CPUs of the program, read when the library is loaded, before the program can have pinned its threads.
-/// The user may have chosen them when starting the program (taskset, a service manager), and that choice
-/// holds for all threads.
+/// The CPUs of the program. They are read when the library is loaded, before the program can pin its threads.
+/// The user may have chosen them when starting the program (taskset, a service manager), and this choice
+/// applies to all threads.
 const CpuSet cpus_at_start = CpuSet::of_thread(::getpid());
 
 bool is_real_time(const ThreadSettings& settings) {
@@ -99,8 +99,8 @@ tl::unexpected<Error> refused_policy(const ThreadSettings& settings, int error) 
 
 Result<void> take_cpus(const std::vector<unsigned>& cpus) {
   if (cpus.empty()) {
-    // The CPUs that the program was started with may have been removed since. The thread then keeps the CPUs
-    // that it has.
+    // The CPUs that the program was started with may have been removed since then. In this case the thread
+    // keeps the CPUs that it has.
     if (!cpus_at_start.empty() && cpus_at_start != CpuSet::of_thread(0))
       (void)cpus_at_start.give_to_this_thread();
     return {};
@@ -109,7 +109,7 @@ Result<void> take_cpus(const std::vector<unsigned>& cpus) {
   const int error = errno;
   if (!given && error != EINVAL)
     return fail(Errc::system, std::string("the system refuses the CPUs: ") + std::strerror(error));
-  // The system ignores CPUs that do not exist, as long as one of the set exists.
+  // The system ignores CPUs that do not exist, as long as one CPU of the set exists.
   const CpuSet granted = given ? CpuSet::of_thread(0) : CpuSet();
   for (const unsigned cpu : cpus) {
     if (!granted.contains(cpu))
@@ -126,8 +126,8 @@ Result<void> take_policy(const ThreadSettings& settings) {
     if (::sched_setscheduler(0, policy, &parameters) == 0) return {};
     return refused_policy(settings, errno);
   }
-  // An inherited policy that is not real-time is that of the whole program, a batch job for example, and is
-  // kept.
+  // If the inherited policy is not a real-time policy, the whole program has it, for example a batch job. So
+  // it is kept.
   const int inherited = ::sched_getscheduler(0);
   const sched_param parameters{.sched_priority = 0};
   if (inherited == SCHED_FIFO || inherited == SCHED_RR) ::sched_setscheduler(0, SCHED_OTHER, &parameters);
@@ -149,10 +149,10 @@ Result<void> check_values(const ThreadSettings& settings) {
   return {};
 }
 
-/// Returns the names of all threads once they have names of their own. Until a new thread has begun to run
-/// and has set its name, it has the name of the thread that started it.
+/// Returns the names of all threads once each thread has set its own name. Until a new thread has begun to
+/// run and has set its name, it has the name of the thread that started it.
 ThreadNames names_once_given() {
-  constexpr int looks = 1000;  // one per millisecond
+  constexpr int looks = 1000;  // there is one look per millisecond
   ThreadNames names = thread_names();
   for (int i = 0; i < looks; ++i) {
     const std::string own = names[std::to_string(::gettid())];

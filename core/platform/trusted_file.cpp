@@ -39,7 +39,7 @@ tl::unexpected<Error> refuse(const std::string& path, const struct stat& file, c
   return fail(Errc::address_in_use, path + ": " + why + "; " + remedy(path, file));
 }
 
-/// Returns the error for something that could not be opened as a file; `error` is the error number.
+/// Returns the error for a path that could not be opened as a file. `error` is the error number.
 tl::unexpected<Error> refuse_unopened(const std::string& path, int error) {
   struct stat there {};
   if (error == ENOENT || lstat(path.c_str(), &there) != 0)

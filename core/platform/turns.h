@@ -1,4 +1,4 @@
-// Chooses in turn (round robin) which of many participants come next when there is not room for all of them
+// Chooses the participants that come next, in turn (round robin), if there is not enough room for all of them
 // at once. Uses no clock, thread or I/O.
 #pragma once
 
@@ -12,9 +12,9 @@ namespace sft::core {
 template <class Key>
 class Turns {
  public:
-  /// Offers a turn to each participant in `all`, a set of keys or a map with them, beginning after the
-  /// participant that took the last turn. `take` returns true if the participant takes its turn. Ends once
-  /// `most` participants have taken a turn.
+  /// Offers a turn to each participant in `all`, which is a set of keys or a map with them. The first offer
+  /// is to the participant after the one that took the last turn. `take` returns true if the participant
+  /// takes its turn. The function ends once `most` participants have taken a turn.
   template <class Sorted, class Take>
   void go_round(Sorted& all, std::size_t most, Take take) {
     std::size_t taken = 0;

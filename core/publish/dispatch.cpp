@@ -53,9 +53,9 @@ void Dispatch::stop_second_thread() const noexcept {
                       "publisher of its own, or guard this one with a mutex");
 }
 
-/// Makes these outlets the ones by which the publisher's thread sends and counts. If they do not use the
-/// network, begin() is called once, so that the network port turns its page, too, and no longer counts for
-/// former readers.
+/// Makes these outlets the ones by which the publisher's thread sends and counts. If the outlets do not use
+/// the network, begin() is called once, so that the network port turns its page, too, and no longer counts
+/// for former readers.
 void Dispatch::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Origin::publisher, outlets.page);
   if (network_ != nullptr && !outlets.to_network) static_cast<void>(network_->begin());
@@ -83,15 +83,15 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
                    {std::move(memory), network_ != nullptr, std::move(vanilla), history_ != nullptr});
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->provides_for(*after)) {
-    // A route must never need a field that is not encoded, or a gate that was not asked. So first put outlets
-    // in force that suffice for the old and the new routes, then wait for a call that may have begun before,
-    // and only then change the routes.
+    // A route must never need a field that is not encoded, or a gate that was not asked. So this takes three
+    // steps. First, outlets that suffice for the old and the new routes are put in force. Then the agent
+    // waits for a call that may have begun before. Only then are the routes changed.
     outlets_.replace(std::make_shared<Outlets>(before->with(*after)));
     outlets_.wait_for_reader();
   }
   book_->enter(after->page);
   // A reader that changes from one port to the other must not miss samples. So for a moment both ports send
-  // samples to it, and it takes each only once.
+  // samples to the reader, and it takes each sample only once.
   const std::vector<Route> leave_memory = changing_over(in_memory_, serving.network);
   const std::vector<Route> leave_network = changing_over(over_network_, serving.memory);
   std::vector<Route> network = serving.network;
@@ -132,7 +132,8 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
   return PublishStatus::no_memory;
 }
 
-/// Counts why shared memory could not lend memory for a body of this size.
+/// Counts a sample for which shared memory could not lend memory, by the reason. `body_bytes` is the size of
+/// its body.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
   const std::size_t chunk_bytes = in_force_->memory->largest_loan_bytes();
@@ -153,7 +154,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   sample->trust_header();
   if (history_ != nullptr) {
     history_->add(sample);
-    look_at_outlets();  // they may have changed: late_readers.h says why they are read again
+    look_at_outlets();  // the outlets may have changed: late_readers.h says why they are read again
   }
   const Outlets& outlets = *in_force_;
   PublishStatus status = PublishStatus::ok;
@@ -181,8 +182,8 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   return status;
 }
 
-/// Sends by shared memory. If the sample lies elsewhere, because it was made before shared memory was
-/// available or while no chunk was free, it is copied.
+/// Sends by shared memory. A sample that lies in other memory is copied: it was made before shared memory was
+/// available, or while no chunk was free.
 SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& timeout) noexcept {
   LendingWriter& memory = *in_force_->memory;
   const std::span gates(in_force_->memory_gates);
@@ -202,8 +203,8 @@ SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nan
   return status;
 }
 
-/// Called if shared memory does not take the sample. Counts it as dropped for the readers that have no
-/// fallback route.
+/// Called if shared memory does not take the sample. Counts the sample as dropped for the readers that have
+/// no fallback route.
 PublishStatus Dispatch::divert(const SampleBuffer& sample) noexcept {
   if (in_force_->has_fallback) note_sent_over_network_alone(sample);
   PublishStatus status = PublishStatus::ok;

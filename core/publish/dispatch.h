@@ -2,8 +2,8 @@
 // that shared memory does not take are sent over the network to the readers that have a fallback route.
 //
 // The agent puts outlets in force (serve()), and the publisher's thread sends by them. No route may ever ask
-// for more than a sample has. Therefore the publisher's thread does everything within a Call, and the agent,
-// when it replaces the outlets, can wait for the Call that began with the previous ones.
+// for more fields than a sample has. Therefore the publisher's thread does all its work within a Call, and
+// the agent can wait, when it replaces the outlets, for the end of a Call that began with the previous ones.
 #pragma once
 
 #include <atomic>
@@ -28,21 +28,21 @@ namespace sft::core {
 
 class Dispatch {
  public:
-  /// The type, the book and the ports that a Dispatch uses. All of them outlive it.
+  /// The type, the book and the ports that a Dispatch uses. All of them must outlive it.
   struct Setup {
     const TypeSupport* type = nullptr;
-    std::shared_ptr<NetworkWriter> network;  ///< null if the publisher must not use it
+    std::shared_ptr<NetworkWriter> network;  ///< null if the publisher must not use the network
     std::shared_ptr<DeliveryBook> book;
-    History* history = nullptr;  ///< keeps every sample; null if the publisher retains none
-    bool waits = false;          ///< the publisher waits for readers
-    std::string topic{};         ///< for people
+    History* history = nullptr;  ///< the history that keeps every sample; null if the publisher retains none
+    bool waits = false;          ///< true: the publisher waits for readers
+    std::string topic{};         ///< the topic, for messages to people
   };
   explicit Dispatch(Setup setup);
 
-  // The publisher's thread.
+  // The functions for the publisher's thread.
 
-  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope. A Call
-  /// that begins on a second thread meanwhile ends the program.
+  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope. If a
+  /// Call begins on a second thread meanwhile, the program ends.
   class Call {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
@@ -64,17 +64,18 @@ class Dispatch {
    private:
     Published<Outlets>::Reading reading_;
     const Dispatch& dispatch_;
-    NetworkWriter* yielding_ = nullptr;  ///< the port whose threads leave the processor meanwhile; null: none
+    /// The port whose threads leave the processor to this Call; null: none.
+    NetworkWriter* yielding_ = nullptr;
   };
 
   /// The decision of the gates on one sample.
   struct Admission {
     bool passes = false;  ///< at least one reader, or the history, takes the sample
-    std::optional<Transmission>
-        transmission;  ///< the sample's transmission; empty: it does not use the network
+    /// The transmission of the sample; empty: the sample does not use the network.
+    std::optional<Transmission> transmission;
   };
 
-  // Within a Call.
+  // The following functions must be called within a Call.
 
   /// Asks each gate once whether the sample passes, before the sample is encoded. If the publisher is
   /// durable, every sample is encoded and no transmission begins here: the sample is first put into the
@@ -91,7 +92,7 @@ class Dispatch {
     }
     return admission;
   }
-  /// Called when the admitted message has been encoded. Later messages are compared with it.
+  /// Called when the admitted message has been encoded. Later messages are compared with this message.
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     for (const auto& gate : in_force_->gates) gate->made(sample, stamp_ns);
   }
@@ -99,32 +100,34 @@ class Dispatch {
   void refuse() noexcept {
     for (const auto& gate : in_force_->gates) gate->refused();
   }
-  /// Asks the gates about a sample that is encoded already. An empty handle: there was no memory for it.
+  /// Asks the gates about a sample that is encoded already. The handle is empty if there was no memory for
+  /// the sample.
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
-  /// Returns true if copies of parts of the sample may be postponed: only the network gets it, and its port
-  /// allows that.
+  /// Returns true if copies of parts of the sample may be postponed. This is so if only the network gets the
+  /// sample, and the port of the network allows it.
   bool may_postpone() const noexcept {
     return postpones_ && in_force_->to_network && !in_force_->to_memory && in_force_->vanilla == nullptr;
   }
-  /// Gives sequences to samples that no reader wants, so that readers see that these were withheld.
+  /// Gives sequences to samples that no reader wants. By these sequences readers see that the samples were
+  /// withheld.
   PublishStatus withhold(std::size_t samples = 1) noexcept {
     sequence_.fetch_add(samples, std::memory_order_relaxed);
     return PublishStatus::ok;
   }
-  /// Gives a sequence to a sample that could not be made, so that readers see that it is missing, and counts
-  /// it as dropped.
+  /// Gives a sequence to a sample that could not be made, and counts the sample as dropped. By the sequence
+  /// readers see that it is missing.
   PublishStatus miss(Admission&& admission, std::uint32_t body_bytes) noexcept;
-  /// Sends a whole sample, or one with the fields that the outlets need. Waits for readers for at most
+  /// Sends a sample that has all fields, or the fields that the outlets need. Waits for readers for at most
   /// `timeout`, and subtracts the time that it waited from `timeout`.
   PublishStatus send(const SampleHandle& sample, std::int64_t stamp_ns, Admission&& admission,
                      std::chrono::nanoseconds& timeout) noexcept;
 
   /// Begins a batch. Returns nothing if the publisher does not use the network.
   std::optional<Batch> batch(BatchTimeout timeout) noexcept;
-  /// Counts samples that a port took and did not send after all.
+  /// Counts samples that a port took and did not send later.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
-  // The agent's thread.
+  // The functions for the agent's thread.
 
   /// Gives the routes their gates, and puts the routes of all ports in force. `memory` is null while there
   /// is no shared memory, and `vanilla` while no unmodified DDS reader is served. Returns the fields that
@@ -132,7 +135,7 @@ class Dispatch {
   FieldMask serve(Serving& serving, std::shared_ptr<LendingWriter> memory,
                   std::shared_ptr<VanillaPort> vanilla = nullptr);
 
-  // Any thread.
+  // The functions for any thread.
 
   std::uint64_t published() const noexcept { return sequence_.load(std::memory_order_relaxed); }
   /// Returns the number of samples that were not sent by all of their routes, as far as that was known when
@@ -156,8 +159,8 @@ class Dispatch {
     return reach == Reach::usual_routes ? network_->send(sample) : network_->begin().send(sample, reach);
   }
   PublishStatus divert(const SampleBuffer& sample) noexcept;
-  /// Remembers a sample that is sent over the network only. Later samples in shared memory name it, so that
-  /// readers can wait for it, since it is under way for longer.
+  /// Remembers a sample that is sent over the network only. Such a sample takes longer than one in shared
+  /// memory. So later samples in shared memory name it, and readers can wait for it.
   void note_sent_over_network_alone(const SampleBuffer& sample) noexcept {
     diverted_sequence_ = sample.sequence;
     diverted_stamp_ns_ = sample.source_stamp_ns;
@@ -176,17 +179,17 @@ class Dispatch {
   Published<Outlets> outlets_;
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  /// See PublisherStatus::Diverted. One thread writes.
+  /// The counts of PublisherStatus::Diverted. One thread writes them.
   struct Refusals {
     std::atomic<std::uint64_t> exhausted{0}, too_large{0}, unavailable{0}, too_large_bytes{0}, chunk_bytes{0};
   } refusals_;
 
-  // The publisher's thread.
+  // The members for the publisher's thread.
   const Outlets* in_force_ = nullptr;    ///< the outlets on whose page deliveries are counted
   std::uint64_t diverted_sequence_ = 0;  ///< the sequence of the last sample sent over the network only
-  std::int64_t diverted_stamp_ns_ = 0;   ///< when that sample was published
+  std::int64_t diverted_stamp_ns_ = 0;   ///< the time when that sample was published
 
-  // The agent's thread.
+  // The members for the agent's thread.
   Gates gates_;
   std::vector<Route> in_memory_, over_network_;  ///< the routes in force
 };

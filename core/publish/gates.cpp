@@ -20,8 +20,8 @@ void Gates::give(std::span<Route> routes) {
   }
 }
 
-/// Finds or adds the gate. The conditions themselves are compared, since a hostile reader can make conditions
-/// with any given hash.
+/// Finds the gate of the route, or adds it. The conditions themselves are compared, not only their hashes,
+/// since a hostile reader can make conditions with any given hash.
 std::shared_ptr<Gate>& Gates::find(const Route& route) {
   const std::vector<Selection::Condition>& conditions = route.selection.gate().conditions;
   const auto known = std::ranges::find_if(gates_, [&](const Entry& entry) {

@@ -1,5 +1,5 @@
 // The gates of one writer: one for each combination of conditions and maximum rate that its readers ask for.
-// Readers that ask for the same share a gate.
+// Readers that ask for the same combination share a gate.
 #pragma once
 
 #include <cstdint>
@@ -16,21 +16,21 @@
 
 namespace sft::core {
 
-/// Used by the agent's thread. The gates themselves are used by the publisher's thread.
+/// Used by the agent's thread. The publisher's thread uses the gates in it.
 class Gates {
  public:
-  /// `type` is the type of the writer's messages, and outlives this object.
+  /// `type` is the type of the writer's messages. It must outlive this object.
   explicit Gates(const TypeSupport& type) : type_(type) {}
 
-  /// Removes unused gates if there are more than a few. To be called before give(). (Unused gates are kept
-  /// until then, so that their ordinals continue when a reader asks for the same again.)
+  /// Removes unused gates if there are more than a few. To be called before give(). Until then unused gates
+  /// are kept, so that their ordinals continue if a reader asks for the same combination again.
   void tidy();
   /// Gives each route the gate that its reader asks for, or none.
   void give(std::span<Route> routes);
-  /// Returns the gate that give() gave to the route.
+  /// Returns the gate that give() has assigned to the route.
   const std::shared_ptr<Gate>& of(const Route& route) const;
   /// Called when the routes are in force. For readers whose gate or selection is new, the next sample is not
-  /// compared with earlier ones (Gate::reader_begins()).
+  /// compared with earlier samples (Gate::reader_begins()).
   void open_for(const Serving& serving);
 
  private:
@@ -46,7 +46,7 @@ class Gates {
 
   const TypeSupport& type_;
   std::vector<Entry> gates_;
-  std::map<EndpointId, Asked> asked_;  ///< only readers whose gates have conditions
+  std::map<EndpointId, Asked> asked_;  ///< the gates of readers; only gates with conditions
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// The last samples of a publisher, kept for readers that come later.
+// The last samples of a publisher, kept for readers that join later.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +11,13 @@ namespace sft::core {
 
 class History {
  public:
-  /// Samples older than `lifespan_ns` are dropped; 0: samples never expire.
+  /// Samples that are older than `lifespan_ns` are dropped. 0: samples never expire.
   History(std::uint32_t depth, std::int64_t lifespan_ns);
 
   /// Keeps a sample whose sequence and stamp are set, and drops the oldest one if there are more than
   /// `depth`.
   void add(const SampleHandle& sample);
-  /// Replaces the kept sample that has the same sequence by `sample`. Does nothing if that one is no longer
+  /// Replaces the kept sample with the same sequence by `sample`. Does nothing if that sample is no longer
   /// kept.
   void replace(const SampleHandle& sample);
   /// Returns at most the last `count` samples that have not expired, the oldest first.
@@ -30,8 +30,8 @@ class History {
   const std::int64_t lifespan_ns_;
   mutable Mutex mutex_;  // held for a few instructions; samples are released after it is unlocked
   std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring; unused places have empty handles
-  std::size_t next_ SFT_GUARDED_BY(mutex_) =
-      0;  ///< the place of the next sample, where the oldest one is now
+  /// The place for the next sample; it has the oldest sample now.
+  std::size_t next_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::core

@@ -28,7 +28,7 @@ void LateReaders::serve(const Serving& serving, std::shared_ptr<LendingWriter> m
 }
 
 /// Returns the routes of readers to which the history must be sent over the network now, because it was not
-/// yet sent to them at that address.
+/// yet sent to them at their present addresses.
 std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
   std::map<EndpointId, Locator> begun;
@@ -49,8 +49,8 @@ void LateReaders::give_history() {
   }
 }
 
-/// Returns true if the reader has got the history. The number of samples held back is read first, so that at
-/// least these are in the history when that is read.
+/// Sends the history to one reader. Returns true if the reader has it. The number of samples held back is
+/// read first. So at least these samples are in the history when the history is read.
 bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   const auto held_back = memory.held_back(route.reader);
   if (!held_back) return true;
@@ -60,8 +60,8 @@ bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   return true;
 }
 
-/// Returns the retained samples that fulfil the conditions of the reader, which has got no sample before
-/// them.
+/// Returns the retained samples that fulfil the conditions of the reader. The conditions are evaluated as for
+/// a reader that has not received any sample before.
 std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
   std::vector<SampleHandle> samples = history_->last(route.history, realtime_ns());
   if (route.selection.gate().conditions.empty()) return samples;
@@ -77,7 +77,7 @@ std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
   return wanted;
 }
 
-/// Returns the retained samples in shared memory. Those that were published before there was shared memory
+/// Returns the retained samples in shared memory. Samples that were published before there was shared memory
 /// are copied now. A sample for which there is no room is left out, and counts as missed.
 std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, const Route& route) {
   std::vector<SampleHandle> samples = retained_for(route);

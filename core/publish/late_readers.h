@@ -1,13 +1,13 @@
-// Gives late readers the samples that the publisher has retained, before they get the samples that are sent
-// from then on.
+// Sends late readers the samples that the publisher has retained, before they get the samples that are
+// published later.
 //
-// A late reader gets retained samples from here, and samples that are published meanwhile from its port. Over
-// the network the latter wait in the port from set_routes() on. In shared memory they are held back; they are
-// in the history by the time that it is read, because a sample is put into the history before the publisher
-// reads its outlets. Samples that send() sends by earlier routes or outlets do not reach the late reader, but
-// are in the history, too. A sample may come by both ways; the reader takes it once.
+// A late reader gets retained samples from this class, and samples that are published meanwhile from its
+// port. Over the network, the latter wait in the port from set_routes() on. In shared memory they are held
+// back, and are in the history when the history is read, because a sample is put into the history before the
+// publisher reads its outlets. Samples that send() sends by earlier routes or outlets do not reach the late
+// reader, but are in the history, too. If a sample arrives in both ways, the reader takes it only once.
 //
-// The agent's thread calls everything, except missed().
+// The agent's thread calls all functions except missed().
 #pragma once
 
 #include <atomic>
@@ -25,17 +25,17 @@ namespace sft::core {
 
 class LateReaders {
  public:
-  /// `network` is null if the publisher must not use it. `history` is null if the publisher retains nothing;
-  /// it outlives this object.
+  /// `network` is null if the publisher must not use it. `history` is null if the publisher retains no
+  /// samples; otherwise it must outlive this object.
   LateReaders(const TypeSupport& type, std::shared_ptr<NetworkWriter> network,
               std::shared_ptr<DeliveryBook> book, History* history);
 
   /// Serves the late readers in `serving`, whose routes must be in force. `memory` is null while there is no
   /// shared memory.
   void serve(const Serving& serving, std::shared_ptr<LendingWriter> memory);
-  /// Gives the history to late readers in shared memory that are ready for it. To be called now and then.
+  /// Sends the history to late readers in shared memory that are ready for it. To be called now and then.
   void give_history();
-  /// Returns true if all samples for that reader alone have left.
+  /// Returns true if all samples that were sent to that reader alone have left this process.
   bool history_sent(EndpointId reader) const { return network_ == nullptr || network_->history_sent(reader); }
 
   /// Returns the number of retained samples that shared memory had no room for. Any thread.
@@ -51,10 +51,11 @@ class LateReaders {
   const std::shared_ptr<NetworkWriter> network_;
   const std::shared_ptr<DeliveryBook> book_;
   History* const history_;
-  std::map<EndpointId, Locator>
-      begun_;  ///< readers that get the history over the network, and their addresses
+  /// The addresses of readers to which the history is sent over the network.
+  std::map<EndpointId, Locator> begun_;
   std::shared_ptr<LendingWriter> memory_;
-  std::vector<Route> late_in_memory_;  ///< routes to readers that get the history in shared memory
+  /// The routes to readers to which the history is sent in shared memory.
+  std::vector<Route> late_in_memory_;
   std::atomic<std::uint64_t> missed_{0};
 };
 

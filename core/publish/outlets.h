@@ -1,5 +1,6 @@
 // Outlets say where the samples of a publisher are sent, and which fields each sample needs for that. They
-// are derived from the desired state of the negotiation, for the publisher's thread. Immutable once in force.
+// are derived from the desired state of the negotiation, for the publisher's thread. Outlets in force do not
+// change.
 #pragma once
 
 #include <memory>
@@ -19,13 +20,14 @@ struct Outlets {
   struct MemoryGroup {
     std::shared_ptr<const Gate> gate;
     std::shared_ptr<DeliveryTally> tally;
-    bool have_fallback;  ///< samples that shared memory does not take can be sent to them over the network
+    /// True: samples that shared memory does not take can be sent to these readers over the network.
+    bool have_fallback;
     bool wants_sample() const { return gate == nullptr || gate->passes(); }
   };
 
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
   std::shared_ptr<VanillaPort> vanilla;   ///< null while no unmodified DDS reader is served
-  bool is_wanted = false;                 ///< true if a sample has a reader or is retained
+  bool is_wanted = false;                 ///< true: a sample has a reader or is retained
   bool to_memory = false;
   bool to_network = false;
   bool has_fallback = false;                 ///< some of `memory_groups` have a fallback
@@ -36,17 +38,17 @@ struct Outlets {
   FieldMask mask;       ///< the fields to encode: all for shared memory, otherwise the union of all requests
   bool whole = false;   ///< `mask` has all fields
   std::vector<MemoryGroup> memory_groups;
-  std::vector<std::shared_ptr<Gate>>
-      memory_gates;         ///< those of `gates` that samples name in their gate table
-  DeliveryBook::Page page;  ///< the page of these readers
+  /// Those of `gates` that samples name in their gate tables.
+  std::vector<std::shared_ptr<Gate>> memory_gates;
+  DeliveryBook::Page page;  ///< the page for the readers of these outlets
 
-  /// Returns true if each sample is made so that the routes of `other` can send it.
+  /// Returns true if samples that are made for these outlets suffice for the routes of `other`.
   bool provides_for(const Outlets& other) const;
-  /// Returns these outlets, but with every field and every gate that `other` needs.
+  /// Returns these outlets with the fields and gates of `other` added.
   Outlets with(const Outlets& other) const;
 };
 
-/// The ports of a publisher, and whether it retains samples.
+/// The ports that a publisher may use, and whether it retains samples.
 struct Means {
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
   bool network = false;                   ///< the publisher may use the network

@@ -1,6 +1,6 @@
 // One publisher without its message type: encodes each sample once and passes it to the ports that have
 // readers. Its parts do the work: SampleMaker makes samples, Dispatch sends them, LateReaders gives retained
-// samples to late readers. This class connects them, and reports readers to the program.
+// samples to late readers. This class connects these parts, and reports readers to the program.
 //
 // publish(), publish_cdr(), loan() and commit() are called by one thread at a time, the publisher's thread.
 // The agent's thread calls the functions that are marked so. Any thread may call the others.
@@ -41,21 +41,21 @@ class PublisherCore {
     Qos qos{};
     std::function<void(const PublisherStatus&)> on_readers_changed{};
     Event::Callback on_event{};
-    /// The thread that calls these two functions; null: they are called at once, on the thread that causes
-    /// them.
+    /// The thread that calls the two functions above; null: they are called at once, on the thread that
+    /// causes the call.
     CallbackThread* callbacks = nullptr;
-    /// Called when the program asserts its liveliness, by any thread. Posts and returns.
+    /// Called by any thread when the program asserts its liveliness. Posts a task and returns.
     std::function<void()> asserted{};
-    /// Called with the reason when a message is refused, at most once per second, by the publisher's thread.
-    /// Posts and returns.
+    /// Called by the publisher's thread when a message is refused, at most once per second. `why` is the
+    /// reason. Posts a task and returns.
     std::function<void(const std::string& why)> refused = [](const std::string&) {};
     std::chrono::nanoseconds max_blocking{0};
-    /// The publisher and its port to the network count the fate of samples in this book.
+    /// The book in which the publisher and its network port count sent, withheld and lost samples.
     std::shared_ptr<DeliveryBook> book = std::make_shared<DeliveryBook>();
   };
 
   /// `heap` lends memory while no reader uses shared memory. `network` is null if the publisher must not use
-  /// it.
+  /// the network.
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<NetworkWriter> network);
 
   PublishStatus publish(const void* value);
@@ -64,20 +64,21 @@ class PublisherCore {
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
                             detail::ReservedMemory memory);
-  /// Publishes a loan. `has_gaps`: sequences of it were shortened, and the gaps behind them are not closed
-  /// yet.
+  /// Publishes a loan. `has_gaps` means that sequences of the loan were shortened, and that the gaps behind
+  /// them are not closed yet.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
 
-  /// Returns why publish() refused the last message that it refused. The publisher's thread.
+  /// Returns the reason why publish() refused the last message that it refused. The publisher's thread.
   const std::string& why_invalid() const { return maker_.why_invalid(); }
 
   void assert_liveliness();
 
-  /// Ends callbacks. After it returns no callback runs any more, except for one from which it was called.
+  /// Ends callbacks. When it returns, no callback is running any more, except for a callback that itself
+  /// called close().
   void close();
 
   PublisherStatus status() const;
-  /// Waits until `count` readers are served, and returns true, or until the time is over, and returns false.
+  /// Waits until `count` readers are served, and then returns true. Returns false if the time is over before.
   /// Any thread but the agent's.
   bool wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const;
   PublisherStatus::Diverted diverted() const { return dispatch_.diverted(); }
@@ -86,33 +87,34 @@ class PublisherCore {
   const Spec& spec() const { return spec_; }
   PostedCall<Event>& events() { return events_; }
 
-  // The agent's thread.
+  // The functions for the agent's thread.
 
   /// Puts the routes of all ports in force. `memory` is null while there is no shared memory, and `vanilla`
   /// while no unmodified DDS reader is served.
   void serve(Serving serving, std::shared_ptr<LendingWriter> memory,
              std::shared_ptr<VanillaPort> vanilla = nullptr);
-  /// Called when only the status of readers has changed, and no route. Calls on_readers_changed, unless only
-  /// the numbers of requests differ.
+  /// Called when the status of readers has changed, but no route. Calls on_readers_changed, unless only the
+  /// numbers of requests differ.
   void show(std::vector<PublisherStatus::Reader> readers);
 
-  /// Returns the fate of the publisher's samples for one reader.
+  /// Returns the counts of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }
 
-  /// Returns how often the program published and asserted liveliness, by which OfferMonitor judges whether
-  /// the publisher keeps its promises.
+  /// Returns how often the program has published and has asserted liveliness. From these numbers OfferMonitor
+  /// decides if the publisher keeps its deadline and its lease.
   OfferMonitor::Signs signs() const;
-  /// Counts only samples that were sent by all routes, so that the result is a lower bound.
+  /// Returns the progress of the publisher. Only samples that were sent by all routes count, so that the
+  /// result is a lower bound.
   Progress progress() const;
   /// Makes the next assertion of the program call Spec::asserted again.
   void listen_for_assertions() { assertion_reported_.store(false, std::memory_order_relaxed); }
-  /// Sets what status() says of the publisher's promises. Returns true if it changes.
+  /// Sets the missed deadlines and the liveliness that status() reports. Returns true if one of them changes.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
-  /// Returns true if all samples for a late reader alone have left.
+  /// Returns true if all samples that were sent to that late reader alone have left this process.
   bool history_sent(EndpointId reader) const { return late_readers_.history_sent(reader); }
   bool retains() const { return history_ != nullptr; }
   void expire_history();
-  /// Gives the history to late readers in shared memory that are ready for it.
+  /// Sends the history to late readers in shared memory that are ready for it.
   void give_history() { late_readers_.give_history(); }
 
  private:
@@ -120,7 +122,7 @@ class PublisherCore {
                             std::chrono::nanoseconds& timeout);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
                              BatchTimeout share, std::chrono::nanoseconds& timeout);
-  /// Returns how many readers are served.
+  /// Returns the number of readers that are served.
   std::size_t served() const SFT_REQUIRES(status_mutex_);
 
   const Spec spec_;

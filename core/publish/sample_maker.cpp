@@ -18,14 +18,15 @@ namespace {
 /// The least time between two refusals that are reported.
 constexpr std::chrono::seconds refusals_pause{1};
 
-/// Returns a hint for a message that is too large. The default of the option is the largest possible size.
+/// Returns a hint for a message that is too large: the option to raise, unless it has its default, which is
+/// the largest possible size.
 std::string what_to_do_about(std::size_t max_sample_bytes) {
   return max_sample_bytes < PublisherOptions().max_sample_bytes
              ? ": raise PublisherOptions::max_sample_bytes"
              : ", which no option raises: divide it into several samples";
 }
 
-/// Waits until readers have released memory, for at most `timeout`. Empty if they have not.
+/// Waits for at most `timeout` until readers have released memory. The handle is empty if they have not.
 SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& timeout) {
   using Clock = std::chrono::steady_clock;
   constexpr std::chrono::milliseconds pause{1};
@@ -80,7 +81,7 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
   return made;
 }
 
-/// Determines and reports why the message is invalid. This is done only once encoding has failed.
+/// Determines the reason why the message is invalid, and reports it. Called only after encoding has failed.
 PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
   why_invalid_ = fault_of(message, mask).message;
   if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_logged_) {
@@ -160,11 +161,11 @@ PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
 }
 
 /// Closes the gaps of a loan within its memory. No byte moves backward in the body, so segments are moved one
-/// after the other from the front: a segment only overwrites bytes that were moved already.
+/// after the other from the front: a segment overwrites only bytes that were moved already.
 PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   std::byte* const body = sample.data + layout_.body_offset;
   detail::SampleState state = state_of(sample, type_.index_slots());
-  // A broken program may have changed lengths and index in shared memory meanwhile.
+  // Meanwhile a broken program may have changed lengths and the index in shared memory.
   if (!closing_.project(state, onto_itself_) || closing_.bytes() > state.body_bytes)
     return PublishStatus::invalid;
   std::byte* to = body;
@@ -188,7 +189,7 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // without a gate table
   if (!sample && outlets.needs_memory && timeout.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, timeout);
-  // The sample can still go elsewhere if there is no chunk for it.
+  // Without a chunk, the sample can still be sent by other outlets.
   const bool may_go_elsewhere = outlets.to_network || outlets.has_fallback || outlets.vanilla != nullptr;
   if (!sample && (!outlets.to_memory || may_go_elsewhere)) sample = take_heap(bytes);
   return sample;
@@ -205,7 +206,7 @@ void SampleMaker::fill_header(SampleBuffer& buffer, const FieldMask& mask,
   header.body_bytes = body_bytes;
   buffer.mask = mask;
   buffer.whole_bytes = body_bytes;
-  // Nothing that the memory contained before may remain between index and encapsulation.
+  // Clears the bytes between index and encapsulation, so that no earlier contents of the memory remain there.
   std::byte* const encapsulation = buffer.data + layout_.body_offset - detail::encapsulation_bytes;
   auto* const index_end = reinterpret_cast<std::byte*>(buffer.index() + type_.index_slots());
   std::fill(index_end, encapsulation, std::byte{0});

@@ -1,10 +1,10 @@
 // Makes the samples of one publisher: allocates memory for them, and writes header, index and body. The body
 // is encoded from a message, converted from an encoded payload, or written by the program into a loan.
 //
-// The memory comes from the port to shared memory if that has readers, otherwise from the heap. A small
-// sample gets the memory of the previous sample, if that sample is no longer used.
+// The memory is taken from the port to shared memory if the port has readers, otherwise from the heap. A
+// small sample gets the memory of the previous sample, if that sample is no longer used.
 //
-// The publisher's thread calls everything. `timeout` is the time that a function may wait for memory; the
+// The publisher's thread calls all functions. `timeout` is the time that a function may wait for memory; the
 // function subtracts the time that it waited.
 #pragma once
 
@@ -31,16 +31,17 @@ class SampleMaker {
   struct Product {
     EndpointId writer = 0;
     std::string topic;                  ///< for error messages
-    const TypeSupport* type = nullptr;  ///< outlives this object
+    const TypeSupport* type = nullptr;  ///< must outlive this object
     std::size_t max_sample_bytes = 0;
     std::function<void(const std::string& why)> refused;  ///< see PublisherCore::Spec
   };
   SampleMaker(Product product, std::shared_ptr<BufferPool> heap);
 
-  /// Returns false if the message could not be sent to a reader of all fields; why_invalid() says why. If the
-  /// outlets encode all fields anyway, it returns true, and encode() finds the fault.
+  /// Returns false if the message could not be sent to a reader of all fields; why_invalid() then returns the
+  /// reason. If the outlets encode all fields anyway, the function returns true, and encode() finds the
+  /// fault.
   bool accepts(const Outlets& outlets, const void* message) { return outlets.whole || is_sendable(message); }
-  /// A sample, or why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
+  /// A sample, or the reason why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
   struct Made {
     SampleHandle sample;
     PublishStatus why_not = PublishStatus::ok;
@@ -48,18 +49,19 @@ class SampleMaker {
   };
 
   /// Encodes the fields of the message that the outlets need. If `may_postpone` is true, parts of the message
-  /// may be copied later, when they are needed (SampleBuffer::postponed). Then the message must live until
-  /// sent() is called. REQUIRES: accepts().
+  /// may be copied later, when they are needed (SampleBuffer::postponed). In this case the message must live
+  /// until sent() is called. REQUIRES: accepts().
   Made encode(const Outlets& outlets, const void* message, bool may_postpone,
               std::chrono::nanoseconds& timeout);
   /// Called when the port does not need the message of the last encoded sample any more.
   void sent(SampleBuffer& sample) noexcept {
     if (postponed_.empty()) return;
     if (sample.postponed != nullptr)
-      sample.postponed = nullptr;  // if null, other threads may read it: no write
+      // If it is null, other threads may read the sample, so that it must not be written to.
+      sample.postponed = nullptr;
     postponed_.clear();
   }
-  /// Returns why the last refused message could not be sent.
+  /// Returns the reason why the last refused message could not be sent.
   const std::string& why_invalid() const { return why_invalid_; }
 
   /// Returns the size of the body that convert() makes from the payload.
@@ -67,18 +69,18 @@ class SampleMaker {
   Result<Made> convert(const Outlets& outlets, const detail::Payload& payload, std::uint32_t body_bytes,
                        std::chrono::nanoseconds& timeout);
 
-  /// Lends memory for a message that the program writes itself: a whole sample, encoded from the prototype,
-  /// with room for the reserved sequences.
+  /// Lends memory for a message that the program writes itself: a sample with all fields, encoded from the
+  /// prototype, with room for the reserved sequences.
   Result<SampleHandle> loan(const Outlets& outlets, const void* prototype,
                             std::span<const detail::Reservation> reservations, detail::ReservedMemory memory,
                             std::chrono::nanoseconds& timeout);
-  /// Moves the data of a loan whose sequences were shortened, so that it is as if the shorter sequences had
-  /// been encoded.
+  /// Moves the data of a loan whose sequences were shortened. The result is the same as if the shorter
+  /// sequences had been encoded.
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
 
  private:
-  static constexpr std::size_t recycled_bytes_max =
-      4096;  ///< the most memory that is kept for the next sample
+  /// The most bytes of memory that are kept for the next sample.
+  static constexpr std::size_t recycled_bytes_max = 4096;
 
   bool is_sendable(const void* message);
   [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* message, const FieldMask& mask);
@@ -87,7 +89,8 @@ class SampleMaker {
   tl::unexpected<Error> malformed(detail::WalkStatus why) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes,
                     std::chrono::nanoseconds& timeout) noexcept;
-  /// Returns heap memory: that of the last sample if it is no longer used, large enough, and not too large.
+  /// Returns heap memory. It is the memory of the last sample if that sample is no longer used and the memory
+  /// is large enough but not too large.
   SampleHandle take_heap(std::size_t bytes) noexcept {
     if (bytes > recycled_bytes_max) return heap_->take(bytes);
     if (!recycled_ || !recycled_.is_only() || recycled_->capacity < bytes) recycled_ = heap_->take(bytes);
@@ -103,7 +106,8 @@ class SampleMaker {
   const std::shared_ptr<BufferPool> heap_;
   const detail::ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
   detail::Projection closing_;
-  SampleHandle recycled_;              ///< heap memory for the next sample, if it is no longer used by then
+  /// Heap memory for the next sample; used if the previous sample has released it by then.
+  SampleHandle recycled_;
   detail::PostponedCopies postponed_;  ///< the postponed copies of the present sample
   std::uint32_t whole_bytes_ = 0;      ///< the size of the present message's body with all its fields
   std::string why_invalid_;

@@ -1,7 +1,7 @@
 // The thread that runs callbacks of the program for events, for the readers of a publisher and for lines of
 // the log, one after the other. The calls of one source, such as the events of one subscriber, keep the order
 // in which they were posted. Sources take turns: a callback that is slower than its events delays another
-// source by no more than one call. The agent does not run callbacks itself: it would do nothing else
+// source by no more than one call. The agent does not run callbacks itself: it could do no other work
 // meanwhile, and would deadlock with a callback that waits for the agent.
 #pragma once
 
@@ -21,22 +21,22 @@ class CallbackThread {
  public:
   explicit CallbackThread(ThreadSpec spec) : spec_(std::move(spec)) {}
 
-  /// Starts the thread. To be called before the first post(); does nothing if it was called before. Any
-  /// thread.
+  /// Starts the thread. Must be called before the first post(). Does nothing if the thread was started
+  /// before. Any thread.
   Result<void> start();
   /// Posts a call, and returns at once. If too many calls of the source wait, because a callback does not
-  /// return, this call is dropped. `source` is an address that nothing else has while calls of the source
-  /// wait. Any thread.
+  /// return, the call is dropped. `source` is an address that identifies the source. No other source must use
+  /// the address while calls of this source wait. Any thread.
   void post(const void* source, Agent::Task call);
-  /// Calls what was posted before, then ends the thread.
+  /// Runs the calls that were posted before, and then ends the thread.
   void stop() { agent_.stop(); }
   bool is_current_thread() const { return agent_.is_current_thread(); }
-  /// Returns how many calls were dropped since the last call of this function. Returns 0 until all sources
-  /// have room again.
+  /// Returns the number of calls that were dropped since the last call of this function. Returns 0 until all
+  /// sources have room again.
   std::uint64_t take_left_out();
 
  private:
-  static constexpr std::size_t waiting_max = 10'000;  ///< of each source
+  static constexpr std::size_t waiting_max = 10'000;  ///< the most waiting calls of each source
 
   void call_next();
 
@@ -44,8 +44,10 @@ class CallbackThread {
   Mutex start_mutex_;  ///< held while the thread is made
   bool is_started_ SFT_GUARDED_BY(start_mutex_) = false;
   Mutex mutex_;
-  std::map<const void*, std::deque<Agent::Task>> waiting_ SFT_GUARDED_BY(mutex_);  ///< by source, none empty
-  std::deque<const void*> turns_ SFT_GUARDED_BY(mutex_);  ///< all sources of which calls wait, the next first
+  /// The waiting calls by source; no deque is empty.
+  std::map<const void*, std::deque<Agent::Task>> waiting_ SFT_GUARDED_BY(mutex_);
+  /// All sources with waiting calls; the next source is first.
+  std::deque<const void*> turns_ SFT_GUARDED_BY(mutex_);
   std::uint64_t left_out_ SFT_GUARDED_BY(mutex_) = 0;
   Agent agent_;
 };

@@ -65,7 +65,7 @@ std::string path_of(const Peer& peer) {
   return std::string(to_string(peer.transport)) + ": " + peer.reason;
 }
 
-/// `before` is a state of the same peer, or an empty one.
+/// Adds the events of one peer. `before` is an earlier state of the same peer, or an empty one.
 template <class Peer>
 void add_changes(const Peer& before, const Peer& after, std::vector<Event>& events) {
   if (matched(before) && !matched(after)) {

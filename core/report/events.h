@@ -1,4 +1,4 @@
-// Pure functions that derive the events between two states of a publisher or subscriber.
+// Pure functions that derive the events between an earlier and a later state of a publisher or subscriber.
 #pragma once
 
 #include <vector>
@@ -9,10 +9,10 @@
 
 namespace sft::core {
 
-/// `type` is the message type, which is needed to name fields.
+/// Returns the events of a publisher. `type` is the message type, by which fields are named.
 std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
                                   const TypeSupport& type);
-/// `reliability` is what the subscriber asks for.
+/// Returns the events of a subscriber. `reliability` is the policy that the subscriber requests.
 std::vector<Event> events_between(const SubscriberStatus& before, const SubscriberStatus& after,
                                   const TypeSupport& type, Reliability reliability = best_effort);
 

@@ -10,7 +10,7 @@ namespace sft::core {
 
 namespace {
 
-constexpr std::string_view names[] = {"debug", "info", "warning", "error"};  // by LogLevel
+constexpr std::string_view names[] = {"debug", "info", "warning", "error"};  // in the order of LogLevel
 
 /// Writes a line with one system call, so that lines of several processes do not mix. Errors are ignored,
 /// since there is no other place to report them.

@@ -35,7 +35,7 @@ std::string without_numbers(std::string_view text) {
   bool is_quoted = false;
   for (const char c : text) {
     const bool is_in_word = !rest.empty() && is_of_word(rest.back());
-    if (c == '\'') is_quoted = !is_quoted && !is_in_word;  // within a word it is an apostrophe
+    if (c == '\'') is_quoted = !is_quoted && !is_in_word;  // within a word the character is an apostrophe
     if (!is_digit(c) || is_quoted || is_in_word) rest.push_back(c);
   }
   return rest;
@@ -72,14 +72,15 @@ LineBudget& NodeLog::budget_of(const std::string& topic, Event::Kind kind) {
   return (is_known ? of_topics_[topic] : of_other_topics_)[kind];
 }
 
-/// Returns the pause of a warning; null if too many are tracked already.
+/// Returns the pauses of a warning, or null if too many warnings are tracked already.
 RepeatPause* NodeLog::pause_of(const std::string& text) {
   const std::string key = without_numbers(text);
   if (pauses_.size() >= repeats_max && !pauses_.contains(key)) return nullptr;
   return &pauses_[key];
 }
 
-/// Writes a line about losses. Losses that must not be written now are added to the next line of the pair.
+/// Writes a line about losses. If the line must not be written now, its losses are added to the next line of
+/// the pair.
 void NodeLog::write_loss(const std::string& topic, const std::string& pair, const Event& event, Time now) {
   const auto [known, is_new] = losses_.try_emplace(pair + ", publisher " + in_hex(event.peer), Losses{topic});
   Losses& losses = known->second;
@@ -117,7 +118,7 @@ void NodeLog::tick(Time now) {
   });
 }
 
-/// Writes a line unless the level, the pause or the budget forbids it. Returns true if it was written.
+/// Writes a line unless the level, the pause or the budget forbids it. Returns true if the line was written.
 bool NodeLog::write(LineBudget& budget, RepeatPause* pause, LogLevel level, const std::string& text,
                     Time now) {
   if (!wants(level)) return false;

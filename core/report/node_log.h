@@ -1,7 +1,8 @@
 // Writes lines from one level on to the log sink of a node's program. It writes only a few lines of one kind
 // about one topic in a row, so that neither a peer nor a repeated fault can flood the log. A warning that
-// differs from an earlier one only in numbers is not written again before a pause is over, which grows. Lines
-// that are left out are counted, and the next line of their kind says how many.
+// differs from an earlier one only in numbers is not written again before a pause is over. The pause grows
+// with each repetition. Lines that are left out are counted, and the next line of their kind tells their
+// number.
 //
 // Used by the agent's thread only, so that no lock is needed. Other threads post to that thread.
 #pragma once
@@ -20,8 +21,8 @@
 
 namespace sft::core {
 
-/// Limits lines: `burst` lines may be written at once, then one in each period. Pure: times are passed in,
-/// decisions are returned.
+/// Limits lines: `burst` lines may be written at once, then one in each period. It uses no clock: times are
+/// passed in, decisions are returned.
 class LineBudget {
  public:
   static constexpr int burst = 10;
@@ -29,7 +30,7 @@ class LineBudget {
 
   /// Returns true if a line may be written now. Otherwise the line counts as left out.
   bool take(Time now);
-  /// Returns how many lines were left out since the last call.
+  /// Returns the number of lines that were left out since the last call.
   std::uint64_t take_left_out();
   /// Returns true if the whole burst may be written, and no lines were left out.
   bool is_whole(Time now) const { return left_out_ == 0 && next_ <= now - (burst - 1) * period; }
@@ -40,14 +41,14 @@ class LineBudget {
 };
 
 /// The pauses between equal lines. Each is twice as long as the previous one, unless the line did not occur
-/// for the longest pause. Pure: times are passed in, decisions are returned.
+/// for the longest pause. The class uses no clock: times are passed in, decisions are returned.
 class RepeatPause {
  public:
   static constexpr std::chrono::seconds first{5}, longest{640};
 
   bool is_over(Time now) const { return now >= next_; }
   void begin(Time now);
-  /// Returns true if the line has not occurred for so long that the pauses begin anew.
+  /// Returns true if the line has not occurred for so long that its pauses start again with the first one.
   bool is_forgotten(Time now) const { return now >= next_ + longest; }
   void leave_out() { ++left_out_; }
   std::uint64_t take_left_out();
@@ -71,17 +72,19 @@ class NodeLog {
   bool wants(LogLevel level) const { return sink_ && level >= threshold_; }
   /// Writes a line about the node itself.
   void write(LogLevel level, const std::string& text, Time now = std::chrono::steady_clock::now());
-  /// Writes an event of a pair, or of one of our publishers or subscribers. It is a warning if the pair can
-  /// never work as it is configured, if a deadline was missed, or if a reliable pair lost samples. A pair has
-  /// at most one line about losses in a second. Changes of requests are frequent, and have the level `debug`.
+  /// Writes an event of a pair, or of one of the node's publishers or subscribers. The event is a warning if
+  /// the pair can never work as it is configured, if a deadline was missed, or if a reliable pair lost
+  /// samples. A pair has at most one line about losses in a second. Changes of requests are frequent, and
+  /// have the level `debug`.
   void write(const std::string& topic, const Event& event, Time now = std::chrono::steady_clock::now());
   static LogLevel level_of(const Event& event);
-  /// Writes losses of reliable pairs that were not written yet and may be written now. Called now and then.
+  /// Writes the losses of reliable pairs that were not written yet, if a line may be written now. Called now
+  /// and then.
   void tick(Time now);
 
  private:
   static constexpr std::size_t log_levels = static_cast<std::size_t>(LogLevel::error) + 1;
-  /// The numbers of topics and of repeated warnings that are tracked. Further topics share one set of
+  /// The most topics, and the most repeated warnings, that are tracked. Further topics share one set of
   /// budgets.
   static constexpr std::size_t topics_max = 256, repeats_max = 256;
   using TopicBudgets = std::map<Event::Kind, LineBudget>;
@@ -106,7 +109,7 @@ class NodeLog {
   TopicBudgets of_other_topics_;
   std::array<LineBudget, log_levels> of_node_;
   std::map<std::string, RepeatPause> pauses_;  ///< the pauses of warnings, by their text without numbers
-  std::map<std::string, Losses> losses_;       ///< pairs that lost samples recently, by their names
+  std::map<std::string, Losses> losses_;       ///< the recent losses, by the name of the pair
 };
 
 }  // namespace sft::core

@@ -1,5 +1,5 @@
-// A callback of the program that runs on the callback thread and can be cleared: after clear() it is not
-// called any more, even if calls of it still wait there.
+// A callback of the program that runs on the callback thread and can be cleared. After clear() it is not
+// called any more, even if calls of it still wait for that thread.
 #pragma once
 
 #include <functional>
@@ -16,7 +16,7 @@ template <class Argument>
 class PostedCall {
  public:
   using Function = std::function<void(const Argument&)>;
-  /// `thread` outlives this object; null: the function is called at once, on the calling thread.
+  /// `thread` must outlive this object. If it is null, the function is called at once, on the calling thread.
   PostedCall(Function function, CallbackThread* thread)
       : call_(function ? std::make_shared<GuardedCall<const Argument&>>(std::move(function)) : nullptr),
         thread_(thread) {}
@@ -28,8 +28,8 @@ class PostedCall {
     if (thread_ == nullptr) return (*call_)(argument);
     thread_->post(call_.get(), [call = call_, argument = std::move(argument)] { (*call)(argument); });
   }
-  /// When it returns, no call is running any more, except for one that called this itself
-  /// (CallGate::close()).
+  /// Clears the function. When clear() returns, no call is running any more, except for a call of the
+  /// function that itself called clear() (CallGate::close()).
   void clear() noexcept {
     if (call_ != nullptr) call_->clear();
   }

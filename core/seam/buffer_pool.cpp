@@ -21,7 +21,7 @@ constexpr std::size_t capacity_of(std::size_t size_class) {
   return round + std::min(round / 8, extra_bytes_max);
 }
 
-/// Returns the smallest class whose buffers hold `bytes`.
+/// Returns the number of the smallest class whose buffers hold `bytes`.
 constexpr std::size_t class_for(std::size_t bytes) {
   const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more than `bytes`
   if (shift <= min_shift) return 0;
@@ -29,8 +29,9 @@ constexpr std::size_t class_for(std::size_t bytes) {
   return bytes <= capacity_of(below) ? below : below + 1;
 }
 
-/// What stock() prepares: the least size of a buffer, the fraction of the limit (1/8) that such a buffer may
-/// have at most, and the number of buffers of each size. One may be taken while the other one is made.
+/// The limits of stock(): the least size of the buffers that it prepares, the fraction of the pool's limit
+/// (1/8) that such a buffer may have at most, and the number of buffers of each size. Two are prepared so
+/// that one may be taken while the other one is made.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
 constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
 
@@ -51,7 +52,7 @@ void release(std::byte* data, std::size_t capacity) noexcept {
   ::operator delete(data, alignment_of(capacity));
 }
 
-/// Frees a buffer. The pages of a large one return to the system even if the allocator keeps the block.
+/// Frees a buffer. The pages of a large buffer return to the system even if the allocator keeps the block.
 void destroy(SampleBuffer* buffer) noexcept {
   if (buffer->capacity >= huge_page_bytes)
     ::madvise(buffer->data, buffer->capacity / page_bytes * page_bytes, MADV_DONTNEED);
@@ -112,7 +113,8 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
   }
 }
 
-/// Returns the kept buffer that was used last, which is the likeliest to be in a cache; null if none is kept.
+/// Returns the kept buffer that was used last, because it is the likeliest to be in a cache. Returns null if
+/// none is kept.
 SampleBuffer* BufferPool::pick(std::size_t size_class) noexcept {
   auto& list = free_[size_class];
   if (list.empty()) return nullptr;
@@ -169,7 +171,8 @@ void BufferPool::stock() noexcept {
   }
 }
 
-/// Prepares one buffer. Returns false if there are enough, or if there is no memory for more.
+/// Prepares one buffer. Returns false if enough buffers of this class are kept, or if there is no memory for
+/// another one.
 bool BufferPool::stock_one(std::size_t size_class) noexcept {
   const std::size_t capacity = capacity_of(size_class);
   {
@@ -184,8 +187,9 @@ bool BufferPool::stock_one(std::size_t size_class) noexcept {
   return true;
 }
 
-/// The buffers that have been unused for the longest time come first in their list. There may be very many
-/// small buffers: one call returns only some of them to the system, and later calls return the rest.
+/// Returns unneeded buffers to the system, at the end of each period. The buffers that have been unused for
+/// the longest time are at the front of their list. There may be very many small buffers: one call frees only
+/// some of them, and later calls free the rest.
 void BufferPool::give_back(Time now) noexcept {
   if (now < period_ends_) return;
   std::array<SampleBuffer*, 1024> unneeded{};

@@ -1,7 +1,7 @@
-// Heap memory for samples. Publishers encode into it while no reader on this host uses shared memory, and
-// samples are put together from datagrams in it. Buffers are kept by size and reused, so that in steady state
-// nothing is allocated. The sizes are a little over powers of two, so that a body whose size is a power of
-// two fits with its header and index, and does not take a buffer of twice the size.
+// Heap memory for samples. Publishers encode into this memory while no reader on this host uses shared
+// memory, and the receiver assembles samples from datagrams in it. Buffers are kept by size and reused, so
+// that in steady state nothing is allocated. The sizes are a little over powers of two, so that a body whose
+// size is a power of two fits with its header and index, and does not take a buffer of twice the size.
 #pragma once
 
 #include <array>
@@ -24,24 +24,24 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   static std::shared_ptr<BufferPool> make(std::size_t limit_bytes);
   ~BufferPool() override;
 
-  /// Returns a buffer of at least `bytes` with a fresh SampleHeader. Empty if there is no memory, or if less
-  /// than `leave_bytes` of the limit would remain for other callers. Any thread.
+  /// Returns a buffer of at least `bytes` with a new SampleHeader. The handle is empty if there is no memory,
+  /// or if less than `leave_bytes` of the limit would remain for other callers. Any thread.
   SampleHandle take(std::size_t bytes, std::size_t leave_bytes = 0) noexcept;
 
-  /// Takes up to `count` of the buffers of that size that the pool keeps at present, and appends them to
-  /// `buffers`. Any thread.
+  /// Takes up to `count` buffers of the size for `bytes` that the pool keeps at present, and appends them to
+  /// `buffers`. Leaves `leave_bytes` of the limit to other callers. Any thread.
   void take_kept(std::size_t bytes, std::size_t leave_bytes, std::size_t count,
                  std::vector<SampleHandle>& buffers);
 
-  /// Notes that buffers of that size may be needed soon: stock() then prepares some. Any thread.
+  /// Notes that buffers of at least `bytes` may be needed soon, so that stock() prepares some. Any thread.
   void expect(std::size_t bytes) noexcept;
   /// Prepares two buffers of each large size that was expected since the last call, and touches their memory.
   /// (The system allocates pages at their first use, which takes longer than a copy, on some machines many
-  /// times as long.) To be called now and then, by a thread that nothing waits for.
+  /// times as long.) To be called now and then, by a thread for which no other thread waits.
   void stock() noexcept;
 
-  /// Returns buffers to the system that were kept and not needed at any moment of the last period, as after a
-  /// peak of load. To be called now and then, by a thread that nothing waits for.
+  /// Returns those kept buffers to the system that were not needed at any time of the last period, for
+  /// example after a peak of load. To be called now and then, by a thread for which no other thread waits.
   void give_back(Time now) noexcept;
   static constexpr std::chrono::seconds period{30};
 
@@ -64,10 +64,10 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
 
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);  // held for a few instructions, never over an allocation
   std::array<std::vector<SampleBuffer*>, classes> free_ SFT_GUARDED_BY(mutex_);
-  /// The fewest buffers of a size that were kept at any moment of the period.
+  /// For each size, the smallest number of buffers that were kept at any time of the period.
   std::array<std::size_t, classes> unneeded_ SFT_GUARDED_BY(mutex_){};
   Time period_ends_{};                                    ///< used only by give_back()
-  std::bitset<classes> expected_ SFT_GUARDED_BY(mutex_);  ///< sizes that stock() has to look at
+  std::bitset<classes> expected_ SFT_GUARDED_BY(mutex_);  ///< the sizes that stock() has to prepare
   std::size_t held_bytes_ SFT_GUARDED_BY(mutex_) = 0;     ///< the bytes of all buffers, lent and kept
   std::size_t lent_bytes_ SFT_GUARDED_BY(mutex_) = 0;
   const std::size_t limit_bytes_;

@@ -1,10 +1,10 @@
-// The fate of a publisher's samples, for each of its readers.
+// The counts of a publisher's samples that were sent, withheld, dropped or lost, for each of its readers.
 //
 // Counts are kept for groups of readers that get the same samples. The sender adds to the tally of a group:
-// three additions for a sample, however many readers there are. A page says which tallies belong to which
-// reader. New routes bring new tallies and pages; the old ones end with the old routes. The book carries each
-// reader's counts from page to page. The publisher's thread turns the page, between two samples, at the
-// moment from which it counts by other tallies. So no sample is missed, and none counts twice.
+// three additions for a sample, whatever the number of readers. A page says which tallies belong to which
+// reader. New routes bring new tallies and pages; the old tallies end with the old routes. The book carries
+// each reader's counts from page to page. The publisher's thread turns the page between two samples, at the
+// time when it begins to count by the new tallies. So each sample counts exactly once.
 #pragma once
 
 #include <atomic>
@@ -37,7 +37,8 @@ struct Delivered {
 /// The counts of one group of readers. Any thread.
 class DeliveryTally {
  public:
-  /// `bytes` were sent; `whole_bytes` is the size of the samples with all their fields.
+  /// Counts samples of which `bytes` were sent. `whole_bytes` is the size of the samples with all their
+  /// fields.
   void sent(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
     sent_.fetch_add(samples, std::memory_order_relaxed);
     bytes_.fetch_add(bytes, std::memory_order_relaxed);
@@ -50,8 +51,7 @@ class DeliveryTally {
   std::atomic<std::uint64_t> sent_{0}, dropped_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The losses of the readers behind one queue: samples that counted as sent and never left the queue. Any
-/// thread.
+/// The losses of the readers of one queue: samples that counted as sent and never left the queue. Any thread.
 class LossTally {
  public:
   void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
@@ -65,7 +65,7 @@ class LossTally {
   std::atomic<std::uint64_t> lost_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The tallies that count for a reader while one page is open. Each of them may be null.
+/// The tallies that count for a reader while one page is open. Each of the pointers may be null.
 class DeliveryMeter {
  public:
   /// The values of the tallies at one time. Only differences of two readings are meaningful.
@@ -83,34 +83,36 @@ class DeliveryMeter {
   std::shared_ptr<const DeliveryTally> tally{};
   std::shared_ptr<const LossTally> losses{};
   std::shared_ptr<const Gate> gate{};
-  bool diverted = false;  ///< the tally is of a fallback route
+  bool diverted = false;  ///< true: the tally counts for a fallback route
 };
 
 class DeliveryBook {
  public:
-  /// Which component counts: the publisher itself, or its port to the network. Each turns pages of its own.
+  /// The component that counts: the publisher itself, or its port to the network. Each component turns its
+  /// own pages.
   enum class Origin : std::uint8_t { publisher, network };
-  using Page =
-      std::vector<std::pair<std::uint64_t, DeliveryMeter>>;  ///< the id of each reader, and its meter
+  /// The ids of the readers of the page, each with the meter of the reader.
+  using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;
 
-  // The agent's thread.
+  // The functions for the agent's thread.
 
-  /// Opens accounts for the readers of the page. Must be called before turn_to() is called with this page.
+  /// Opens accounts for the readers of the page. Must be called with a page before turn_to() is called with
+  /// it.
   void enter(const Page& page);
-  /// Counts retained samples that were sent to a reader first.
+  /// Adds to the count of retained samples that were sent to a reader at first.
   void retained(std::uint64_t reader, std::uint64_t samples);
-  /// Removes the accounts of all other readers, which do not come back. From then on their counts are only in
-  /// total().
+  /// Removes the accounts of all readers but `readers`. The removed readers must not come back. From then on
+  /// their counts are only in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// `to_come` if the tallies of the previous page may still increase until the next call of turn_to(). Then
-  /// the new page must not have any of them.
+  /// `to_come` means that the tallies of the previous page may still increase until the next call of
+  /// turn_to(). Then the new page must not have any of these tallies.
   enum class LateCounts : std::uint8_t { none, to_come };
 
   /// Makes `page` the open page of `origin`. The publisher's thread. Allocates nothing.
   void turn_to(Origin origin, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
-  // Any thread.
+  // The functions for any thread.
 
   Delivered of(std::uint64_t reader) const;
   /// Returns the counts of all readers together, including departed ones.

@@ -1,5 +1,5 @@
-// A gate decides which samples of a writer go to those of its readers that ask for the same conditions and
-// the same maximum rate. Pure: samples and stamps are passed in, decisions are returned.
+// A gate decides which samples of a writer go to the readers that ask for the same conditions and the same
+// maximum rate. A gate uses no clock: samples and stamps are passed in, decisions are returned.
 #pragma once
 
 #include <atomic>
@@ -11,32 +11,32 @@
 
 namespace sft::core {
 
-/// Returns the id of a gate with conditions, by which samples name the gate that they have passed; 0: no
-/// conditions. `conditions` is the hash of a Selection's gate without a rate, or 0.
+/// Returns the id of a gate with conditions, or 0 if there are none. Samples name the gates that they have
+/// passed by these ids. `conditions` is the hash of a Selection's gate without a rate, or 0.
 std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
 
-/// Used by the publisher's thread, except for functions that say otherwise.
+/// The functions of a gate are called by the publisher's thread, except for functions that say otherwise.
 class Gate {
  public:
-  /// Makes a gate for a maximum rate alone. It begins with a budget for one sample, so that there is no
-  /// burst, and so do the gates of its readers.
+  /// Makes a gate for a maximum rate without conditions. The gate begins with a budget for one sample, so
+  /// that there is no burst. The gates at its readers do so, too.
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
-  /// Makes a gate with conditions, which Conditions::check() has accepted. Nothing passes before
-  /// reader_begins() was called for its first reader. `hash` is that of the selection's gate without a rate.
+  /// Makes a gate with conditions, which Conditions::check() must have accepted. No sample passes before
+  /// reader_begins() was called for the first reader. `hash` is that of the selection's gate without a rate.
   Gate(std::uint32_t min_period_us, detail::Conditions conditions, std::uint64_t hash)
       : budget_(min_period_us, 1),
         conditions_(std::move(conditions)),
         id_(gate_id(hash, min_period_us)),
         is_open_(false) {}
 
-  /// May be called by any thread.
+  /// Returns the least time between two samples, in us. Any thread.
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
-  /// Returns the id of a gate with conditions (gate_id()); 0: it has none. Any thread.
+  /// Returns the id of the gate (gate_id()), or 0 if the gate has no conditions. Any thread.
   std::uint64_t id() const { return id_; }
 
-  /// Decides whether a sample passes. Called once for every sample. If it passes, made() or refused() is
-  /// called next. If neither is called, because the sample could not be made, its readers miss it, and later
-  /// samples are compared with the one before it.
+  /// Decides if a sample passes. Called once for every sample. If the sample passes, made() or refused() must
+  /// be called next. If the sample could not be made, neither is called: the readers miss the sample, and
+  /// later samples are compared with the one before it.
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
@@ -47,27 +47,29 @@ class Gate {
       add(withheld_, 1);
     }
   }
-  /// Called when the sample that passed is sent. Later samples are compared with it.
+  /// Called when the sample that passed is sent. Later samples are compared with this sample.
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     if (passes_ && id_ != 0) conditions_.passed(sample, stamp_ns);
   }
-  /// Called when the message is refused. Undoes consider(), as if the message had never been published.
+  /// Called instead of made() when the message is refused. Undoes consider(), as if the message had never
+  /// been published.
   void refused() {
     if (!passes_) return;
     budget_ = before_;
     --ordinal_;
     add(passed_, -1);
   }
-  /// Called when the request of a reader takes effect. The next sample that fulfils the conditions is its
-  /// first one: it is not compared with earlier samples, and passes whatever the rate. Any thread.
+  /// Called when the request of a reader takes effect. The next sample that fulfils the conditions is the
+  /// first one for this reader: it is not compared with earlier samples, and passes even if the rate does not
+  /// allow it. Any thread.
   void reader_begins() noexcept { reader_begins_.store(true, std::memory_order_relaxed); }
 
-  /// Returns true if the sample that was considered last is for the readers behind this gate.
+  /// Returns true if the sample that was considered last is for the readers of this gate.
   bool passes() const { return passes_; }
-  /// Returns the number of the last sample that passed. By it readers distinguish lost samples from withheld
-  /// ones.
+  /// Returns the number of the last sample that passed. Readers use it to distinguish lost samples from
+  /// withheld ones.
   std::uint32_t ordinal() const { return ordinal_; }
-  // The numbers of samples that passed, and that did not. Any thread.
+  // The numbers of samples that passed and that were withheld. Any thread.
   std::uint64_t passed() const { return passed_.load(std::memory_order_relaxed); }
   std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
 
@@ -75,7 +77,7 @@ class Gate {
   using Count = std::atomic<std::uint64_t>;
 
   bool decide(const detail::FieldSource& sample, std::int64_t stamp_ns);
-  /// Adds without a locked instruction, because only this thread writes the count.
+  /// Adds without a locked instruction, because only the publisher's thread writes the count.
   static void add(Count& count, int more) {
     count.store(count.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(more),
                 std::memory_order_relaxed);

@@ -1,5 +1,5 @@
-// Decides which samples of a writer are for a reader that asks for a maximum rate. Pure: stamps are passed
-// in, decisions are returned.
+// Decides which samples of a writer are for a reader that asks for a maximum rate. It uses no clock: stamps
+// are passed in, decisions are returned.
 //
 // Time is divided into slots of one period, on the grid of the stamps' clock. The beginning of each slot adds
 // one sample to the budget, and one unused sample can be saved. So a source whose rate is about the limit
@@ -19,10 +19,10 @@ class RateBudget {
  public:
   static constexpr std::int64_t most_saved = 2;
 
-  /// By default the budget begins with all that can be saved. A period of 0 us means no limit.
+  /// By default the budget begins with the most samples that can be saved. A period of 0 us means no limit.
   explicit RateBudget(std::uint32_t min_period_us = 0, std::int64_t saved = most_saved)
       : min_period_us_(min_period_us), saved_(saved) {}
-  /// Returns a budget that has nothing to spend before the next slot.
+  /// Returns a budget that allows no sample before the next slot.
   static RateBudget spent(std::uint32_t min_period_us, std::int64_t stamp_ns);
 
   std::uint32_t min_period_us() const { return min_period_us_; }
@@ -32,8 +32,8 @@ class RateBudget {
   bool take(std::int64_t stamp_ns);
   /// Subtracts a sample that passes even if the budget does not allow it. The budget may become negative.
   void spend(std::int64_t stamp_ns);
-  /// Returns the number of samples beyond what can be saved that the budget would have allowed until then.
-  /// Without a limit it is any number.
+  /// Returns the number of samples that the budget would have allowed by the time of the stamp, beyond those
+  /// that can be saved. Returns the greatest number if there is no limit.
   std::uint64_t forfeited(std::int64_t stamp_ns) const;
 
  private:
@@ -42,8 +42,8 @@ class RateBudget {
   std::int64_t worth(std::int64_t stamp_ns) const;
 
   std::uint32_t min_period_us_;
-  std::int64_t slot_ = never;  ///< the slot for which `saved_` is right
-  std::int64_t saved_;         ///< the samples that are allowed; less than 0: samples that passed in advance
+  std::int64_t slot_ = never;  ///< the slot for which `saved_` is valid
+  std::int64_t saved_;  ///< the number of samples that are allowed; negative: samples that passed in advance
 };
 
 }  // namespace sft::core

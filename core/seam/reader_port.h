@@ -2,13 +2,14 @@
 // (writer_port.h):
 //
 //   BorrowingReader  Reads samples in the memory of their writers: whole samples, in the order of each
-//                    writer. It is woken by a doorbell (core/platform/doorbell.h). Writers cannot reuse the
-//                    memory of samples that it holds.
-//   NetworkReader    Receives bytes, and puts samples together: only the fields that were asked for, perhaps
-//                    several variants at one address. It is woken by a listener or in receive().
+//                    writer. The reader is woken by a doorbell (core/platform/doorbell.h). Writers cannot
+//                    reuse the memory of samples that the reader holds.
+//   NetworkReader    Receives bytes, and assembles samples from them: only the fields that were asked for,
+//                    perhaps several variants at one address. The reader is woken by a listener or in
+//                    receive().
 //
-// Ownership. A port belongs to one reader, and may outlive the transport that opened it: nothing arrives
-// then. Samples that were taken outlive the port.
+// Ownership. A port belongs to one reader, and may outlive the transport that opened it. After the end of the
+// transport no sample arrives. Samples that were taken may outlive the port.
 //
 // Threads. take() and take_of() may be called by any thread, one at a time. Functions marked "any thread" may
 // be called by several threads at once. The node's agent thread calls all others, at the same time as these.
@@ -33,8 +34,8 @@ struct Doorbell;
 
 class ArrivalListener {
  public:
-  /// Called when at least one sample can be taken, by a thread that receives, which does nothing else
-  /// meanwhile.
+  /// Called by a receiving thread when at least one sample can be taken. The thread receives nothing until
+  /// the call returns.
   virtual void arrived() noexcept = 0;
 
  protected:
@@ -43,37 +44,40 @@ class ArrivalListener {
 
 struct ReaderSpec {
   EndpointId id = 0;
-  const TypeSupport* type = nullptr;  ///< outlives the port
-  std::uint32_t depth = 1;            ///< samples kept until taken, per writer; the oldest are dropped first
-  /// Called by a NetworkReader. It outlives the port.
+  const TypeSupport* type = nullptr;  ///< must outlive the port
+  /// The samples of one writer that are kept until they are taken; the oldest are dropped first.
+  std::uint32_t depth = 1;
+  /// The listener of a NetworkReader. It must outlive the port.
   ArrivalListener* listener = nullptr;
   /// The doorbell that the writers of a BorrowingReader ring.
   DoorbellAddress doorbell;
-  /// The number of samples of one writer that may be held at a time. While that many are held, take() of a
-  /// BorrowingReader returns no more of that writer.
+  /// The number of samples of one writer that may be held at a time. While this number is held, take() of a
+  /// BorrowingReader returns no more samples of that writer.
   std::uint32_t max_held = SubscriberOptions::max_held_most;
-  /// True if the listener only rings `doorbell` for threads in NetworkReader::receive(). Then each of these
+  /// True: the listener only rings `doorbell` for threads in NetworkReader::receive(). Then each of these
   /// threads may ring it for the others instead.
   bool only_waited_for = false;
-  /// The time for which the thread that calls the listener polls for more samples, and keeps a core busy,
-  /// before it sleeps.
+  /// The time for which the thread that calls the listener polls for more samples before it sleeps. Polling
+  /// keeps a core busy.
   std::chrono::nanoseconds spin{0};
-  /// The bytes of samples kept until taken, per writer. The oldest samples are dropped first, but the newest
-  /// one always stays; 0: no limit. Shared memory may round the number down to a power of two.
+  /// The bytes of samples of one writer that are kept until they are taken; 0: no limit. The oldest samples
+  /// are dropped first, but the newest one always stays. Shared memory may round the number down to a power
+  /// of two.
   std::uint64_t depth_bytes = 0;
 };
 
 /// A thread that waits for a sample, until its reader's doorbell is rung.
 struct Waiting {
   Doorbell& bell;
-  std::uint32_t seen = 0;  ///< the number of rings of `bell` that it has seen
+  std::uint32_t seen = 0;  ///< the number of rings of `bell` that the thread has seen
   std::chrono::steady_clock::time_point deadline;
-  std::chrono::steady_clock::time_point spin_until;  ///< the time until which it polls before it sleeps
+  /// The time until which the thread polls before it sleeps.
+  std::chrono::steady_clock::time_point spin_until;
 };
 
 /// The progress of a late reader with the retained samples, which are sent to it alone.
 enum class HistoryProgress : std::uint8_t {
-  awaited,  ///< no retained sample has come yet
+  awaited,  ///< no retained sample has arrived yet
   coming,
   came,  ///< no retained sample is under way any more
 };
@@ -82,15 +86,16 @@ class ReaderPort {
  public:
   virtual ~ReaderPort() = default;
 
-  /// Returns the oldest sample not yet taken, or an empty handle if there is none. The sample is validated so
-  /// far that every getter is safe.
+  /// Returns the oldest sample not yet taken, or an empty handle if there is none. The sample is validated,
+  /// so that every getter is safe.
   virtual SampleHandle take() noexcept = 0;
 
-  /// Begins to accept a writer's samples. May ask a daemon, as SharedMemory::open_writer() does.
+  /// Begins to accept a writer's samples. May send a request to a daemon, as SharedMemory::open_writer()
+  /// does.
   virtual Result<void> connect(const Source& source) = 0;
   /// Returns true if samples that the writer sends from now on will arrive.
   virtual bool connected(EndpointId writer) const noexcept = 0;
-  /// Accepts no more samples of the writer; those that have arrived can still be taken.
+  /// Stops accepting samples of the writer; samples that have arrived can still be taken.
   virtual void disconnect(EndpointId writer) noexcept = 0;
   /// Returns the progress of the retained samples of a writer that was connected with `history_first`.
   virtual HistoryProgress history(EndpointId writer) const noexcept = 0;
@@ -98,51 +103,53 @@ class ReaderPort {
   virtual std::uint64_t arrivals(EndpointId writer) noexcept = 0;
 
   struct Counters {
-    /// Samples that arrived completely and were discarded: pushed out of a full queue, or malformed.
+    /// Samples that arrived completely and were discarded, because they were malformed or a full queue
+    /// dropped them.
     std::uint64_t discarded = 0;
-    /// The part of `discarded` that no gap in the sequences of taken samples shows: samples before the first
-    /// one that was taken of a writer, or after the last one of a writer that was disconnected.
+    /// The part of `discarded` that causes no gap between the sequences of taken samples: samples before the
+    /// first one that was taken of a writer, or after the last one of a writer that was disconnected.
     std::uint64_t lost_unnoticed = 0;
   };
-  /// May be called by any thread.
+  /// Returns the counts since the port was opened. Any thread.
   virtual Counters counters() const noexcept = 0;
 };
 
 /// A reader of samples that lie in memory of their writers.
 class BorrowingReader : public ReaderPort {
  public:
-  /// Does what take() does, but for that writer only: samples of one writer may have to be delivered before
-  /// those of others.
+  /// Does what take() does, but for one writer only: samples of one writer may have to be delivered before
+  /// those of other writers.
   virtual SampleHandle take_of(EndpointId writer) noexcept = 0;
-  /// Returns true if a sample waits, even one that take() does not return because max_held samples are held.
-  /// May be called by any thread.
+  /// Returns true if a sample waits, even a sample that take() does not return because max_held samples are
+  /// held. Any thread.
   virtual bool some_wait() const noexcept = 0;
   /// Wakes writers that wait for room in the queue, if take() has made room since the last call. To be called
-  /// after take(), while no lock is held, since it may make a system call. Any thread.
+  /// after take(). No lock must be held during the call, since it may make a system call. Any thread.
   virtual void notify_room() noexcept = 0;
   /// Returns how often the next sample could not be taken because max_held samples of its writer were held.
-  /// May be called by any thread.
+  /// Any thread.
   virtual std::uint64_t held_too_many() const noexcept = 0;
 };
 
-/// A reader of samples that come as bytes.
+/// A reader of samples that arrive as bytes.
 class NetworkReader : public ReaderPort {
  public:
-  /// Waits for samples, and receives for the whole transport on the calling thread. So samples need not be
-  /// passed from one thread to another. Listeners of this and other readers are called meanwhile. Spurious
-  /// returns are possible. Returns false at once if this is not possible, because a thread of the transport
-  /// receives; then the bell will be rung. Any thread.
+  /// Waits for samples, and receives for the whole transport on the calling thread, so that samples need not
+  /// be passed from one thread to another. Listeners of this reader and of other readers are called
+  /// meanwhile. Spurious returns are possible. Returns false at once if a thread of the transport is
+  /// receiving; then the bell will be rung. Any thread.
   virtual bool receive(const Waiting& waiting) noexcept = 0;
-  /// Called when the reader gets samples by another transport, too. From then on the transport's own thread
-  /// receives, so that samples of this transport do not lag behind the others. Hence only this transport
-  /// rings the bell of a thread that is in receive().
+  /// Called when the reader begins to get samples by another transport, too. From then on the transport's own
+  /// thread receives, so that samples of this transport do not lag behind the others. So only this
+  /// transport rings the bell of a thread that is in receive().
   virtual void share_reader() = 0;
 
   /// Called when a connected writer has changed its announcement, or when its node begins or ceases to
-  /// answer. `history_first` does not change.
+  /// answer. `history_first` must not change.
   virtual void announced(const Source& source) = 0;
-  /// Sets which samples are for this reader: those of its present request, which comes last, and those of
-  /// earlier ones, while such samples may be under way. Variants for several readers may come to one address.
+  /// Sets the samples that are for this reader. `accepted` has the present request of the reader at the end.
+  /// Before it come earlier requests, as long as samples of them may be under way. The choice is necessary
+  /// because variants for several readers may arrive at one address.
   virtual void accept(std::vector<Accepted> accepted) = 0;
 };
 

@@ -1,6 +1,6 @@
-// The memory of one encoded sample: a chunk in shared memory, a reassembly buffer, or a heap buffer. Handles
-// share it. When the last handle is destroyed, the memory returns to its owner. Each lent buffer keeps its
-// owner alive.
+// The memory of one encoded sample: a chunk in shared memory, a reassembly buffer, or a heap buffer. Several
+// handles can share the memory. When the last handle is destroyed, the memory returns to its owner. Each lent
+// buffer keeps its owner alive.
 #pragma once
 
 #include <algorithm>
@@ -28,16 +28,19 @@ class BufferOwner {
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// The owner sets the members when it lends the buffer; `elements` is empty then. The origin is set by
-/// publishers, and by ports of readers once they have checked the header.
+/// A buffer and the properties of the sample in it. The owner sets the members when it lends the buffer, with
+/// empty `elements`. The origin is set by publishers, and by ports of readers once they have checked the
+/// header.
 struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
-  FieldMask mask;           ///< leaves that the sample has
-  std::uint64_t parts = 0;  ///< Selection::parts_hash() if it has parts of some fields; 0: all are whole
-  detail::ElementIndex elements;      ///< positions of elements, as readers find them
-  std::int64_t receive_stamp_ns = 0;  ///< CLOCK_REALTIME; 0 on the sending side
-  /// On the sending side: the bytes of the body with all fields, to count what is saved; 0: unknown.
+  FieldMask mask;  ///< the leaves that the sample has
+  /// Selection::parts_hash() if the sample has only parts of some fields; 0: all fields are whole.
+  std::uint64_t parts = 0;
+  detail::ElementIndex elements;      ///< the positions of elements that readers have found so far
+  std::int64_t receive_stamp_ns = 0;  ///< the time of CLOCK_REALTIME; 0 on the sending side
+  /// On the sending side: the bytes of the body with all fields, from which the saved bytes are counted; 0:
+  /// unknown.
   std::uint32_t whole_bytes = 0;
   /// On the sending side, while publish() runs: the parts of the body that are still in the program's own
   /// memory; null: none.
@@ -47,7 +50,7 @@ struct SampleBuffer : SampleOrigin {
   std::atomic<std::uint32_t> references{0};
 
   detail::SampleHeader& header() const { return *reinterpret_cast<detail::SampleHeader*>(data); }
-  /// Copies the origin from the header, which so far only this process can write.
+  /// Copies the origin from the header. To be called while only this process can write to the header.
   void trust_header() noexcept { trust(header()); }
   SampleOrigin& origin() noexcept { return *this; }
   /// Copies the postponed parts. To be called before another thread or process reads the body, and before
@@ -60,10 +63,10 @@ struct SampleBuffer : SampleOrigin {
   }
 };
 
-/// Returns the state that getters and projections read, of a sample whose type has `slots` index slots. Every
-/// process of the host can write to a header in shared memory, even after it was checked. Therefore the
-/// beginning of the body is not read from the header, and the body is bounded by the buffer. The state does
-/// not have the buffer's `elements`, which belong to a reader.
+/// Returns the state that getters and projections read. `slots` is the number of index slots of the sample's
+/// type. Every process of the host can write to a header in shared memory, even after the header was checked.
+/// Therefore the beginning of the body is not read from the header, and the body is bounded by the buffer.
+/// The state does not have the buffer's `elements`, which belong to a reader.
 inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slots) noexcept {
   const std::size_t body_offset = detail::SampleLayout(slots).body_offset;
   const std::size_t body_bytes = __atomic_load_n(&buffer.header().body_bytes, __ATOMIC_RELAXED);
@@ -78,7 +81,7 @@ inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slot
 class SampleHandle {
  public:
   SampleHandle() = default;
-  /// Takes one reference.
+  /// Adds one reference to the buffer.
   explicit SampleHandle(SampleBuffer& buffer) : buffer_(&buffer) {
     buffer.references.fetch_add(1, std::memory_order_relaxed);
   }
@@ -96,15 +99,15 @@ class SampleHandle {
     SampleBuffer* buffer = std::exchange(buffer_, nullptr);
     if (buffer == nullptr || buffer->references.fetch_sub(1, std::memory_order_acq_rel) != 1) return;
     buffer->elements.clear();
-    const std::shared_ptr<BufferOwner> owner = std::move(buffer->owner);  // may be the owner's last reference
+    // May hold the last reference to the owner.
+    const std::shared_ptr<BufferOwner> owner = std::move(buffer->owner);
     owner->recycle(*buffer);
   }
 
-  /// Returns true if this is the only handle. All accesses by way of former handles have then happened
-  /// before.
+  /// Returns true if this is the only handle. All accesses through former handles have happened before.
   bool is_only() const noexcept { return buffer_->references.load(std::memory_order_acquire) == 1; }
 
-  /// Gives the reference away; adopt() takes over a reference that was given away.
+  /// Gives the reference away. adopt() makes a handle from a reference that was given away.
   [[nodiscard]] SampleBuffer* release() noexcept { return std::exchange(buffer_, nullptr); }
   static SampleHandle adopt(SampleBuffer* buffer) noexcept {
     SampleHandle handle;

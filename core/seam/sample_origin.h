@@ -1,5 +1,5 @@
-// The origin of a sample, by which readers order, count and choose samples: its writer's numbers and stamps,
-// and what else the writer sent with the sample.
+// The origin of a sample, by which readers order, count and choose samples: the numbers and stamps of the
+// writer, and other values that the writer sent with the sample.
 #pragma once
 
 #include <cstdint>
@@ -10,8 +10,8 @@
 namespace sft::core {
 
 struct SampleOrigin {
-  // These are the values of the header at the time when it could be trusted. A header in shared memory is
-  // never read again, since other processes may have changed it.
+  // These are the values of the header at the time when the header was trustworthy. A header in shared memory
+  // is never read again, since other processes may have changed it.
 
   EndpointId writer = 0;
   std::uint64_t sequence = 0;
@@ -19,19 +19,21 @@ struct SampleOrigin {
   std::uint64_t diverted_sequence = 0;  ///< meaningless for a sample that came by UDP
   std::int64_t diverted_stamp_ns = 0;
 
-  // Samples that were received by UDP have the following values. Of samples in shared memory only
+  // The following values are set for samples that were received by UDP. For samples in shared memory only
   // oldest_retained and the values of a gate with conditions (gate_table.h) are set.
 
-  /// The maximum rate of the gate that the sample passed at its writer; 0: none.
+  /// The maximum rate of the gate that the sample passed at its writer, as the least time between two
+  /// samples; 0: none.
   std::uint32_t min_period_us = 0;
-  std::uint64_t gate = 0;     ///< the id of that gate if it has conditions (gate_id()); 0: it has none
+  std::uint64_t gate = 0;     ///< the id of that gate if the gate has conditions (gate_id()), otherwise 0
   std::uint32_t ordinal = 0;  ///< the sample's number among those that passed the gate
-  EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all
+  EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all readers
   /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.
   std::uint64_t oldest_retained = 0;
-  /// How often the sequences of the writer began anew because the earlier ones were implausible.
+  /// The number of times that the sequences of the writer began anew because the earlier ones were
+  /// implausible.
   std::uint32_t numbering = 0;
-  bool merged = false;  ///< the mask is the union of the masks of several readers
+  bool merged = false;  ///< true: the mask is the union of the masks of several readers
 
   void trust(const detail::SampleHeader& header) noexcept {
     writer = header.writer;

@@ -1,4 +1,4 @@
-// A request of a subscriber, with what is needed to deliver samples under it. Immutable.
+// A request of a subscriber, with the data that are needed to deliver samples for it. Immutable.
 #pragma once
 
 #include <memory>
@@ -14,16 +14,19 @@
 namespace sft::core {
 
 struct Asked {
-  Selection selection;  ///< closed, without a rate
-  /// Reduces a sample that has more than the selection. Null: samples are delivered as they come.
+  Selection selection;  ///< the selection, which is closed and has no rate
+  /// The plan to reduce samples that have more than the selection. Null: samples are delivered unchanged.
   std::unique_ptr<const detail::ProjectionPlan> plan{};
-  bool from_network = false;  ///< samples that came by UDP are reduced, too, because the selection has parts
-  /// Set if the parts are those of recorded channels. Samples that have more are then delivered as they come.
+  /// True: samples that came by UDP are reduced, too, because the selection has parts.
+  bool from_network = false;
+  /// Set if the parts are those of recorded channels. In this case samples with more channels are delivered
+  /// unchanged.
   std::optional<detail::ChannelsSent> recorded_channels{};
 };
 
-/// `as_remote`: samples in shared memory are reduced to what a reader on another host would get, even if the
-/// selection has only whole fields. `recorder` has recorded the selection; null: it is declared.
+/// Makes the request. `as_remote` means that samples in shared memory are reduced as on another host, even if
+/// the selection has only whole fields. `recorder` is the recorder of the selection, or null if it is
+/// declared.
 inline std::shared_ptr<const Asked> make_asked(const TypeSupport& type, Selection selection, bool as_remote,
                                                const Recorder* recorder) {
   auto asked = std::make_shared<Asked>();

@@ -40,8 +40,8 @@ AskedGates::Number AskedGates::open_since(Number since) const {
   return since;
 }
 
-/// A request without conditions, but with a maximum rate, may have withheld samples that passed the gate.
-/// Then the result is nothing.
+/// Returns nothing also if a request has a maximum rate but no conditions, because it may have withheld
+/// samples that passed the gate.
 std::optional<std::uint64_t> AskedGates::only_gate_since(Number first) const {
   if (first < oldest_) return {};
   std::uint64_t only = 0;

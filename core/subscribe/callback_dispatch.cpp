@@ -5,14 +5,15 @@ namespace sft::core {
 namespace {
 thread_local int callback_depth = 0;
 constexpr std::chrono::microseconds slow_callback{200};  // far more than it costs to wake another thread
-constexpr int quick_again_after = 100;                   // quick callbacks in a row
+constexpr int quick_again_after = 100;  // callbacks count as quick after this number of quick ones in a row
 }  // namespace
 
 bool CallbackDispatch::in_callback() noexcept { return callback_depth != 0; }
 
-/// Calls back, and returns the time at which the callback was done. `before` is the time at which the
-/// previous callback was done, or at which the search for the first sample began. So the time includes taking
-/// the sample, which is short beside a slow callback. This saves one reading of the clock.
+/// Calls back, and returns the time at which the callback has returned. `before` is the time at which the
+/// previous callback returned, or at which the search for the first sample began. So the measured time
+/// includes the taking of the sample, which is short compared with a slow callback. This saves one reading of
+/// the clock.
 Time CallbackDispatch::call_back(detail::untyped::Sample sample, Time before) {
   ++callback_depth;
   callback_(std::move(sample));

@@ -61,7 +61,7 @@ std::optional<std::size_t> ChannelNumbers::number_of(std::size_t leaf, std::stri
   const auto cloud = std::ranges::find(clouds_, leaf, &Cloud::data);
   if (cloud == clouds_.end() || !can_be_named(leaf, name)) return {};
   const Lock lock(mutex_);
-  if (const auto known = find(leaf, name)) return known;  // another thread was quicker
+  if (const auto known = find(leaf, name)) return known;  // another thread has added the channel
   const std::size_t next = count_.load(std::memory_order_relaxed);
   if (next == most) return {};
   channels_[next] = {&*cloud, std::string(name)};
@@ -92,7 +92,8 @@ Selection ChannelNumbers::selection(const FieldMask& numbers) const {
     }
   }
   if (Result<Selection> asked = Selection::make(fields, std::move(parts), {})) return *std::move(asked);
-  for (const Cloud& cloud : clouds_) {  // the selection has too many parts or names, so ask for whole points
+  // The selection has too many parts or names, so it asks for whole points.
+  for (const Cloud& cloud : clouds_) {
     if (fields.contains(cloud.data)) fields |= cloud.fields;
   }
   return fields;

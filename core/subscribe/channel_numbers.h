@@ -1,5 +1,5 @@
-// The channels of clouds that a program was seen to read. Each has a number that follows those of the leaves,
-// so that it is recorded like a leaf. A channel gets its number when it is read for the first time, and keeps
+// The channels of clouds that a program has read. The numbers of channels follow those of the leaves, so that
+// a channel is recorded like a leaf. A channel gets its number when it is read for the first time, and keeps
 // it.
 #pragma once
 
@@ -23,12 +23,12 @@ class ChannelNumbers {
   /// The most channels, for all clouds of a type together.
   static constexpr std::size_t most = Selection::channels_max;
 
-  /// A cloud of which parts with channels can be asked for.
+  /// A cloud for which parts with channels can be requested.
   struct Cloud {
     std::size_t data = 0;  ///< the leaf with the points
     FieldMask fields;      ///< `data`, and all fields that describe the layout of its points
-    /// Those of `fields` whose values differ if only some channels are sent. A program that reads one of
-    /// these needs whole points.
+    /// The fields in `fields` whose values differ if only some channels are sent. A program that reads one of
+    /// them needs whole points.
     FieldMask changed;
   };
   /// Returns the clouds of a type, except for those in arrays and sequences.
@@ -36,14 +36,14 @@ class ChannelNumbers {
 
   ChannelNumbers(std::size_t leaves, std::vector<Cloud> clouds);
 
-  /// Returns how many numbers there are, including those of the leaves.
+  /// Returns the count of all numbers, including those of the leaves.
   std::size_t numbers() const { return leaves_ + (clouds_.empty() ? 0 : most); }
   /// Returns true if the type has clouds.
   bool has_clouds() const { return !clouds_.empty(); }
 
-  /// Returns the number of a channel. Nothing if the leaf has no points, if a request cannot name the
-  /// channel, or if there are too many channels. Allocates only for a channel that was never read before. Any
-  /// thread.
+  /// Returns the number of a channel. Returns nothing if the leaf has no points, if a request cannot name the
+  /// channel, or if there are too many channels. Allocates memory only for a channel that was never read
+  /// before. Any thread.
   std::optional<std::size_t> number_of(std::size_t leaf, std::string_view name);
   /// Returns the fields that are read together with the channel of that number. Any thread.
   const FieldMask& fields_of(std::size_t number) const { return channels_[number - leaves_].cloud->fields; }
@@ -51,8 +51,8 @@ class ChannelNumbers {
   /// Returns the selection of the whole fields and the channels with these numbers. If points are whole, all
   /// fields that describe their layout are whole, too; a part includes them anyway. Any thread.
   Selection selection(const FieldMask& numbers) const;
-  /// Says how samples of that selection differ from what was published. Nothing if they do not differ. Any
-  /// thread.
+  /// Describes the difference between samples of that selection and the published messages. Returns nothing
+  /// if they do not differ. Any thread.
   std::optional<detail::ChannelsSent> sent_for(const Selection& selection) const;
 
  private:

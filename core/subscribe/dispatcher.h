@@ -1,6 +1,6 @@
-// The thread that calls back for samples in shared memory, and for samples that came by UDP if callbacks take
-// long (short ones run on the receiving thread). It sleeps on one doorbell for all subscribers of a node that
-// have callbacks.
+// The thread that calls back for samples in shared memory. It also calls back for samples that came by UDP if
+// callbacks take long (short callbacks run on the receiving thread). It sleeps on one doorbell for all
+// subscribers of a node that have callbacks.
 #pragma once
 
 #include <atomic>
@@ -18,14 +18,14 @@ namespace sft::core {
 
 class Dispatcher {
  public:
-  /// `bell` outlives the dispatcher.
+  /// `bell` must outlive the dispatcher.
   Dispatcher(Doorbell& bell, ThreadSpec spec) : bell_(bell), spec_(std::move(spec)) {}
   ~Dispatcher();
   Dispatcher(const Dispatcher&) = delete;
   Dispatcher& operator=(const Dispatcher&) = delete;
 
-  /// Starts the thread. To be called before the first add(); does nothing if it was called before. Any
-  /// thread.
+  /// Starts the thread. Must be called before the first add(). Does nothing if the thread was started before.
+  /// Any thread.
   Result<void> start();
 
   void add(std::shared_ptr<SubscriberCore> subscriber);

@@ -26,7 +26,7 @@ Selection Feed::required() const {
   if (common_.recorder == nullptr) return declared;
   const Selection fields = common_.type.closed(common_.recorder->required());
   return fields.with_gate(declared.gate())
-      .value_or(fields);  // without conditions if the whole selection would be too long
+      .value_or(fields);  // without conditions if the selection would be too long with them
 }
 
 Result<void> Feed::set_max_rate_hz(double max_rate_hz) {

@@ -1,5 +1,5 @@
-// A feed provides the samples of one selection of a subscriber. Each selection is an endpoint of its own,
-// with a request, ports, an order of its samples, and counts. Most subscribers have one selection.
+// A feed provides the samples of one selection of a subscriber. Each selection is a separate endpoint, with
+// its own request, ports, order of samples, and counts. Most subscribers have one selection.
 #pragma once
 
 #include <atomic>
@@ -27,34 +27,36 @@ class Feed {
  public:
   struct Spec {
     EndpointId id = 0;
-    /// The declared selection, closed and without a rate. If fields are recorded: the one that is requested
-    /// at first.
+    /// The declared selection, closed and without a rate. If fields are recorded, it is the selection that is
+    /// requested at first.
     Selection selection{};
-    std::uint32_t min_period_us = 0;  ///< the period of its maximum rate; 0: all samples
-    Qos qos{};                        ///< the QoS that the subscriber requests
-    /// Called when the needs of the subscriber have changed, by any thread. Posts to the agent, and returns.
+    /// The least time between two samples at its maximum rate; 0: all samples.
+    std::uint32_t min_period_us = 0;
+    Qos qos{};  ///< the QoS that the subscriber requests
+    /// Called by any thread when the needs of the subscriber have changed. Posts to the agent, and returns.
     std::function<void()> changed = [] {};
   };
-  /// What all feeds of a subscriber share.
+  /// The settings that all feeds of a subscriber share.
   struct Common {
     const TypeSupport& type;
     std::string_view topic;
-    std::chrono::nanoseconds timeout{0};  ///< the longest wait for diverted samples (Intake::Options)
-    std::uint32_t depth = 0;              ///< SubscriberOptions::depth
-    std::uint32_t memory_depth = 0;       ///< the part of `depth` that shared memory keeps; 0: all
-    bool as_remote = false;               ///< SubscriberOptions::Recording::as_remote
-    bool reports_asked = false;           ///< see SubscriberPorts
-    Recorder* recorder = nullptr;         ///< null: the selection is declared
+    /// The longest time to wait for a diverted sample (Intake::Options).
+    std::chrono::nanoseconds timeout{0};
+    std::uint32_t depth = 0;         ///< SubscriberOptions::depth
+    std::uint32_t memory_depth = 0;  ///< the part of `depth` that shared memory keeps; 0: all
+    bool as_remote = false;          ///< SubscriberOptions::Recording::as_remote
+    bool reports_asked = false;      ///< see SubscriberPorts
+    Recorder* recorder = nullptr;    ///< null: the selection is declared
   };
 
-  /// The objects that `common` names outlive this one.
+  /// The objects that `common` names must outlive this object.
   Feed(Spec spec, const Common& common);
 
   const Spec& spec() const { return spec_; }
   SubscriberPorts& ports() { return ports_; }
 
-  /// Returns what the subscriber needs at present, declared or recorded: closed, and without a rate. Any
-  /// thread.
+  /// Returns the selection that the subscriber needs at present, declared or recorded. It is closed, and has
+  /// no rate. Any thread.
   Selection required() const SFT_EXCLUDES(mutex_);
   // These do what the functions of the class Subscriber with these names do. Any thread.
   Result<void> set_max_rate_hz(double max_rate_hz);
@@ -62,7 +64,7 @@ class Feed {
   SubscriberStatus status();
   Requirements requirements();
 
-  // The agent's thread.
+  // The functions for the agent's thread.
   /// Counts a sample that has waited long for the callback, while callbacks of other subscribers were
   /// running.
   void waited_long() { long_waits_.fetch_add(1, std::memory_order_relaxed); }

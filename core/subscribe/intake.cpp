@@ -6,8 +6,8 @@ namespace sft::core {
 
 namespace {
 
-/// Returns true if `next` is newer than `latest`. Of one writer the later sample is always newer, even if the
-/// writer's clock was set back.
+/// Returns true if `next` is newer than `latest`. If both are of one writer, the later sample is always
+/// newer, even if the writer's clock was set back.
 bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
   return next.writer == latest.writer || next.source_stamp > latest.source_stamp;
 }
@@ -31,14 +31,15 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
   for (const std::uint64_t gate : accounts_.asked_gates().nameable()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
     if (!ordinal) continue;
-    // If it has passed several of them, it is unknown which one was in force.
+    // If the sample has passed several of these gates, it is unknown which of them was in force.
     buffer.ordinal = buffer.gate == 0 ? *ordinal : 0;
     if (buffer.gate == 0) buffer.gate = gate;
   }
 }
 
-/// By UDP a writer sends only samples that are for this subscriber, so the writer applies the maximum rate.
-/// It also does so in shared memory for samples that name a gate with conditions.
+/// Returns the side that applies the maximum rate to the sample in the inlet. By UDP a writer sends only
+/// samples that are for this subscriber, so the writer applies the rate. The writer also applies it in shared
+/// memory for samples that name a gate with conditions.
 RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
   const bool by_writer = inlet == Inlet::network || head(inlet)->gate != 0;
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
@@ -65,9 +66,10 @@ Intake::Decision Intake::next(LazyRealtime& now) {
   return Decision::ask_connected;
 }
 
-/// Returns true if, as far as the samples show, an earlier sample was sent by UDP and may still come. It
-/// cannot come once a later one has come by UDP, or if it was published before the subscriber was connected
-/// to the writer. Both stamps are by this host's clock; if the clock was set meanwhile, there is no wait.
+/// Returns true if, according to the samples, an earlier sample was sent by UDP and may still arrive. That
+/// sample cannot arrive any more once a later one has arrived by UDP. It also cannot arrive if it was
+/// published before the subscriber was connected to the writer. Both stamps are by this host's clock; if the
+/// clock was set meanwhile, there is no wait.
 bool Intake::may_wait(LazyRealtime& now) {
   const SampleBuffer& buffer = *head(chosen_);
   const SampleOrigin diverted{.sequence = buffer.diverted_sequence,
@@ -77,8 +79,8 @@ bool Intake::may_wait(LazyRealtime& now) {
                             diverted.source_stamp_ns >= from.since_ns && from.sequences.is_new(diverted) &&
                             from.sequences.allows(diverted, rate_keeper_of(chosen_));
   // Samples that were sent by UDP only because of this subscriber are not named as diverted, since the writer
-  // served others in shared memory all the time. Only the path of the last sample shows that there may be
-  // such samples.
+  // served other subscribers in shared memory all the time. Only the path of the last sample shows that there
+  // may be such samples.
   if (!was_diverted && !from.last_over_network) return false;
   const std::int64_t age_ns = now.ns() - (was_diverted ? diverted.source_stamp_ns : buffer.source_stamp_ns);
   if (age_ns < 0 || age_ns >= options_.timeout.count()) return false;
@@ -88,7 +90,7 @@ bool Intake::may_wait(LazyRealtime& now) {
 Intake::Decision Intake::connected(bool is_connected, LazyRealtime& now) {
   if (!is_connected) return choose(chosen_, now);
   holds_back_ = true;
-  // The awaited sample may lie behind samples of other writers that came by UDP.
+  // The sample that is waited for may be behind samples of other writers that came by UDP.
   return is_empty(Inlet::network) ? Decision::nothing : let_overtaken_go_first(now);
 }
 
@@ -121,8 +123,8 @@ Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
   const SampleOrigin& sample = *head(inlet);
   const RateKeeper keeper = rate_keeper_of(inlet);
   Writer& from = accounts_.of(sample.writer);
-  const bool is_new =
-      from.sequences.is_new(sample);  // false if it came by both paths while they were switched
+  // False if the sample arrived by both paths during the switch from one to the other.
+  const bool is_new = from.sequences.is_new(sample);
   const bool is_allowed = is_new && from.sequences.allows(sample, keeper);
   const bool expired = is_allowed && is_expired(from, sample, now);
   if (is_allowed && !expired) return Decision::deliver;
@@ -162,7 +164,8 @@ void Intake::keep_newer(Taken& latest, Taken other) {
   if (is_newer(other.info, latest.info)) std::swap(latest, other);
   Writer& from = accounts_.of(other.info.writer);
   if (is_copied(other.info.transport)) ++from.received;
-  from.lost_untold += other.info.lost_before;  // the next sample of that writer reports it
+  // The next delivered sample of that writer reports these losses.
+  from.lost_untold += other.info.lost_before;
 }
 
 void Intake::report_losses(Taken& latest) {

@@ -1,15 +1,15 @@
-// Decides in which order a subscriber takes the samples that come by two paths for one of its selections, and
-// which of them it takes at all. Pure: samples, answers and the time are passed in, decisions are returned;
-// it uses no port, clock or lock. Not thread-safe: subscriber_ports.h guards it.
+// Decides in which order a subscriber takes the samples that arrive by two paths for one of its selections,
+// and which of them it drops. Uses no port, clock or lock: samples, answers and the time are passed in,
+// decisions are returned. Not thread-safe: the mutex of SubscriberPorts protects it.
 //
-// - The samples of one writer are delivered in the order of their sequences, whichever path they come by.
-//   Of samples of different writers, the one with the older stamp is delivered first.
+// - The samples of one writer are delivered in the order of their sequences, whichever path they took. If
+//   samples are of different writers, the one with the older stamp is delivered first.
 // - Shared memory can be slower than UDP. Before a sample that came by UDP, earlier samples of its writer are
 //   delivered, even if they lie in shared memory behind samples of other writers.
 // - UDP can be slower than shared memory. Samples that shared memory cannot take are diverted to UDP. A
-//   sample in shared memory names the last one that its writer has diverted, and waits for it for at most
-//   `timeout`.
-// - Each sample is delivered once, even if it comes by both paths.
+//   sample in shared memory names the last sample that its writer has diverted, and waits at most `timeout`
+//   until that sample has arrived.
+// - Each sample is delivered once, even if it arrives by both paths.
 // - A sample is dropped if it has expired, or if the maximum rate of the subscriber does not allow it.
 #pragma once
 
@@ -33,7 +33,7 @@ struct Taken {
   SampleInfo info;
 };
 
-/// Returns true if sample `a` has to be delivered before sample `b`. Both have come.
+/// Returns true if sample `a` has to be delivered before sample `b`. Both samples have arrived.
 inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
   return a.writer == b.writer ? a.sequence < b.sequence : a.source_stamp_ns < b.source_stamp_ns;
 }
@@ -41,21 +41,23 @@ inline bool goes_first(const SampleOrigin& a, const SampleOrigin& b) {
 class Intake {
  public:
   struct Options {
-    std::chrono::nanoseconds timeout{0};  ///< how long after its publication a diverted sample is waited for
-    std::uint32_t min_period_us = 0;      ///< the period of the maximum rate; 0: none
-    std::size_t slots = 0;                ///< the number of index slots of the message type
+    /// The longest time after its publication for which a diverted sample is waited for.
+    std::chrono::nanoseconds timeout{0};
+    /// The least time between two samples at the maximum rate; 0: no maximum rate.
+    std::uint32_t min_period_us = 0;
+    std::size_t slots = 0;  ///< the number of index slots of the message type
   };
 
-  /// The places for the next samples, one for each path. `overtaken` is for a sample that was taken from the
-  /// middle of the queue in shared memory, because a later one has come by UDP.
+  /// The places for the next samples, one for each path, and `overtaken` for a sample that was taken from the
+  /// middle of the queue in shared memory, because a later sample has arrived by UDP.
   enum class Inlet : std::uint8_t { memory, network, overtaken };
 
   enum class Decision : std::uint8_t {
     deliver,        ///< take() returns the next sample
     nothing,        ///< no sample can be delivered at present
     dropped,        ///< a sample was dropped: fill the inlets, and call next() again
-    ask_connected,  ///< answer with connected()
-    ask_overtaken,  ///< answer with overtaken()
+    ask_connected,  ///< the caller must answer with connected()
+    ask_overtaken,  ///< the caller must answer with overtaken()
   };
 
   explicit Intake(const Options& options) : options_(options), accounts_(options.min_period_us) {}
@@ -65,22 +67,22 @@ class Intake {
   bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
   void put(Inlet inlet, SampleHandle sample);
 
-  /// Decides about the next sample.
+  /// Decides what happens to the next sample.
   Decision next(LazyRealtime& now);
   /// Returns the writer that the last decision asks about.
   EndpointId asked_about() const { return asked_about_; }
-  /// Answers whether samples of asked_about() can still come by UDP. Returns the next decision.
+  /// Answers if samples of asked_about() can still arrive by UDP. Returns the next decision.
   Decision connected(bool is_connected, LazyRealtime& now);
-  /// Answers with the first sample of asked_about() in shared memory; empty if there is none. Returns the
-  /// next decision.
+  /// Answers with the first sample of asked_about() in shared memory. The handle is empty if there is none.
+  /// Returns the next decision.
   Decision overtaken(SampleHandle found, LazyRealtime& now);
 
   /// Returns the origin of the sample for which the last decision was `deliver`.
   const SampleOrigin& next_origin() const { return *head(chosen_); }
   /// Takes the sample for which the last decision was `deliver`.
   Taken take();
-  /// Sets for which paths samples are copied before they are delivered. Such samples count as received when
-  /// copied() is called, not in take().
+  /// Sets the paths whose samples are copied before they are delivered. Such samples count as received in
+  /// copied() instead of take().
   void copy(bool from_memory, bool from_network) {
     copies_from_memory_ = from_memory;
     copies_from_network_ = from_network;
@@ -88,13 +90,13 @@ class Intake {
   bool is_copied(TransportKind transport) const {
     return transport == TransportKind::udp ? copies_from_network_ : copies_from_memory_;
   }
-  /// Called when a copy of a sample was delivered, or could not be made. In the latter case the sample is
-  /// lost.
+  /// Called when a copy of a sample was delivered, or could not be made. In the latter case the sample counts
+  /// as lost.
   void copied(const SampleInfo& info, bool is_delivered);
-  /// Keeps the newer one of two samples that were taken one after the other; the other one is skipped.
+  /// Keeps the newer one of two samples that were taken one after the other, in `latest`. The older one is
+  /// skipped.
   void keep_newer(Taken& latest, Taken other);
-  /// Adds the losses that skipped samples of the same writer would have reported to those that `latest`
-  /// reports.
+  /// Adds the losses before skipped samples of the writer to the losses that `latest` reports.
   void report_losses(Taken& latest);
 
   /// Returns true if a sample was held back since the last call.
@@ -124,7 +126,7 @@ class Intake {
   bool copies_from_network_ = false;
   std::array<SampleHandle, 3> heads_;  ///< the sample in each Inlet
   WriterAccounts accounts_;
-  Inlet chosen_{};  ///< the inlet of the sample that the latest decision is about
+  Inlet chosen_{};  ///< the inlet of the sample to which the latest decision applies
   EndpointId asked_about_ = 0;
   bool holds_back_ = false;
 };

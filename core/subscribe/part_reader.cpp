@@ -58,7 +58,7 @@ const detail::SampleState& PartReader::put_together() noexcept {
     const Lock lock(mutex_);
     if (was_put_together_) return together_state_;
   }
-  // The owner has a lock of its own. If several threads do this at the same time, the first copy is used.
+  // The owner has its own lock. If several threads are here at the same time, the first copy is used.
   SampleHandle copy = owner_->of(source_, *asked_->plan);
   const Lock lock(mutex_);
   if (was_put_together_) return together_state_;
@@ -78,7 +78,7 @@ void PartReader::end(PartReader* reader) noexcept {
   }
   reader->source_.reset();
   reader->asked_.reset();
-  const std::shared_ptr<Owner> owner = std::move(reader->owner_);  // may be the last reference to the owner
+  const std::shared_ptr<Owner> owner = std::move(reader->owner_);  // may hold the last reference to the owner
   owner->take_back(*reader);
 }
 

@@ -1,6 +1,6 @@
-// Reads the parts of a sample in place: in the whole sample in shared memory, which it holds. At first only
-// the small fields around the parts are copied. A part that is not contiguous is copied when its bytes are
-// asked for, and the sample is copied when its encoded form is asked for.
+// Reads the parts of a sample in place, in the whole sample in shared memory, which the object holds. At
+// first only the small fields around the parts are copied. A part that is not contiguous is copied when its
+// bytes are requested, and the whole sample when its encoded form is requested.
 #pragma once
 
 #include <cstddef>
@@ -18,12 +18,14 @@ namespace sft::core {
 
 class PartReader final : public detail::PartsInPlace {
  public:
-  /// Provides readers with memory and copies. It lives as long as any of its readers is in use. Any thread.
+  /// Provides readers with memory and copies. It must live as long as any of its readers is in use. Any
+  /// thread.
   class Owner {
    public:
-    /// Returns memory; empty if there is none.
+    /// Returns memory, or an empty handle if there is none.
     virtual SampleHandle memory(std::size_t bytes) noexcept = 0;
-    /// Returns a copy with what is asked for; empty if there is no memory, or if the sample is malformed.
+    /// Returns a copy with the requested fields and parts. The handle is empty if there is no memory, or if
+    /// the sample is malformed.
     virtual SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) = 0;
     virtual detail::SampleState state(const SampleBuffer& sample) const = 0;
     virtual void take_back(PartReader& reader) noexcept = 0;
@@ -39,7 +41,7 @@ class PartReader final : public detail::PartsInPlace {
   std::optional<std::span<const std::byte>> bytes_of(std::size_t leaf) noexcept override;
   const detail::SampleState& put_together() noexcept override;
 
-  /// Returns the reader to its owner when the sample is no longer read.
+  /// Returns the reader to its owner. Called when the sample is no longer read.
   static void end(PartReader* reader) noexcept;
 
  private:
@@ -47,19 +49,19 @@ class PartReader final : public detail::PartsInPlace {
   detail::PartInPlace place(std::size_t part) const;
   std::span<const std::byte> gathered(std::size_t part) noexcept SFT_EXCLUDES(mutex_);
 
-  // These do not change while the reader is in use.
+  // The following members do not change while the reader is in use.
   std::shared_ptr<Owner> owner_;
   std::shared_ptr<const Asked> asked_;
   SampleHandle source_;
   detail::SampleState source_state_;
   std::vector<detail::Cut> cuts_;  ///< the positions of the parts
 
-  Mutex
-      mutex_;  ///< held while the bytes of a part are copied, since several threads may read the same sample
+  /// Held while the bytes of a part are copied, since several threads may read the same sample.
+  Mutex mutex_;
   std::vector<SampleHandle> copies_ SFT_GUARDED_BY(mutex_);  ///< the copied parts
   SampleHandle together_ SFT_GUARDED_BY(mutex_);
-  detail::SampleState
-      together_state_;  ///< the state of `together_`; written once, before was_put_together_ is set
+  /// The state of `together_`; written once, before was_put_together_ is set.
+  detail::SampleState together_state_;
   bool was_put_together_ SFT_GUARDED_BY(mutex_) = false;
 };
 

@@ -1,5 +1,5 @@
-// Keeps leaves in the order in which they were last read, so that the one that has not been read for the
-// longest time is found in constant time. It is a linked list within an array; nothing is allocated after
+// Keeps leaves in the order in which they were last read. So the leaf that has not been read for the longest
+// time is found in constant time. The order is a linked list within an array. Nothing is allocated after
 // construction.
 #pragma once
 
@@ -20,7 +20,7 @@ class ReadOrder {
   /// Returns the leaf that has not been read for the longest time. REQUIRES: the list is not empty.
   std::size_t oldest() const { return links_.back().newer; }
 
-  /// Adds the leaf at the end, or moves it there.
+  /// Adds the leaf at the end of the order, or moves it there.
   void was_read(std::size_t leaf) {
     remove(leaf);
     const std::uint32_t newest = links_.back().older;
@@ -41,7 +41,7 @@ class ReadOrder {
   };
   /// Returns the index of the last link, which closes the ring.
   std::size_t end() const { return links_.size() - 1; }
-  /// Makes link `i` a ring of its own, as each leaf is that is not in the list.
+  /// Makes link `i` a ring by itself, like the link of each leaf that is not in the list.
   void unlink(std::size_t i) { links_[i] = {static_cast<std::uint32_t>(i), static_cast<std::uint32_t>(i)}; }
 
   std::vector<Link> links_;

@@ -9,7 +9,7 @@ namespace {
 
 constexpr std::uint64_t bit(std::size_t leaf) { return std::uint64_t{1} << (leaf % 64); }
 
-/// Returns and clears the bits of one word of accesses. The sample is no longer read.
+/// Returns and clears the bits of one word of accesses. Must be called when the sample is no longer read.
 std::uint64_t take_bits(detail::AccessWord& word) noexcept {
   const std::uint64_t bits =
       word.found.load(std::memory_order_relaxed) | word.missed.load(std::memory_order_relaxed);
@@ -58,7 +58,7 @@ RecordedSample* Recorder::begin() {
   return sample;
 }
 
-/// Adds an object, since all existing ones are in use.
+/// Adds an object for a sample, since all existing objects are in use.
 RecordedSample* Recorder::add() {
   detail::AccessLog::Listener* const listener = this;
   auto added = std::make_unique<RecordedSample>(required_.size(), listener);
@@ -98,8 +98,8 @@ bool Recorder::count(RecordedSample& sample) noexcept {
   return changed;
 }
 
-/// Counts a leaf as read in the present sample, at most once. Reading a channel also counts for all fields
-/// that describe its position.
+/// Counts a leaf as read in the present sample, at most once. The reading of a channel also counts for all
+/// fields that describe its position.
 void Recorder::count_use(std::size_t leaf) noexcept {
   if (leaf >= leaf_count_) {
     for (const std::size_t field : channels_.fields_of(leaf)) count_use(field);
@@ -119,7 +119,7 @@ bool Recorder::need(std::size_t leaf, std::uint64_t sample) noexcept {
   return true;
 }
 
-/// Gives up leaves that were not read for too long. They are at the front of the order.
+/// Stops requiring leaves that were not read for too long. They are at the front of the order.
 bool Recorder::give_up_stale() noexcept {
   if (settings_.narrow_after_samples == 0) return false;
   const bool learnt = samples_ >= settings_.learn_samples;
@@ -134,7 +134,7 @@ bool Recorder::give_up_stale() noexcept {
   return changed;
 }
 
-/// Ends the learning phase: fields that were not read are no longer required.
+/// Ends the learning phase. Fields that were not read are no longer required.
 bool Recorder::finish_learning() noexcept {
   bool changed = false;
   for (std::size_t leaf = 0; leaf < leaves_.size(); ++leaf) {
@@ -153,7 +153,8 @@ void Recorder::first_read(std::size_t leaf) noexcept {
   if (is_required(leaf)) return;
   {
     const Lock lock(mutex_);
-    if (!need(leaf, samples_ + 1)) return;  // the sample that is being read gets at least this number
+    // The number of the sample that is being read will be at least this.
+    if (!need(leaf, samples_ + 1)) return;
   }
   changed_();
 }

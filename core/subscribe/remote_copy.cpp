@@ -32,7 +32,7 @@ RemoteCopy::InPlace RemoteCopy::in_place(SampleHandle sample, std::shared_ptr<co
 PartReader& RemoteCopy::take_reader() {
   const Lock lock(readers_mutex_);
   if (free_.empty()) {
-    free_.reserve(readers_.size() + 1);  // so that returning the reader allocates nothing
+    free_.reserve(readers_.size() + 1);  // reserved now, so that returning the reader allocates nothing
     return *readers_.emplace_back(std::make_unique<PartReader>());
   }
   PartReader& reader = *free_.back();
@@ -60,7 +60,7 @@ SampleHandle RemoteCopy::copy(const SampleBuffer& sample, const FieldMask& mask,
   return fill(*copy, sample) ? std::move(copy) : SampleHandle();
 }
 
-/// Fills the copy with the projected bytes. Returns false if these are malformed.
+/// Fills the copy with the projected bytes. Returns false if the bytes are malformed.
 bool RemoteCopy::fill(SampleBuffer& copy, const SampleBuffer& sample) const {
   const detail::SampleLayout layout(type_.index_slots());
   detail::SampleHeader& header = copy.header();

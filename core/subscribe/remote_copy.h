@@ -1,6 +1,6 @@
-// Reduces a whole sample in shared memory to what a reader on another host would get: the same projection,
-// put together and checked as if it had been received in datagrams. Parts of fields can stay in the whole
-// sample.
+// Reduces a whole sample in shared memory to the sample that a reader on another host would get: the same
+// projection is assembled and checked as if it had been received in datagrams. Parts of fields can remain in
+// the whole sample.
 #pragma once
 
 #include <memory>
@@ -18,22 +18,22 @@
 
 namespace sft::core {
 
-/// Any thread. Samples may outlive their subscriber, and keep it alive.
+/// Any thread may call any function. Samples may outlive their subscriber, and keep this object alive.
 class RemoteCopy final : public PartReader::Owner, public std::enable_shared_from_this<RemoteCopy> {
  public:
-  /// `type` outlives the object; copies lie in memory of `pool`.
+  /// `type` must outlive the object. Copies lie in memory of `pool`.
   static std::shared_ptr<RemoteCopy> make(const TypeSupport& type, std::shared_ptr<BufferPool> pool) {
     return std::shared_ptr<RemoteCopy>(new RemoteCopy(type, std::move(pool)));
   }
 
-  /// Returns a copy that has only what is asked for. Returns the sample itself if it has no more than that,
-  /// or if it has parts of an earlier request. Empty if a reader on another host would miss the sample: if
-  /// there is no memory, or if its bytes are malformed.
+  /// Returns a copy that has only the requested fields and parts. Returns the sample itself if it has no more
+  /// than that, or if it has parts of an earlier request. The handle is empty if there is no memory, or if
+  /// the bytes are malformed. In these cases a reader on another host would miss the sample, too.
   SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) override SFT_EXCLUDES(mutex_);
 
   struct InPlace {
     SampleHandle sample{};
-    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all is in the sample
+    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all fields are in `sample`
   };
   /// Does the same as of(), but leaves parts of fields in the whole sample if possible.
   InPlace in_place(SampleHandle sample, std::shared_ptr<const Asked> asked) SFT_EXCLUDES(mutex_);
@@ -51,7 +51,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   static bool is_as_asked(const SampleBuffer& sample, const detail::ProjectionPlan& asked);
   bool project(const SampleBuffer& sample, const detail::ProjectionPlan& asked, const FieldMask& present)
       SFT_REQUIRES(mutex_);
-  /// Returns a copy; empty if there is no memory, or if the projected bytes are malformed.
+  /// Returns a copy. The handle is empty if there is no memory, or if the projected bytes are malformed.
   SampleHandle copy(const SampleBuffer& sample, const FieldMask& mask, std::uint64_t parts)
       SFT_REQUIRES(mutex_);
   bool fill(SampleBuffer& copy, const SampleBuffer& sample) const SFT_REQUIRES(mutex_);
@@ -59,8 +59,8 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
 
   const TypeSupport& type_;
   const std::shared_ptr<BufferPool> pool_;
-  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints)
-      SFT_ACQUIRED_BEFORE(lock_order::endpoint);  ///< held by the one thread that copies a sample
+  /// Held while a thread copies a sample, so that one thread copies at a time.
+  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   detail::Projection projection_ SFT_GUARDED_BY(mutex_);
   Mutex readers_mutex_;  ///< held for a few instructions, so that returning a reader never waits for a copy
   std::vector<std::unique_ptr<PartReader>> readers_ SFT_GUARDED_BY(readers_mutex_);

@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-/// `requested` is the request in force.
+/// These functions describe a requirement. `requested` is the request in force.
 Requirements declared_requirements(const TypeSupport& type, const Selection& requested);
 Requirements recorded_requirements(const TypeSupport& type, const Selection& requested,
                                    const Recorder& recorder);

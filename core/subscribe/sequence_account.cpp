@@ -4,8 +4,8 @@
 
 namespace sft::core {
 
-/// Returns how many samples have passed a gate with conditions between two ordinals. Returns 0 if that is
-/// unknown because the writer has removed the gate meanwhile and counts from the beginning again.
+/// Returns the number of samples that passed a gate with conditions between two ordinals. Returns 0 if the
+/// number is unknown, because the writer has removed the gate meanwhile and counts from the beginning again.
 static std::uint64_t passed_between(std::uint32_t before, std::uint32_t now) {
   const std::uint32_t ahead = now - before;
   return ahead == 0 || ahead > INT32_MAX ? 0 : ahead - 1;
@@ -24,8 +24,9 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   missing.withheld = gap - missing.lost;
   if (!allows(sample, keeper)) ++missing.withheld;
   const std::uint32_t limit = limit_of(sample, keeper);
-  // As the gate of the writer: with more, the reader would take one in shared memory that the gate withholds,
-  // at first or when the samples of UDP end. With less it only skips one that a gate of others had saved.
+  // The budget begins like that of the writer's gate. With a greater budget, the reader would take a sample
+  // in shared memory that the gate withholds, at first or when the samples by UDP end. With a smaller budget,
+  // the reader would only skip a sample that the gate of other readers had saved.
   if (budget_.min_period_us() != limit) budget_ = RateBudget(limit, 1);
   budget_.take(sample.source_stamp_ns);
   ordinal_.reset();
@@ -41,9 +42,9 @@ SequenceAccount::Missing SequenceAccount::enter(const SampleOrigin& sample, Rate
   return missing;
 }
 
-/// Returns how many sequences are missing before the sample. Before the first sample that came, only retained
-/// samples can be missing. If sequences begin anew, a large gap is ignored, because the earlier sequences
-/// were wrong.
+/// Returns the number of sequences that are missing before the sample. Before the first sample that arrived,
+/// only retained samples can be missing. If sequences begin anew, a large gap is ignored, because the earlier
+/// sequences were wrong.
 std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   if (last_ != 0) {
     const std::uint64_t gap = sample.sequence - last_ - 1;
@@ -53,10 +54,10 @@ std::uint64_t SequenceAccount::gap_before(const SampleOrigin& sample) const {
   return std::min(gap_max, sample.sequence - std::min(sample.oldest_retained, sample.sequence));
 }
 
-/// Returns how many of the `gap` samples between the last one and this one were lost. Retained samples have
-/// no ordinals, so it is unknown which of them conditions have withheld. If the maximum rate has changed, the
-/// slower one counts. A reader that asks for all samples can also get samples that passed the gates of other
-/// readers. Between two of these, nothing was withheld from it.
+/// Returns how many of the `gap` samples between the last sample and this one were lost. Retained samples
+/// have no ordinals, so it is unknown which of them conditions have withheld. If the maximum rate has
+/// changed, the slower rate is used. A reader that asks for all samples can also get samples that passed the
+/// gates of other readers. Between two such samples, none was withheld from the reader.
 std::uint64_t SequenceAccount::lost_before(const SampleOrigin& sample, RateKeeper keeper,
                                            const AskedGates& asked, std::uint64_t gap) const {
   const std::uint32_t limit = limit_of(sample, keeper);

@@ -1,11 +1,11 @@
-// Counts the samples of one writer that a reader did not get, by means of those that it did get. A missing
-// sample was lost, or withheld by the conditions or the maximum rate that the reader asked for. Uses no
-// clock, thread or I/O.
+// Counts the samples of one writer that a reader did not get. The count is derived from the samples that it
+// did get. A missing sample was lost, or withheld by the conditions or the maximum rate that the reader asked
+// for. Uses no clock, thread or I/O.
 //
 // Over UDP the writer withholds samples, and each sample carries its ordinal: its number among the samples
 // that passed the gate. Between two samples of one gate, the difference of the ordinals shows exactly how
-// many were lost, and the difference of the sequences how many were withheld, whatever happened to datagrams
-// and masks meanwhile.
+// many samples were lost, and the difference of the sequences how many were withheld. This holds whatever
+// happened to datagrams and masks meanwhile.
 //
 // A gate with conditions works in the same way over UDP and in shared memory, where samples carry ordinals,
 // too (core/seam/gate_table.h), and the writer puts no other samples into the reader's queue. If other
@@ -13,12 +13,12 @@
 // samples that are missing in between count as withheld (asked_gates.h).
 //
 // In shared memory the writer gives a sample to all readers without conditions, so the reader skips samples
-// by itself to keep its maximum rate. The result is the same, because it keeps the same budget over the same
-// stamps as the writer's gate, by which the writer decides which readers to wake. Samples that the queue
-// pushed out, or that are missing because the rate or the path was changed, cannot be examined any more. The
-// maximum rate entitled the reader to one sample in each period, and it can save one: the samples that it
-// could not have saved count as lost, the rest as withheld. If the writer paused in between, this counts too
-// many as lost, but never too few.
+// by itself to keep its maximum rate. The result is the same, because the reader keeps the same budget over
+// the same stamps as the writer's gate, by which the writer decides which readers to wake. Samples that the
+// queue dropped, or that are missing because the rate or the path was changed, cannot be examined any more.
+// The maximum rate entitled the reader to one sample in each period, and one unused sample can be saved.
+// Of the missing samples, those to which the reader was entitled and which could not be saved count as lost.
+// The others count as withheld. If the writer paused in between, too many count as lost, but never too few.
 #pragma once
 
 #include <cstdint>
@@ -30,24 +30,24 @@
 
 namespace sft::core {
 
-/// Which side applies the maximum rate that a reader asked for: the writer for samples that it sends by UDP,
-/// which are all for the reader, or the reader itself for samples in shared memory.
+/// The side that applies the maximum rate of a reader. For samples by UDP, which are all for the reader, it
+/// is the writer. For samples in shared memory it is the reader itself.
 enum class RateKeeper : std::uint8_t { reader, writer };
 
 class SequenceAccount {
  public:
-  /// Sets the maximum rate that the reader asks for, as a period; 0: none.
+  /// Sets the least time between two samples, by the maximum rate that the reader asks for; 0: none.
   void ask(std::uint32_t min_period_us) { asked_ = min_period_us; }
-  /// Sets how many retained samples of the writer should come first, if the writer has that many.
+  /// Sets the number of retained samples of the writer that should arrive first, if the writer has that many.
   void owe(std::uint32_t samples) { owed_ = samples; }
 
-  /// Returns false if the sample was taken already, or if later ones were.
+  /// Returns false if the sample, or a later one, was taken already.
   bool is_new(const SampleOrigin& sample) const { return sample.sequence > last_ || begins_anew(sample); }
-  /// Notes a sample that is not new. A sample may be very far behind the last one only if the sequence of the
-  /// latter was forged, since the two paths never differ that much. So at the second such sample in a row the
+  /// Notes a sample that is not new. The two paths never differ very much. So if a sample is very far behind
+  /// the last one, the sequence of the last one may have been forged. At the second such sample in a row the
   /// account begins anew.
   void refuse(const SampleOrigin& sample) { far_behind_ = is_far_behind(sample) ? sample.sequence : 0; }
-  /// Returns true if, as far as the numbers show, no sample for the reader is missing before this one.
+  /// Returns true if, according to the numbers, no sample for the reader is missing before this one.
   bool follows(const SampleOrigin& sample, const AskedGates& asked) const {
     return sample.sequence == last_ + 1 || begins_anew(sample) || is_next_of_gate(sample, asked);
   }
@@ -56,20 +56,21 @@ class SequenceAccount {
 
   struct Missing {
     std::uint64_t lost = 0;
-    std::uint64_t withheld = 0;  ///< including the sample itself, if it is skipped
+    /// The number of withheld samples, including the sample itself if it is skipped.
+    std::uint64_t withheld = 0;
   };
-  /// Enters a new sample, which is delivered or skipped as allows() says. Returns what is missing before it.
+  /// Enters a new sample, which is delivered or skipped according to allows(). Returns the numbers of samples
+  /// that are missing before it.
   Missing enter(const SampleOrigin& sample, RateKeeper keeper, const AskedGates& asked);
 
  private:
-  /// The largest plausible gap where sequences begin anew, or among retained samples. Larger ones are
-  /// ignored.
+  /// The largest plausible gap if sequences begin anew, or among retained samples. Larger gaps are ignored.
   static constexpr std::uint64_t gap_max = std::uint64_t{1} << 16;
 
   bool begins_anew(const SampleOrigin& sample) const {
     return sample.numbering > numbering_ || (is_far_behind(sample) && confirms(sample));
   }
-  /// Returns true if all samples that are missing before this one were withheld by conditions.
+  /// Returns true if conditions have withheld all samples that are missing before this one.
   bool is_next_of_gate(const SampleOrigin& sample, const AskedGates& asked) const {
     return is_of_same_gate(sample) && sample.ordinal == *ordinal_ + 1U &&
            asked.only_gate_since(request_) == sample.gate;
@@ -94,15 +95,16 @@ class SequenceAccount {
 
   std::uint32_t asked_ = 0;
   std::uint32_t owed_ = 0;
-  // The sample that was entered last:
-  std::uint64_t last_ = 0;  ///< its sequence; 0: there was no sample yet
+  // The values of the sample that was entered last:
+  std::uint64_t last_ = 0;  ///< the sequence; 0: there was no sample yet
   std::int64_t stamp_ns_ = 0;
-  RateBudget budget_;  ///< the budget of the maximum rate under which it came
+  RateBudget budget_;  ///< the budget of the maximum rate with which the sample arrived
   std::optional<std::uint32_t> ordinal_;
   std::uint64_t gate_ = 0;
-  AskedGates::Number request_ = 0;  ///< the earliest request that can have been in force for it
+  AskedGates::Number request_ = 0;  ///< the earliest request that can have been in force for the sample
   std::uint32_t numbering_ = 0;
-  std::uint64_t far_behind_ = 0;  ///< the sequence of the last refused sample, if far below `last_`; 0: none
+  /// The sequence of the last refused sample, if it was far below `last_`; 0: none.
+  std::uint64_t far_behind_ = 0;
 };
 
 }  // namespace sft::core

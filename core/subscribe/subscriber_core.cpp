@@ -40,8 +40,8 @@ SubscriberCore::SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Record
       waiter_(ports_of(feeds_), bell, spec_.poll_handle.get(), spec_.options.spin, spec_.interrupted),
       callbacks_(spec_.callback, spec_.callback_clock) {}
 
-/// Returns the selection that has the sample that must be delivered first, of all samples that have come. If
-/// there is only one selection, it returns that one without a check for samples.
+/// Returns the number of the selection with the sample that must be delivered first, of all samples that have
+/// arrived. If there is only one selection, the function returns 0 without a check for samples.
 std::optional<std::size_t> SubscriberCore::oldest() {
   if (feeds_.size() == 1) return 0;
   std::optional<std::size_t> oldest;
@@ -74,9 +74,9 @@ detail::untyped::Sample SubscriberCore::take() { return take(&SubscriberPorts::t
 
 detail::untyped::Sample SubscriberCore::take_latest() { return take(&SubscriberPorts::take_latest); }
 
-/// Reduces the sample to the fields that the subscriber asked for. If it asked for parts of fields, the
-/// sample stays whole, and the parts are read from it. Returns false if the sample cannot be reduced; a
-/// reader on another host would have missed it, too.
+/// Reduces the sample to the fields that the subscriber asked for. If the subscriber asked for parts of
+/// fields, the sample stays whole, and the parts are read from it. Returns false if the sample cannot be
+/// reduced; a reader on another host would have missed it, too.
 bool SubscriberCore::reduce(Delivery& delivery) {
   if (delivery.asked->plan != nullptr) {
     RemoteCopy::InPlace reduced = remote_->in_place(std::move(delivery.sample), delivery.asked);

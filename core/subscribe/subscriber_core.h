@@ -1,5 +1,5 @@
-// One subscriber without its message type: the facade of the samples of its selections (feed.h), of waiting
-// for them (waiter.h) and of its callback (callback_dispatch.h).
+// One subscriber without its message type. The class is the facade of three parts: the samples of the
+// selections (feed.h), the waiting for samples (waiter.h), and the callback (callback_dispatch.h).
 //
 // Selections have numbers; 0 is the first, which every subscriber has.
 //
@@ -40,50 +40,55 @@ class SubscriberCore final : public ArrivalListener {
     std::vector<Feed::Spec> feeds;  ///< one for each selection; only one if fields are recorded
     SubscriberOptions options;
     bool limits_samples = false;         ///< see detail::untyped::Requirement
-    detail::untyped::Callback callback;  ///< empty: samples are taken
-    CallbackThread* event_callbacks =
-        nullptr;  ///< the thread that calls options.on_event; null: the causing one
+    detail::untyped::Callback callback;  ///< empty: the program takes the samples
+    /// The thread that calls options.on_event; null: the thread that causes the event.
+    CallbackThread* event_callbacks = nullptr;
     std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null if it is static
-    /// The memory for copies that have only what was asked for: of samples with parts of fields, and of all
-    /// samples from shared memory if the options say `as_remote`. Null: there are no such copies.
+    /// The memory for copies that have only the requested fields and parts. Copies are made of samples with
+    /// parts of fields, and of all samples from shared memory if the options say `as_remote`. Null: no copies
+    /// are made.
     std::shared_ptr<BufferPool> copies{};
     std::unique_ptr<PollHandle> poll_handle{};  ///< null: the subscriber has no file descriptor
-    /// How long a sample in shared memory waits for an earlier one that was sent by UDP. This is far longer
-    /// than UDP takes within a host, but not too long in case the earlier sample is lost.
+    /// The time for which a sample in shared memory waits for an earlier one that was sent by UDP. It is far
+    /// longer than UDP takes within a host, but not too long if the earlier sample is lost.
     std::chrono::nanoseconds diverted_timeout = std::chrono::milliseconds(100);
     std::uint32_t memory_depth = 0;  ///< the part of options.depth that shared memory keeps; 0: all
-    const std::atomic<bool>* interrupted = nullptr;  ///< outlives the subscriber; null: nothing interrupts it
+    /// The flag of Node::interrupt(), which must outlive the subscriber; null: there are no interrupts.
+    const std::atomic<bool>* interrupted = nullptr;
     ReadTime callback_clock = &std::chrono::steady_clock::now;  ///< the clock that measures callbacks
   };
 
-  /// `bell` is rung when samples arrive; `recorder` is null unless the requirement is recorded.
+  /// `bell` is rung when samples arrive. `recorder` is null unless the requirement is recorded.
   SubscriberCore(Spec spec, Doorbell& bell, std::shared_ptr<Recorder> recorder);
 
   detail::untyped::Sample take();
   detail::untyped::Sample take_latest();
   bool wait(std::chrono::nanoseconds timeout) { return waiter_.wait_until(deadline_after(timeout)); }
   bool available() { return waiter_.available(); }
-  /// Returns -1 if the subscriber has no file descriptor.
+  /// Returns the file descriptor, or -1 if the subscriber has none.
   int file_descriptor() const { return waiter_.descriptor(); }
 
-  // For subscribers with a callback or a file descriptor. Called by the thread that sleeps on their doorbell.
+  // For subscribers with a callback or a file descriptor. These functions are called by the thread that
+  // sleeps on the doorbell of such subscribers.
 
   /// Returns true if a sample waits that no thread is dispatching, or that the file descriptor does not show.
   bool waits_for_dispatch();
-  /// Calls back for samples until the turn is over, or makes the file descriptor readable. Returns at once if
-  /// a call is under way on another thread, which then handles the samples.
+  /// Calls back for samples until the turn is over, or makes the file descriptor readable. If a call is
+  /// running on another thread, the function returns at once, and that thread handles the samples.
   void dispatch();
 
-  /// Calls back at once, which is quickest. If callbacks have taken long lately, the dispatcher calls back
-  /// instead, so that the transport can go on.
+  /// Calls back at once, which is quickest. If callbacks have taken long recently, the dispatcher calls back
+  /// instead, so that the transport can continue.
   void arrived() noexcept override;
 
-  /// Returns true while a callback may be running. If it returns false after close(), none will run any more.
+  /// Returns true while a callback may be running. If the result is false after close(), no callback will run
+  /// any more.
   bool is_called_back() const { return callbacks_.is_called_back(); }
   /// See CallbackDispatch.
   std::uint64_t turns() const { return callbacks_.turns(); }
   bool holds_up_receiver() const { return callbacks_.holds_up_transport(); }
-  /// After it returns no callback runs any more, except for one from which it was called.
+  /// Ends the callbacks. When it returns, no callback is running any more, except for a callback that itself
+  /// called close().
   void close();
 
   /// Returns true if this thread is within a callback of any subscriber.
@@ -100,7 +105,7 @@ class SubscriberCore final : public ArrivalListener {
   Result<Feed*> find(std::size_t selection);
   SubscriberPorts& ports(std::size_t selection = 0) { return feed(selection).ports(); }
 
-  // The agent's thread.
+  // The functions for the agent's thread.
   /// Wakes threads that wait for samples, since there may be samples for which no thread was woken.
   void wake() { waiter_.wake(); }
 
@@ -111,7 +116,7 @@ class SubscriberCore final : public ArrivalListener {
   detail::untyped::Sample take(Next (SubscriberPorts::*choose)());
   /// A sample that is about to be delivered.
   struct Delivery : Next {
-    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all is in the sample
+    PartReader* parts = nullptr;  ///< reads the parts of fields in place; null: all fields are in the sample
   };
   bool reduce(Delivery& delivery);
   detail::untyped::Sample wrap(Delivery delivery);
@@ -122,7 +127,7 @@ class SubscriberCore final : public ArrivalListener {
   const std::shared_ptr<Recorder> recorder_;
   const std::shared_ptr<RemoteCopy> remote_;  ///< null: no sample is reduced
   PostedCall<Event> events_;
-  std::deque<Feed> feeds_;  ///< one feed per selection; the index is the number of the selection
+  std::deque<Feed> feeds_;  ///< one feed for each selection, in the order of their numbers
   Waiter waiter_;
   CallbackDispatch callbacks_;
 };

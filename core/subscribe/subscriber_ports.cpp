@@ -21,8 +21,8 @@ void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
   const Lock lock(mutex_);
-  port =
-      memory_.replace(std::move(port));  // the argument destroys the former port after the mutex is unlocked
+  // The argument destroys the former port after the mutex is unlocked.
+  port = memory_.replace(std::move(port));
   of_former_ports_.add(port);
 }
 
@@ -43,7 +43,7 @@ bool SubscriberPorts::release_lost_memory(bool also_if_some_wait) {
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
   const Lock lock(mutex_);
-  network_.swap(port);  // as in set_memory()
+  network_.swap(port);  // the argument destroys the former port, as in set_memory()
   if (port != nullptr) of_former_ports_.add(*port);
 }
 
@@ -103,8 +103,9 @@ SubscriberPorts::Next SubscriberPorts::next() {
   return next;
 }
 
-/// A merged sample does not show its request: it has whole fields, and suits each request without conditions
-/// whose fields it has. The present request is tried first.
+/// Determines the request for which the sample is delivered. A merged sample does not show its request: it
+/// has whole fields, and suits each request without conditions whose fields it has. The present request is
+/// tried first.
 void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
   if (!next.is_copied && !reports_asked_) return;

@@ -23,26 +23,26 @@ class SubscriberPorts {
  public:
   /// A sample that was taken.
   struct Next : Taken {
-    /// The request for which the sample is delivered. It is an earlier one if the sample has what only that
-    /// one asked for. Null if the request is not needed.
+    /// The request for which the sample is delivered. It is an earlier request if the sample has fields or
+    /// parts that only the earlier one asked for. Null if the request is not needed.
     std::shared_ptr<const Asked> asked{};
-    /// True: the sample has to be copied, reduced to what is asked for, and then reported to copied(). It is
-    /// not reduced if the request has no plan.
+    /// True: the sample has to be copied, reduced to the request, and then reported to copied(). It is not
+    /// reduced if the request has no plan.
     bool is_copied = false;
   };
 
-  /// `reports_asked`: each sample comes with its request, even if it is delivered as it is.
+  /// `reports_asked` means that each sample is returned with its request, even if it is delivered unchanged.
   SubscriberPorts(const Intake::Options& options, std::shared_ptr<const Asked> asked, bool reports_asked)
       : reports_asked_(reports_asked), intake_(options) {
     requests(std::move(asked), 1);
   }
 
-  /// Returns the next sample in order; empty if there is none.
+  /// Returns the next sample in order. Its handle is empty if there is none.
   Next take();
-  /// Returns the newest sample, and skips those before it.
+  /// Returns the newest sample, and skips the samples before it.
   Next take_latest();
   bool available() { return next_origin().has_value(); }
-  /// Returns the origin of the next sample in order; nothing if there is no sample.
+  /// Returns the origin of the next sample in order, or nothing if there is no sample.
   std::optional<SampleOrigin> next_origin();
   /// See Intake.
   void copied(const SampleInfo& info, bool is_delivered);
@@ -53,23 +53,25 @@ class SubscriberPorts {
   Selection requested();
   SubscriberStatus status();
 
-  // The agent's thread.
-  /// Sets the port to shared memory; null: the subscriber has none any more.
+  // The functions for the agent's thread.
+  /// Sets the port to shared memory. Null: the subscriber has none any more.
   void set_memory(std::shared_ptr<BorrowingReader> port);
-  /// Called when the memory was lost, and the port with it. Samples that have come by it can still be taken.
+  /// Called when the memory, and thus the port, was lost. Samples that have arrived by the port can still be
+  /// taken.
   void lose_memory();
   /// Destroys the lost port if no sample waits in it, or if `also_if_some_wait` is true. Returns true if
-  /// there is no lost port any more.
+  /// there is no lost port afterwards.
   bool release_lost_memory(bool also_if_some_wait);
   void set_network(std::shared_ptr<NetworkReader> port);
   void hears(const std::vector<Hearing>& hearing);
   /// Sets the request that is in force from now on, and its number. Null: only the number changes.
   void requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence);
-  /// Called when no sample under an earlier request is under way any more. Some may still wait to be taken.
+  /// Called when no sample of an earlier request is under way any more. Some may still wait to be taken.
   void forget_former_conditions();
-  /// Sets what status() says of a writer's promises. Returns true if that changes.
+  /// Sets the missed deadlines and the liveliness of a writer that status() reports. Returns true if the
+  /// status changes.
   bool keeps_promises(EndpointId writer, std::uint64_t more_missed, bool alive);
-  /// Counts that the connection to that writer was set up anew because nothing arrived by it.
+  /// Counts a restart of the connection to that writer, which was set up anew because nothing arrived.
   void restarted(EndpointId writer);
   /// Returns true if a sample was held back since the last call.
   bool take_held_back();
@@ -78,11 +80,11 @@ class SubscriberPorts {
   std::uint64_t held_too_many();
   /// Returns a number that changes whenever a sample of that writer arrives.
   std::uint64_t arrivals(EndpointId writer);
-  /// Returns how many samples of that writer were received and lost.
+  /// Returns the numbers of samples of that writer that were received and lost.
   Account::OfReader account_of(EndpointId writer);
 
  private:
-  /// Counts of ports that no gap between samples shows.
+  /// Counts of the ports, of samples that cause no gap between sequences.
   struct Counts {
     std::uint64_t lost = 0;
     std::uint64_t discarded = 0;
@@ -91,13 +93,14 @@ class SubscriberPorts {
     void add(const MemoryInlet::Port& port);
   };
 
-  /// Fills the intake and carries out its decisions. Returns true if it can deliver a sample.
+  /// Fills the intake and carries out its decisions. Returns true if the intake can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
   Next next() SFT_REQUIRES(mutex_);
-  /// Determines for which request the sample is delivered.
+  /// Determines the request for which the sample is delivered.
   void settle(Next& next) SFT_REQUIRES(mutex_);
   Counts counts() const SFT_REQUIRES(mutex_);
-  /// Wakes writers that wait for room. Called after samples may have been taken. It may make a system call.
+  /// Wakes writers that wait for room. Called after samples may have been taken. The function may make a
+  /// system call.
   void notify_room() SFT_EXCLUDES(mutex_);
 
   static constexpr std::size_t earlier_max = 64;  ///< the most earlier requests that are kept
@@ -109,13 +112,14 @@ class SubscriberPorts {
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
-  std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);  ///< the latest first
+  /// The earlier requests, the latest first.
+  std::vector<std::shared_ptr<const Asked>> earlier_ SFT_GUARDED_BY(mutex_);
   std::uint64_t requests_ SFT_GUARDED_BY(mutex_) = 1;
-  /// If set: no more samples of requests before this one arrive, but some may wait to be taken.
+  /// If set: no samples of requests before this one arrive any more, but some may wait to be taken.
   std::optional<AskedGates::Number> in_force_ SFT_GUARDED_BY(mutex_);
-  /// True once a request had parts, since samples that are under way may have to be reduced to them.
+  /// True if any request had parts. Then samples that are under way may have to be reduced to these parts.
   bool takes_parts_ SFT_GUARDED_BY(mutex_) = false;
-  /// True if a writer in shared memory waits for room. Written with the mutex held, read without it.
+  /// True: a writer in shared memory waits for room. Written with the mutex held, read without it.
   std::atomic<bool> writers_wait_{false};
 };
 

@@ -8,7 +8,7 @@ using Clock = std::chrono::steady_clock;
 
 bool Waiter::available() const { return std::ranges::any_of(ports_, &SubscriberPorts::available); }
 
-/// Returns one port that receives by UDP, which receives for all ports of its node. Null if there is none.
+/// Returns a port of the network, or null if there is none. Any such port receives for all ports of its node.
 std::shared_ptr<NetworkReader> Waiter::receiver() const {
   for (SubscriberPorts* const ports : ports_) {
     if (std::shared_ptr<NetworkReader> network = ports->network()) return network;

@@ -1,6 +1,6 @@
-// Waits for samples of one subscriber, by any of its ports. It polls for a while if that has paid off lately,
-// and then sleeps on the subscriber's doorbell or file descriptor. It keeps the file descriptor readable
-// exactly while there is a sample, and after an interrupt. Any thread.
+// Waits for samples of one subscriber, by any of its ports. A wait polls for a while if the last wait was
+// short, and then sleeps on the subscriber's doorbell or file descriptor. The class keeps the file descriptor
+// readable exactly while there is a sample, and after an interrupt. Any thread.
 #pragma once
 
 #include <atomic>
@@ -18,8 +18,9 @@ namespace sft::core {
 
 class Waiter {
  public:
-  /// `handle` is null if the subscriber has no file descriptor, and `interrupted` if nothing interrupts it.
-  /// All outlive this object. The thread that sets `interrupted` must ring the doorbell afterwards.
+  /// `handle` is null if the subscriber has no file descriptor, and `interrupted` is null if there are no
+  /// interrupts. All arguments must outlive this object. The thread that sets `interrupted` must ring the
+  /// doorbell afterwards.
   Waiter(std::vector<SubscriberPorts*> ports, Doorbell& bell, PollHandle* handle,
          std::chrono::nanoseconds spin, const std::atomic<bool>* interrupted = nullptr)
       : ports_(std::move(ports)), bell_(bell), handle_(handle), interrupted_(interrupted), spin_(spin) {}
@@ -27,22 +28,23 @@ class Waiter {
   /// Returns true if there is a sample.
   bool available() const;
   bool has_descriptor() const { return handle_ != nullptr; }
-  /// Returns the file descriptor; -1 if there is none.
+  /// Returns the file descriptor, or -1 if there is none.
   int descriptor() const { return handle_ == nullptr ? -1 : handle_->descriptor(); }
 
-  /// Returns true once there is a sample, and false at the deadline or after an interrupt.
+  /// Returns true once there is a sample. Returns false at the deadline or after an interrupt.
   bool wait_until(Time deadline);
   /// Wakes every sleeping thread. A thread that receives for its node does not sleep: its subscriber gets
-  /// samples only by UDP, and the thread finds them itself.
+  /// samples only by UDP, and the thread itself finds them.
   void wake() { bell_.ring(); }
   /// Wakes a sleeping thread because a sample has arrived.
   void sample_arrived();
 
-  // For subscribers with a file descriptor.
-  /// Returns true if there is a sample or an interrupt that the file descriptor does not show.
+  // The functions for subscribers with a file descriptor.
+  /// Returns true if there is a sample or an interrupt, and the file descriptor is not readable yet.
   bool has_unshown() const { return must_return() && !handle_->is_raised(); }
   void show_if_available();
-  /// To be called after samples were taken. Makes the file descriptor unreadable if there are no more.
+  /// To be called after samples were taken. Makes the file descriptor unreadable if there are no further
+  /// samples.
   void settle();
 
  private:
@@ -58,9 +60,9 @@ class Waiter {
   PollHandle* const handle_;
   const std::atomic<bool>* const interrupted_;
   const std::chrono::nanoseconds spin_;
-  // If two programs answer each other, and both sleep meanwhile, each wait includes waking two threads on two
-  // hosts. So that such programs begin to spin, which would avoid that, up to ten times the limit counts as a
-  // short wait.
+  // The waits of two programs that answer each other include the waking of two threads on two hosts, if both
+  // threads sleep meanwhile. If such programs spin, these times are saved. So that they begin to spin, a wait
+  // of up to ten times the limit counts as short.
   SpinChoice spinning_{10};
 };
 

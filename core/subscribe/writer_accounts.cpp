@@ -44,7 +44,7 @@ void WriterAccounts::hears(const std::vector<Hearing>& hearing, std::int64_t now
     Writer& writer = of(h.source.writer);
     if (writer.since_ns == 0) writer.since_ns = now_ns;
     writer.lifespan_ns = h.offered.lifespan.count();
-    // If samples expire, it is unknown how many of the retained ones could still come.
+    // If samples expire, it is unknown how many of the retained samples can still arrive.
     if (writer.lifespan_ns == 0) writer.sequences.owe(h.owed);
   }
   if (writers_.size() > heard_.size() + departed_writers_kept) forget_departed();
@@ -63,8 +63,8 @@ void WriterAccounts::add(Sum& sum, const Writer& writer) {
   sum.restarts += writer.restarts;
 }
 
-/// Removes the accounts of departed writers. The id of a writer is random for each incarnation, so a removed
-/// writer returns only if its node was silent for a long time.
+/// Removes the accounts of departed writers. A writer gets a new random id each time that it is opened. So a
+/// removed id returns only if the node of the writer was silent for a long time.
 void WriterAccounts::forget_departed() {
   std::erase_if(writers_, [this](const Writer& writer) {
     if (is_heard(writer)) return false;

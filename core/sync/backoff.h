@@ -1,4 +1,4 @@
-// Waiting for another thread that is about to be done.
+// A wait for another thread that will soon be done.
 #pragma once
 
 #include <chrono>
@@ -6,8 +6,8 @@
 
 namespace sft::core {
 
-/// Waits until `done()` returns true. It sleeps after a few checks, because the other thread may need this
-/// processor.
+/// Waits until `done()` returns true. The function sleeps after a few checks, because the other thread may
+/// need this processor.
 template <class Done>
 void wait_until(Done done) {
   constexpr int yields = 32;

@@ -1,5 +1,5 @@
-// A count of events, for whose growth threads can wait. A thread that first reads the count, then examines
-// the state that events change, and then waits for a greater count, misses no event.
+// A count of events. Threads can wait until it grows. A thread misses no event if it first reads the count,
+// then examines the state that events change, and then waits for a greater count.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,7 @@ class EventCount {
     return count_;
   }
 
-  /// Waits until the count is greater than `seen`. Returns false if it is not by the deadline.
+  /// Waits until the count is greater than `seen`. Returns false if the deadline passes before.
   bool wait_beyond(std::uint64_t seen, TimePoint deadline) {
     Lock lock(mutex_);
     while (count_ <= seen) {

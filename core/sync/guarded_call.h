@@ -1,8 +1,7 @@
-// Callbacks that any thread may call, and that can be cleared: after clear() no call is running any more, so
-// that whatever the callback uses may be destroyed. No lock is held while the callback runs.
+// Callbacks that any thread may call, and that can be cleared. After clear() no call is running any more, so
+// that all objects that the callback uses may be destroyed. No lock is held while the callback runs.
 //
-// After clear() only the callback and what it uses may be destroyed. The objects below must outlive all calls
-// of their own functions.
+// The objects of the classes below must outlive all calls of their own functions, also after clear().
 #pragma once
 
 #include <atomic>
@@ -14,14 +13,14 @@
 
 namespace sft::core {
 
-/// Allows calls until it is closed. Any number of threads may be inside at once, and each of them more than
-/// once. Any thread.
+/// Allows calls until it is closed. Any number of threads may be inside the gate at once, each of them more
+/// than once. Any thread.
 class CallGate {
  public:
-  /// Calls `function` unless the gate is closed; returns whether it did.
+  /// Calls `function` unless the gate is closed. Returns true if the function was called.
   template <class Function>
   bool call(Function&& function) {
-    if (is_closed()) return false;  // so that new calls do not keep a closing gate busy
+    if (is_closed()) return false;  // prevents new calls from keeping a closing gate busy
     const Call call(*this);
     if (call.is_refused()) return false;
     std::forward<Function>(function)();
@@ -30,9 +29,9 @@ class CallGate {
 
   bool is_closed() const noexcept { return (state_.load() & closed) != 0; }
 
-  /// Closes the gate. When it returns, no call is inside any more, except for calls of this thread, and calls
-  /// whose threads wait in close() for this thread. It does not wait for these, because callbacks that close
-  /// each other's gates would wait forever.
+  /// Closes the gate. When the function returns, no call is inside any more, with two exceptions: calls of
+  /// this thread, and calls whose threads wait in close() for this thread. The function does not wait for
+  /// these, because callbacks that close each other's gates would wait forever.
   void close() noexcept {
     const std::uint32_t own = Call::of(*this, Call::innermost());
     if (inside(state_.fetch_or(closed)) > own) wait_for_others();
@@ -40,7 +39,7 @@ class CallGate {
 
  private:
   /// One call, from the beginning to the end of the scope. The calls of a thread are linked, the innermost
-  /// first, so that the thread knows in which gates it is inside.
+  /// call first, so that a thread knows which gates it is inside.
   class Call {
    public:
     explicit Call(CallGate& gate) noexcept
@@ -57,8 +56,8 @@ class CallGate {
     bool is_refused() const noexcept { return is_refused_; }
 
     static const Call* innermost() noexcept { return innermost_; }
-    /// Returns how many calls of a thread are inside the gate. `innermost` is the innermost call of that
-    /// thread.
+    /// Returns the number of calls of one thread that are inside the gate. `innermost` is the innermost call
+    /// of that thread.
     static std::uint32_t of(const CallGate& gate, const Call* innermost) noexcept {
       std::uint32_t calls = 0;
       for (const Call* call = innermost; call != nullptr; call = call->outer_) {
@@ -76,12 +75,13 @@ class CallGate {
   };
 
   /// A thread that waits in close(). Such threads are in a list, which one mutex of the process protects.
-  /// Threads that need not wait do not lock it.
+  /// Threads that need not wait do not lock the mutex.
   struct Closing {
     const CallGate* gate;
     const Call* innermost;
     Closing* next = nullptr;
-    bool depends = false;  ///< it waits, directly or not, for the thread that is examining the list
+    /// This thread waits, directly or indirectly, for the thread that is examining the list.
+    bool depends = false;
 
     static inline Mutex mutex;
     static inline Condition changed;
@@ -91,8 +91,7 @@ class CallGate {
       const Lock lock(mutex);
       changed.notify_all();
     }
-    /// Returns how many calls inside the gate that this thread closes belong to threads that wait for this
-    /// thread.
+    /// Returns the number of calls inside the gate being closed whose threads wait for this thread.
     std::uint32_t calls_of_dependents() SFT_REQUIRES(mutex) {
       for (Closing* other = first; other != nullptr; other = other->next) other->depends = other == this;
       std::uint32_t calls = 0;
@@ -144,12 +143,12 @@ class GuardedCall {
 
   /// Returns true if a call would have any effect now.
   bool is_set() const noexcept { return function_ != nullptr && !gate_.is_closed(); }
-  /// Calls the function. Does nothing if it is empty or was cleared.
+  /// Calls the function. Does nothing if the function is empty or was cleared.
   void operator()(Args... args) {
     if (function_ != nullptr) gate_.call([&] { function_(std::forward<Args>(args)...); });
   }
-  /// Clears the function. When it returns, no call is running any more, except for one that called this
-  /// itself (CallGate::close()).
+  /// Clears the function. When clear() returns, no call is running any more, except for a call of the
+  /// function that itself called clear() (CallGate::close()).
   void clear() noexcept { gate_.close(); }
 
  private:

@@ -1,11 +1,11 @@
 // The order in which a thread takes locks if it holds several at a time. Such locks are on levels: a thread
-// that holds a lock may take locks of later levels only. Three kinds of mutexes are on no level: those that a
-// thread holds while it holds no other, those that it takes last, and those of discovery, which a thread
-// never takes while it holds a lock on a level.
+// that holds a lock may take locks of later levels only. Three kinds of mutexes are on no level: mutexes that
+// a thread holds while it holds no other, mutexes that it takes last, and the mutexes of discovery, which a
+// thread never takes while it holds a lock on a level.
 //
 // Each mutex on a level names the levels between which it lies. Clang (-Wthread-safety-beta) refuses a
 // function that takes two locks in the wrong order, and declarations that form a cycle. Clang checks one
-// function at a time: it does not see a lock that another function takes, unless that function is annotated.
+// function at a time. It does not see a lock that a called function takes, unless that function is annotated.
 #pragma once
 
 #include "core/sync/thread_annotations.h"
@@ -15,7 +15,7 @@ namespace sft::core::lock_order {
 /// The border between two levels. It is never locked.
 struct SFT_CAPABILITY("level") Border {};
 
-/// The registry of endpoints, while their status is read: EndpointRegistry.
+/// The registry of endpoints while it reads their status: EndpointRegistry.
 inline constexpr Border endpoints{};
 /// One endpoint: PublisherCore, SubscriberPorts, RemoteCopy.
 inline constexpr Border endpoint SFT_ACQUIRED_AFTER(endpoints){};
@@ -26,7 +26,7 @@ inline constexpr Border queues SFT_ACQUIRED_AFTER(endpoint){};
 inline constexpr Border facts SFT_ACQUIRED_AFTER(queues){};
 /// The pool to which jobs return, and the budget for unproven sockets: JobPool, UnprovenBudget.
 inline constexpr Border jobs SFT_ACQUIRED_AFTER(facts){};
-// After `jobs` come the owners of the memory of samples, which the thread that drops the last handle locks:
-// BufferPool, ChunkLender, ChunkQueue. They may take locks of iceoryx.
+// After `jobs` come the owners of the memory of samples: BufferPool, ChunkLender, ChunkQueue. The thread that
+// drops the last handle locks their mutexes. They may take locks of iceoryx.
 
 }  // namespace sft::core::lock_order

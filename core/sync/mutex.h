@@ -1,5 +1,5 @@
-// A mutex, its lock, and a condition variable: those of the standard library, with the attributes by which
-// Clang checks which locks are held (thread_annotations.h).
+// A mutex, its lock, and a condition variable: the classes of the standard library, with the attributes by
+// which Clang checks the locks that are held (thread_annotations.h).
 #pragma once
 
 #include <chrono>
@@ -25,7 +25,7 @@ class SFT_CAPABILITY("mutex") Mutex {
   std::mutex mutex_;
 };
 
-/// Holds a mutex until the end of the scope. May be unlocked and locked again before.
+/// Holds a mutex until the end of the scope. The mutex may be unlocked and locked again before the end.
 class SFT_SCOPED_CAPABILITY Lock {
  public:
   explicit Lock(Mutex& mutex) SFT_ACQUIRE(mutex) : lock_(mutex.mutex_) {}
@@ -41,14 +41,14 @@ class SFT_SCOPED_CAPABILITY Lock {
   std::unique_lock<std::mutex> lock_;
 };
 
-/// A condition variable. A wait unlocks the lock, and locks it again before it returns. It may also end
+/// A condition variable. A wait unlocks the lock, and locks it again before it returns. A wait may also end
 /// without a cause, so callers wait in a loop. There are no functions that take a predicate, because Clang
 /// does not know that the predicate is called with the lock held.
 class Condition {
  public:
   void wait(Lock& lock) { condition_.wait(lock.lock_); }
 
-  /// Returns false if the time is over.
+  /// Waits at most for `time`. Returns false if the time is over.
   template <class Rep, class Period>
   bool wait_for(Lock& lock, const std::chrono::duration<Rep, Period>& time) {
     return condition_.wait_for(lock.lock_, time) == std::cv_status::no_timeout;

@@ -1,10 +1,11 @@
 // A value that some threads replace now and then, and that another thread reads all the time without a lock:
 // reading an unchanged value is one atomic load. There is one reading thread at a time.
 //
-// A thread that has replaced the value may wait until the reading thread no longer uses a former one. For
-// that the reading thread reads within a Reading, which begins before the value is loaded; the other thread
-// replaces the value and then checks for a Reading. These accesses are sequentially consistent, so that at
-// least one of the threads sees what the other did: a Reading that was not seen loads the new value.
+// A thread that has replaced the value may wait until the reading thread no longer uses a former value. For
+// this purpose the reading thread reads within a Reading, which begins before the value is loaded. The other
+// thread replaces the value, and then checks for a Reading. These accesses are sequentially consistent, so
+// that at least one of the threads sees the action of the other. So a Reading that the other thread did not
+// see loads the new value.
 #pragma once
 
 #include <atomic>
@@ -21,7 +22,7 @@ namespace sft::core {
 template <class T>
 class Published {
  public:
-  // Any thread.
+  // The functions for any thread.
 
   void replace(std::shared_ptr<const T> value) {
     const Lock lock(mutex_);
@@ -29,9 +30,9 @@ class Published {
     version_.fetch_add(1, std::memory_order_seq_cst);
   }  // the former value is destroyed after the lock is released
 
-  /// Waits until no Reading uses a value that was replaced before this call. It waits for the present
-  /// Reading, if any, but not for those that begin later, so that it ends even if the reading thread reads
-  /// all the time. Must not be called within a Reading.
+  /// Waits until no Reading uses a value that was replaced before this call. The function waits for the
+  /// present Reading, if any, but not for later ones, so that it ends even if the reading thread reads all
+  /// the time. Must not be called within a Reading.
   void wait_for_reader() const {
     const std::uint64_t seen = steps_.load(std::memory_order_seq_cst);
     if (seen % 2 == 0) return;
@@ -43,7 +44,7 @@ class Published {
     return latest_;
   }
 
-  // The reading thread.
+  // The functions for the reading thread.
 
   /// Marks the values that load() returns as in use, from here to the end of the scope.
   class Reading {
@@ -57,7 +58,7 @@ class Published {
     }
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
-    /// False if another Reading lasts: two threads read at once, and nothing may be loaded.
+    /// Returns false if another Reading lasts. Then two threads read at once, and nothing may be loaded.
     bool is_only() const { return is_only_; }
 
    private:
@@ -72,7 +73,8 @@ class Published {
     return in_use_.get();
   }
 
-  /// Returns the value that load() returned last, as a pointer that keeps it beyond the next load().
+  /// Returns the value that load() returned last, as a pointer that keeps the value alive beyond the next
+  /// load().
   const std::shared_ptr<const T>& loaded() const { return in_use_; }
 
  private:
@@ -91,7 +93,7 @@ class Published {
   std::atomic<std::uint64_t> version_{0};
   std::shared_ptr<const T> in_use_;  // used by the reading thread only
   std::uint64_t seen_ = 0;
-  std::atomic<std::uint64_t> steps_{0};  ///< odd within a Reading
+  std::atomic<std::uint64_t> steps_{0};  ///< an odd number within a Reading
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// Busy waiting, for events that come sooner than a sleeping thread could be woken.
+// Busy waiting for events that will happen sooner than a sleeping thread could be woken.
 #pragma once
 
 #include <sched.h>
@@ -7,7 +7,7 @@
 
 namespace sft::core {
 
-/// Hints to the core that this is a waiting loop.
+/// Hints to the core that the thread is in a waiting loop.
 inline void pause_core() {
 #if defined(__x86_64__)
   __builtin_ia32_pause();
@@ -16,8 +16,8 @@ inline void pause_core() {
 #endif
 }
 
-/// Spins until `over()` returns true, and returns true, or until the time is over, and returns false. It
-/// yields to threads that wait for this core, since one of them may cause the event.
+/// Spins until `over()` returns true, and then returns true. Returns false if the time is over before. The
+/// thread yields to threads that wait for this core, since one of them may cause the event.
 template <class Over>
 bool spin(std::chrono::steady_clock::time_point until, Over&& over) {
   constexpr int looks_per_yield = 8;

@@ -1,5 +1,5 @@
-// Chooses whether a wait for samples spins before it sleeps: only if the previous wait was short. If no
-// sample comes while the thread spins, the spinning costs its whole time for nothing.
+// Decides if a wait for samples spins before it sleeps. It spins only if the previous wait was short: if no
+// sample arrives while the thread spins, the time of the spinning is wasted.
 #pragma once
 
 #include <atomic>
@@ -14,14 +14,14 @@ class SpinChoice {
   /// A wait is short if it takes at most `short_wait` times the limit on spinning.
   explicit SpinChoice(int short_wait) : short_wait_(short_wait) {}
 
-  /// Returns how long the wait that begins now spins: `limit`, or not at all. The first wait spins. Any
+  /// Returns the time for which the wait that begins now spins: `limit`, or 0. The first wait spins. Any
   /// thread.
   Duration spin(Duration limit) const {
     return last_wait_.load(std::memory_order_relaxed) / short_wait_ <= limit ? limit : Duration{0};
   }
 
-  /// Called when a wait that was allowed to spin for `limit` has ended. `found` is true if a sample came. Any
-  /// thread.
+  /// Called when a wait that was allowed to spin for `limit` has ended after `how_long`. `found` is true if a
+  /// sample has arrived. Any thread.
   void waited(Duration how_long, bool found, Duration limit) {
     if (!found && how_long < limit) return;  // the wait was shorter than the spinning would have been
     last_wait_.store(found ? how_long : Duration::max(), std::memory_order_relaxed);

@@ -1,5 +1,5 @@
-// subscriber: prints the charge of the battery until no more samples arrive. It declares two fields, and is
-// sent only these.
+// subscriber: prints the charge of the battery until no more samples arrive. It declares two fields, so that
+// only these are sent to it.
 #include <sft/sft.h>
 
 #include <chrono>
@@ -17,7 +17,7 @@ int main() {
   auto subscriber = node->subscriber<Battery, F::serial | F::charge>("battery");
   if (!subscriber) return std::fprintf(stderr, "%s\n", subscriber.error().message.c_str()), 1;
 
-  auto timeout = 30s;  // leaves time to start a publisher
+  auto timeout = 30s;  // the time to start a publisher
   while (subscriber->wait(timeout)) {
     while (const auto sample = subscriber->take()) {
       const std::string serial(sample->serial());

@@ -23,7 +23,7 @@ int main(int argc, char** argv) {
   cloud.data.resize(cloud.height * cloud.row_step);
   for (int i = 0; i < 10 * seconds; ++i) {
     cloud.header.stamp = sft::time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now());
-    points->publish(cloud);  // costs almost nothing without subscribers
+    points->publish(cloud);  // costs almost no time without subscribers
     std::this_thread::sleep_for(100ms);
   }
 }

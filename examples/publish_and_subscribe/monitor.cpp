@@ -1,4 +1,5 @@
-// monitor [COUNT]: prints the size and the age of clouds, until COUNT clouds have arrived or no more arrive.
+// monitor [COUNT]: prints the size and the age of clouds. Ends after COUNT clouds, or if no more clouds
+// arrive.
 #include <sft/sft.h>
 
 #include <chrono>
@@ -15,7 +16,7 @@ int main(int argc, char** argv) {
 
   auto node = sft::Node::open({.name = "monitor"});
   if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
-  // Three fields are declared, and only they are sent. Reading any other field does not compile.
+  // Three fields are declared, and only these are sent. An access to any other field does not compile.
   auto points = node->subscriber<PointCloud2, F::header.stamp | F::height | F::width>("points");
   if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
 

@@ -1,5 +1,6 @@
-// No fields are declared here: SFT notes which ones the callback reads, and soon sends only these. When the
-// callback begins to read one more field, this field is missing once and is sent from then on.
+// No fields are declared here. SFT records which fields the callback reads, and soon sends only these. When
+// the callback begins to read a further field, that field is absent in the present sample, and is sent from
+// then on.
 #include <sft/sft.h>
 
 #include <atomic>
@@ -35,7 +36,8 @@ int main() {
     const auto x = sample->pose().pose().position().x();
     x ? std::printf("position %.1f m\n", *x) : std::puts("no position in this sample");
   };
-  // On one host a sample in shared memory has every field. `as_remote` shows what another host would be sent.
+  // On one host a sample in shared memory has every field. `as_remote` reduces it to the fields that another
+  // host would receive.
   auto reader =
       node->subscriber<Odometry, sft::recorded>("odometry", callback, {.recording = {.as_remote = true}})
           .value();

@@ -1,5 +1,5 @@
-// A server that computes the length of a path, and a client that asks for it. Both are in one program here,
-// but could as well run on two hosts.
+// A server that computes the length of a path, and a client that calls it. Here both are in one program, but
+// they could run on two hosts as well.
 #include <sft/sft.h>
 
 #include <chrono>

@@ -1,5 +1,5 @@
-// status_and_events [json]: shows how a program learns what happens to its publishers and subscribers. Events
-// report changes; status() and snapshot() return the present state.
+// status_and_events [json]: shows how a program observes its publishers and subscribers. Events report
+// changes; status() and snapshot() return the present state.
 #include <sft/sft.h>
 
 #include <atomic>
@@ -14,7 +14,8 @@ using std_msgs::msg::Float64;
 
 std::atomic<int> deadlines_missed{0};
 
-/// Events are reported on a thread of the node, which does nothing else meanwhile. So handle them quickly.
+/// Events are reported on a thread of the node, which does no other work meanwhile. So a callback must handle
+/// them quickly.
 sft::Event::Callback print_events_of(const char* whose) {
   return [whose](const sft::Event& event) {
     if (event.kind == sft::Event::Kind::deadline_missed) ++deadlines_missed;
@@ -24,7 +25,8 @@ sft::Event::Callback print_events_of(const char* whose) {
 
 int main(int argc, char**) {
   sft::NodeOptions options{.name = "status_and_events"};
-  options.log_level = sft::LogLevel::warning;  // writes the same news as lines of text, from this level on
+  // The log reports the same events as lines of text, from this level on.
+  options.log_level = sft::LogLevel::warning;
   options.log = [](sft::LogLevel, std::string_view line) { std::cout << "log: " << line << std::endl; };
   auto node = sft::Node::open(options);
   if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
@@ -34,8 +36,8 @@ int main(int argc, char**) {
   const auto show = [](const auto& sample) { std::printf("display: %.1f m/s\n", sample->data()); };
   auto display =
       node->subscriber<Float64>("speed", show, {.deadline = 200ms, .on_event = print_events_of("display")});
-  // The publisher does not offer the reliability that this subscriber asks for. They never match, and both
-  // are told why.
+  // The publisher does not offer the reliability that this subscriber requests. So the two never match, and
+  // both get an event that names the reason.
   auto recorder = node->subscriber<Float64>(
       "speed", {.reliability = sft::reliable, .on_event = print_events_of("recorder")});
   if (!speed || !display || !recorder) return std::puts("a publisher or subscriber could not be opened"), 1;

@@ -21,7 +21,7 @@ int main(int argc, char** argv) {
   // Asks for two numbers of a cloud, at most five times per second. The robot sends nothing else.
   auto points = node->subscriber<PointCloud2, F::height | F::width>("robot/points", {.max_rate_hz = 5});
   if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
-  auto timeout = 60s;  // leaves time to start the robot
+  auto timeout = 60s;  // the time to start the robot
   while (points->wait(timeout)) {
     while (const auto cloud = points->take())
       std::printf("%u x %u points\n", cloud->height(), cloud->width());

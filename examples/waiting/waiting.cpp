@@ -27,7 +27,7 @@ int main() {
   const itimerspec every_50_ms{.it_interval = {0, 50'000'000}, .it_value = {0, 50'000'000}};
   timerfd_settime(timer, 0, &every_50_ms, nullptr);
 
-  // Any other descriptor of the program could be here, too: sockets, devices, the standard input.
+  // Other descriptors of the program could be watched here, too: sockets, devices, the standard input.
   pollfd watched[] = {{.fd = commands.file_descriptor(), .events = POLLIN, .revents = 0},
                       {.fd = timer, .events = POLLIN, .revents = 0}};
   Twist command;

@@ -10,7 +10,7 @@ namespace {
 
 class AccountsBetweenNodes : public PubSubTest {
  protected:
-  /// Returns the counts of the pair as `node` knows them; empty if it does not know the pair yet.
+  /// Returns the counts of the pair as `node` knows them, or nothing if `node` does not know the pair yet.
   static std::optional<DomainSnapshot::Account> account_of(const Node& node, const std::string& topic) {
     const DomainSnapshot domain = node.domain();
     for (const DomainSnapshot::Pair& pair : domain.pairs) {
@@ -23,7 +23,7 @@ class AccountsBetweenNodes : public PubSubTest {
   static bool is_silent(const std::optional<DomainSnapshot::Account>& account) {
     return account && !account->publisher && !account->subscriber;
   }
-  /// Returns true if both sides soon report that this number of samples was sent and received.
+  /// Returns true if both sides soon report that `samples` samples were sent and received.
   static bool tells(const Node& node, std::uint64_t samples) {
     return eventually([&] {
       const auto account = account_of(node, "points");

@@ -1,4 +1,4 @@
-// In steady state a program's own thread allocates nothing when it publishes, takes or reads a sample.
+// In steady state a program's own thread allocates no memory when it publishes, takes or reads a sample.
 #include "tests/support/thread_allocations.h"
 #include "tests/system/fixture.h"
 
@@ -7,7 +7,7 @@ namespace {
 
 class AllocationTest : public PubSubTest {
  protected:
-  /// Counts the allocations of this thread over 200 samples, after 50 for warming up.
+  /// Counts the allocations of this thread over 200 samples. 50 samples are passed before, to warm up.
   template <class Pass>
   static std::uint64_t allocations_of(Pass pass) {
     for (int i = 0; i < 50; ++i) pass();
@@ -67,11 +67,12 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
     const auto sample = sub.take();
     read += sample->width() && sample->data() ? 1 : 0;
   };
-  // After 100 recorded samples the subscriber asks only for the fields that it reads, which changes what it
-  // expects to receive.
+  // After 100 recorded samples the subscriber asks only for the fields that it reads. Then the samples that
+  // it expects change, too.
   const auto asked_for = [&] { return pub.status().readers.at(0).mask; };
   const FieldMask all = asked_for();
-  // These passes also last until the receiver has made its first report, after which more may be under way.
+  // These passes last until the receiver has made its first report, too. After that more samples may be under
+  // way.
   for (int i = 0; i < 400; ++i) pass();
   ASSERT_TRUE(eventually([&] {
     pass();

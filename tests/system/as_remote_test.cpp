@@ -1,4 +1,4 @@
-// A subscriber in shared memory with `as_remote` gets, byte for byte, what it would get on another host.
+// A subscriber in shared memory with `as_remote` gets the same bytes as a subscriber on another host.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -35,7 +35,7 @@ class SameCopyTest : public ::testing::TestWithParam<const char*> {
     return node.subscriber("points", node.find_type("points", hang_timeout).value(), GetParam(), options)
         .value();
   }
-  /// Takes all samples up to the last published one, which passes all conditions of these tests.
+  /// Takes all samples up to the last published one. That sample passes all conditions of these tests.
   static std::vector<Got> take_all(DynamicSubscriber& subscriber) {
     std::vector<Got> all;
     while ((all.empty() || all.back().sequence < samples) && subscriber.wait(hang_timeout)) {

@@ -1,5 +1,5 @@
-// The same program with the same quality of service gets the same over each transport. If a publisher waits
-// for its subscribers, all reliable samples arrive. If it does not wait, the samples that a subscriber
+// The same program with the same quality of service gets the same samples over each transport. If a publisher
+// waits for its subscribers, all reliable samples arrive. If it does not wait, the samples that a subscriber
 // misses are counted and logged.
 #include <poll.h>
 
@@ -20,7 +20,7 @@ constexpr std::uint32_t samples = 20'000;
 
 class ReliablePairTest : public PubSubTest {
  protected:
-  /// Takes samples until the last one has come, or no more samples come.
+  /// Takes samples until the one with the number `last` has arrived, or no more arrive.
   template <class S>
   static std::vector<std::uint64_t> take_all(S& subscriber, std::uint64_t last) {
     std::vector<std::uint64_t> numbers;
@@ -30,7 +30,7 @@ class ReliablePairTest : public PubSubTest {
     }
     return numbers;
   }
-  /// Publishes a burst on a thread of its own.
+  /// Publishes a burst on a separate thread.
   template <class P>
   static std::jthread burst(P& publisher) {
     return std::jthread([&publisher] {
@@ -52,7 +52,7 @@ class ReliablePairTest : public PubSubTest {
 };
 
 TEST_P(ReliablePairTest, LosesNothingOfABurstOfAPublisherThatWaits) {
-  warnings_expected = in_shared_memory();  // the depth exceeds what shared memory keeps
+  warnings_expected = in_shared_memory();  // the depth exceeds the limit of shared memory
   auto publisher = a.publisher<String>("text", {.reliability = reliable, .max_blocking = 1s}).value();
   auto subscriber = b.subscriber<String>("text", {.reliability = reliable, .depth = 1000}).value();
   expect_served(publisher, 1);

@@ -1,4 +1,4 @@
-// Bad input is refused, and the refusal says what is wrong and what to do.
+// Bad input is refused, and the error says what is wrong and what to do.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <netinet/in.h>
@@ -102,8 +102,8 @@ TEST_F(BadInputTest, AProgramWithTooFewDescriptorsGetsAnErrorThatSaysSo) {
   EXPECT_EQ(opened_with(200), Opened::node);
 }
 
-/// Services often have a higher limit of descriptors than select(2) can handle, with which Cyclone DDS
-/// waits.
+/// Cyclone DDS waits with select(2). The limit of descriptors of services is often higher than the numbers
+/// that select(2) can handle.
 TEST_F(BadInputTest, AProgramWithMoreOpenFilesThanSelectCanTakeGetsAnErrorThatSaysSo) {
   rlimit usual{};
   getrlimit(RLIMIT_NOFILE, &usual);
@@ -229,7 +229,7 @@ TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
 TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   Node a = udp_node("a");
   NodeOptions options = node_options(Way::udp, "b");
-  options.udp.port = 17'000;  // the system itself assigns ports of 32'768 and more
+  options.udp.port = 17'000;  // less than 32'768, where the ports begin that the system assigns
   Node b = Node::open(options).value();
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = b.subscriber<PointCloud2, F::height>("points").value();

@@ -1,5 +1,5 @@
-// Best effort between two hosts, on a cable that loses, repeats and swaps frames. A subscriber is told
-// exactly which samples it missed.
+// Best effort between two hosts, on a cable that loses, repeats and swaps frames. The reported losses are
+// exactly the samples that the subscriber missed.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -25,19 +25,19 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t samples_sent = 1000;
-constexpr double bytes_max = 100'000;  // some 70 datagrams: most such samples lose one
+constexpr double bytes_max = 100'000;  // about 70 datagrams: most samples of this size lose one
 
 struct Published {
   std::atomic<bool> failed{false};
   std::atomic<bool> served{false};
   std::atomic<std::uint32_t> wanted{0};  ///< the number of samples to publish
   std::atomic<std::uint32_t> count{0};
-  std::atomic<std::uint64_t> dropped{0};  ///< samples that the publisher itself dropped
+  std::atomic<std::uint64_t> dropped{0};  ///< samples that the publisher itself has dropped
 };
 
 struct Taken {
   std::atomic<bool> failed{false};
-  std::atomic<bool> wrong{false};  ///< a sample had wrong bytes, or came out of order
+  std::atomic<bool> wrong{false};  ///< true: a sample had wrong bytes, or was out of order
   std::atomic<std::uint32_t> last{0};
   std::atomic<std::uint64_t> count{0}, told{0}, lost{0}, late{0};
 };
@@ -100,7 +100,7 @@ class BestEffortTest : public testing::TestWithParam<bool> {
     options.udp.use_io_uring = GetParam();
     return options;
   }
-  /// Returns the number of samples, up to number `last`, of which the cable has lost a part.
+  /// Returns the number of samples, up to the one with the number `last`, of which the cable has lost a part.
   std::uint64_t harmed(std::uint32_t last) const {
     const auto& harmed = cable_->notes().harmed;
     return static_cast<std::uint64_t>(std::count(harmed.begin(), harmed.begin() + last + 1, true));
@@ -112,8 +112,7 @@ class BestEffortTest : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(By, BestEffortTest, testing::Bool(),
                          [](const auto& param) { return param.param ? "IoUring" : "Sockets"; });
 
-/// The cable is good for the first sample and the last one, so that all samples between them are accounted
-/// for.
+/// The cable is good for the first and the last sample, so that all samples between them are accounted for.
 TEST_P(BestEffortTest, TellsASubscriberExactlyWhatWasDroppedOnTheWay) {
   SCOPED_TRACE(how_to_repeat());
   const NodeProcessWith<Published> publisher(cable_->host(0), options(), publish_clouds);

@@ -1,5 +1,5 @@
-// What a program may do in its callbacks. Each row of the table in docs/guide.md is tried in each kind of
-// callback, and on a thread that the callback waits for.
+// The actions that a program may take in its callbacks. Each row of the table in docs/guide.md is tried in
+// each kind of callback, and on a thread for which the callback waits.
 #include <condition_variable>
 #include <cstdlib>
 #include <fstream>
@@ -127,8 +127,8 @@ TEST(CallbackRules, AreThoseOfTheGuide) {
   EXPECT_EQ(known, acts.size());
 }
 
-/// Runs an act in the first callback of a kind after arm(). A node that is closed in its own callback may
-/// call back for a while longer than the test lasts.
+/// Runs an act in the first callback of a kind after arm(). If a node is closed in its own callback, it may
+/// call back for a while after the end of the test.
 class ActInCallback {
  public:
   void arm(Kind kind, std::function<void()> act) {
@@ -162,7 +162,7 @@ class ActInCallback {
 
 class CallbackRulesTest : public PubSubTest {
  protected:
-  /// Runs the act in a callback of that kind, and waits until it is done.
+  /// Runs the act in a callback of that kind, and waits until the act is done.
   void run_in(Kind kind, const Act& act, bool by_a_thread) {
     const auto in_callback = std::make_shared<ActInCallback>();
     Scene scene;

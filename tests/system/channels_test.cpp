@@ -1,5 +1,5 @@
-// Channels of point clouds over every transport. They are declared at compile time, or recorded from what
-// the program reads.
+// Channels of point clouds over every transport. The channels are declared at compile time, or recorded when
+// the program reads them.
 #include <gmock/gmock.h>
 
 #include <cstring>
@@ -54,12 +54,12 @@ class ChannelsTest : public PubSubTest {
   std::uint32_t published = 0;
 };
 
-/// Tests whose subscriber records what the program reads.
+/// Tests with a subscriber that records the fields that the program reads.
 class RecordedChannelsTest : public ChannelsTest {
  protected:
   using Cloud = Sample<PointCloud2, recorded>;
 
-  /// Publishes and reads until the publisher has applied this selection.
+  /// Publishes and reads until the publisher has applied the selection `text`.
   template <class Read>
   bool until_asked_for(std::string_view text, Read read) {
     const Selection wanted = closed(text);

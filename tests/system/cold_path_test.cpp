@@ -1,9 +1,9 @@
 // A small sample between two sleeping nodes takes a limited number of wake-ups and system calls. The tests
-// compare these counts and no times, because each wake-up and each system call costs some microseconds on
+// compare these counts instead of times, because each wake-up and each system call costs some microseconds on
 // any machine.
 //
-// A sample's counts are taken from one moment at which all threads of both processes sleep to the next such
-// moment. The lower quartile over the samples leaves out other work of the nodes, such as discovery.
+// The counts of a sample are taken between two times at which all threads of both processes sleep. The lower
+// quartile over the samples leaves out other work of the nodes, such as discovery.
 #include <gtest/gtest.h>
 #include <semaphore.h>
 #include <unistd.h>
@@ -30,20 +30,20 @@ using bench::ProcessCounter;
 using bench::ThreadCounts;
 
 constexpr std::size_t samples = 25;
-constexpr std::size_t samples_max = 1500;  // a slow callback counts until many quick ones have followed
+constexpr std::size_t samples_max = 1500;  // a callback counts as slow until many quick ones have followed
 
 struct Report {
   std::atomic<bool> failed{false};
   std::atomic<bool> served{false};
   std::atomic<pid_t> process{0};
-  std::atomic<std::uint32_t> done{0};  ///< samples that this side has published or taken
+  std::atomic<std::uint32_t> done{0};  ///< the number of samples that this side has published or taken
   sem_t go{};
 
   Report() { sem_init(&go, 1, 0); }
 };
 using NodeProcess = NodeProcessWith<Report>;
 
-/// Publishes whenever the test posts `go`. Waiting for that takes one wake-up and one system call.
+/// Publishes whenever the test posts `go`. The wait for this post takes one wake-up and one system call.
 void publish(Node& node, Report& report, Reliability reliability) {
   auto publisher = node.publisher<PointCloud2>("points", {.reliability = reliability}).value();
   report.served = publisher.wait_for_subscribers(1, 30s);
@@ -82,7 +82,7 @@ std::int64_t usual(std::vector<std::int64_t> values) {
   return values[values.size() / 4];
 }
 
-/// Returns how often the thread that calls slow callbacks was woken.
+/// Returns the number of times that the thread for slow callbacks was woken.
 std::int64_t slow_calls(const std::vector<ThreadCounts>& threads) {
   const auto thread =
       std::ranges::find_if(threads, [](const ThreadCounts& one) { return one.name.starts_with("sft-call"); });
@@ -126,7 +126,7 @@ class ColdPathTest : public ::testing::TestWithParam<Variant> {
     ASSERT_TRUE(
         eventually([&] { return publisher_->report().process != 0 && subscriber_->report().process != 0; }));
     ASSERT_TRUE(publisher_->report().served);
-    pass_one();  // the first sample takes more work
+    pass_one();  // more work is needed for the first sample
   }
 
   void pass_samples() {

@@ -1,5 +1,5 @@
-// Many subscribers of one publisher, each with conditions, and subscribers with conditions that come and go,
-// over every transport.
+// Many subscribers of one publisher, each with conditions, and subscribers with conditions that join and
+// leave, over every transport.
 #include <gmock/gmock.h>
 #include <malloc.h>
 #include <unistd.h>
@@ -31,7 +31,7 @@ class ConditionsTest : public PubSubTest {
  protected:
   DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   static std::string text(const Rule& rule) { return "header.stamp @ " + rule.conditions; }
-  /// Returns the sample for that place, whose `number` the conditions judge.
+  /// Returns the sample for that place. The conditions apply to its `number`.
   static PointCloud2 sample(std::size_t place, std::uint32_t number) {
     PointCloud2 cloud;
     cloud.header.stamp.sec = static_cast<std::int32_t>(place);
@@ -45,7 +45,8 @@ class ConditionsTest : public PubSubTest {
   static std::size_t place_of(const DynamicSample& sample) {
     return static_cast<std::size_t>(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
   }
-  /// Takes all samples up to the one at the place `last`, which has to come. Returns their places.
+  /// Takes all samples up to the one at the place `last`, which must arrive. Returns the places of the
+  /// samples.
   static Places until(DynamicSubscriber& sub, std::size_t last) {
     Places places;
     while (places.empty() || places.back() != last) {
@@ -57,7 +58,7 @@ class ConditionsTest : public PubSubTest {
     }
     return places;
   }
-  /// Returns the publisher's account of the reader with that selection.
+  /// Returns the publisher's counts for the reader with that selection.
   PublisherStatus::Reader account_of(const std::string& selection) {
     const Selection wanted = points.closed(points.parse_selection(selection).value());
     for (PublisherStatus::Reader& reader : pub.status().readers)
@@ -65,8 +66,8 @@ class ConditionsTest : public PubSubTest {
     ADD_FAILURE() << "nobody asks for " << selection;
     return {};
   }
-  /// Opens a subscriber for each rule and publishes to all of them. Compares the samples that each one gets,
-  /// and the counts of both sides, with what the rules say.
+  /// Opens a subscriber for each rule and publishes to all of them. Compares the samples that each subscriber
+  /// gets, and the counts of both sides, with the expectations by the rules.
   void expect_that_each_gets_its_own(std::size_t readers) {
     SCOPED_TRACE(how_to_repeat());
     const std::vector<Rule> rules = different_rules(readers);
@@ -106,8 +107,9 @@ TEST_P(ConditionsTest, MoreReadersThanASampleCanNameGatesForGetTheirsAllTheSame)
   expect_that_each_gets_its_own(80);
 }
 
-/// The other reader gets every sample, which shows that the first one would have got them, too. It is on a
-/// node of its own, because a waiting thread takes datagrams for all subscribers of its node.
+/// The other reader gets every sample. This shows that without its condition the first reader would have got
+/// them, too. The other reader is on a separate node, because a waiting thread receives datagrams for all
+/// subscribers of its node.
 TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   const DynamicType type = this->type();
   auto quiet = b.subscriber("points", type, "header.stamp @ row_step > 1000", all_kept).value();
@@ -139,7 +141,7 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   };
   std::int64_t before = -1;
   const auto changes = [&] { return std::exchange(before, wake_ups()) != before; };
-  // The agent may still have work to do for the last agreement.
+  // The agent may still have work to do for the last change of the negotiation.
   ASSERT_TRUE(eventually([&] { return !changes() && !eventually(changes, 300ms); }));
   ASSERT_GE(before, 0);
   for (std::size_t i = 1; i <= 1000; ++i) {
@@ -159,12 +161,12 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
 /// Returns the memory that the program has allocated at present, in bytes; 0 if the allocator does not say.
 std::size_t memory_in_use() { return mallinfo2().uordblks; }
 
-/// Each of these readers has conditions of its own, so the publisher makes a gate for each, and removes most
-/// of them later.
+/// Each of these readers has its own conditions, so the publisher makes a gate for each, and removes most of
+/// the gates later.
 TEST_P(ConditionsTest, AReaderThatComesAndGoesTwoHundredTimesCostsTheOtherReadersNothing) {
   SCOPED_TRACE(how_to_repeat());
   constexpr std::size_t rounds = 200, warm = 100;
-  // A reader that comes and goes costs both nodes about 1000 bytes, whatever its selection is. A queue or a
+  // A reader that joins and leaves costs both nodes about 1000 bytes, whatever its selection is. A queue or a
   // sample that is never returned costs more.
   constexpr std::size_t growth_max = 4000 * (rounds - warm);
   const std::vector<Rule> rules = different_rules(1);

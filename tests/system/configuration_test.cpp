@@ -1,4 +1,4 @@
-// Nodes report which parts of their configuration they cannot apply, and why.
+// Nodes report the parts of their configuration that they cannot apply, with the reason.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ class ConfigurationTest : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return warnings_;
   }
-  /// Waits for a warning with that text, because the log is written on a thread of its own.
+  /// Waits for a warning with that text, because the log is written on another thread.
   bool is_warned_of(const std::string& text) {
     return eventually([&] { return warnings().find(text) != std::string::npos; });
   }

@@ -106,7 +106,7 @@ TEST_F(ControlPlaneNodes, ThatOnlyGoOnLivingHearNothingNewAndMakeNoLinkAnew) {
   EXPECT_THAT(reader->renewals(), IsEmpty());
 }
 
-/// Heartbeats go by the topic if certificates or the user's configuration rule out heartbeats by UDP.
+/// Heartbeats are sent by the topic if certificates or the user's configuration rule out heartbeats by UDP.
 TEST_F(ControlPlaneNodes, WhoseHeartbeatsGoByTheTopicHearThoseWhoseHeartbeatsGoByUdp) {
   Node reader("a"), writer("b", "<General><MulticastTimeToLive>8</MulticastTimeToLive></General>");
   reader->announce(Role::reader, 1);

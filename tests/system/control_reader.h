@@ -1,4 +1,5 @@
-// The discovery of one node, without the rest of the node: records what comes by the control topics.
+// The discovery of one node, without the rest of the node. It records the announcements on the control
+// topics.
 #pragma once
 
 #include <dds/dds.h>
@@ -65,8 +66,8 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 /// Announces endpoints and requests as a node does, and records what other nodes announce.
 class ControlReader final : private core::DiscoveryListener {
  public:
-  /// Objects with the same process name share Cyclone domains. Those with different names meet as if they
-  /// were in different processes.
+  /// Objects with the same process name share Cyclone domains. Objects with different names discover each
+  /// other as if they were in different processes.
   explicit ControlReader(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
         .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
@@ -91,7 +92,7 @@ class ControlReader final : private core::DiscoveryListener {
     discovery_->send(request);
   }
   void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
-  /// Does the periodic work, as a node's agent would.
+  /// Does the periodic work, as the agent of a node would.
   void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
   std::set<core::EndpointId> heard() const {
@@ -101,7 +102,7 @@ class ControlReader final : private core::DiscoveryListener {
   bool hears(core::EndpointId id) const {
     return eventually([&] { return heard().contains(id); });
   }
-  /// Returns the number of endpoints that have departed or were lost.
+  /// Returns the number of endpoints that were withdrawn or lost.
   std::size_t gone() const {
     const core::Lock lock(mutex_);
     return gone_;

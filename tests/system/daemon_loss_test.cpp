@@ -1,6 +1,6 @@
-// A daemon is killed or stopped under running nodes, and the next one starts. The nodes continue over UDP
-// and return to shared memory. They take no sample twice, and each missed sample is counted. Samples and
-// loans that the program holds stay valid.
+// A daemon is killed or stopped under running nodes, and the next one starts. The nodes continue over UDP and
+// return to shared memory. No sample is taken twice, and each missed sample is counted. Samples and loans
+// that the program holds stay valid.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -45,7 +45,7 @@ enum class End { killed, stopped };
 /// A process of sftd, which ends with this object.
 class Sftd {
  public:
-  /// Returns when sftd reports that it is ready.
+  /// Starts sftd. Returns when sftd reports that it is ready.
   Sftd() {
     int ends[2];
     if (pipe2(ends, O_CLOEXEC) != 0) std::abort();
@@ -121,11 +121,12 @@ class PublishingProcess {
   pid_t pid_ = -1;
 };
 
-/// A subscriber in this process with two selections, and an account of the samples that came by each.
+/// A subscriber in this process with two selections, and a record of the samples that arrived for each
+/// selection.
 class Reading {
  public:
-  /// Takes samples until one has come by the transport `way` for each selection. Returns when the last of
-  /// these came; empty if they do not come.
+  /// Takes samples until one has arrived by the transport `way` for each selection. Returns the time at which
+  /// the last of these samples was taken, or nothing if they do not arrive.
   std::optional<Clock::time_point> hears_by(TransportKind way) {
     std::array<bool, 2> heard{};
     std::optional<Clock::time_point> all_heard;
@@ -140,8 +141,8 @@ class Reading {
     });
     return all_heard;
   }
-  /// Returns success if each sample from the first to the last one was taken once and in order by each
-  /// selection, or counted as lost.
+  /// Returns success if each selection took each sample from the first to the last one once and in order, or
+  /// counted it as lost.
   testing::AssertionResult accounts_for_all() const {
     for (const std::size_t i : {0, 1}) {
       const Taken& taken = taken_[i];
@@ -235,7 +236,7 @@ class Pair {
     for (std::size_t i = 0; i < data.size(); ++i) data[i] = byte_at(number, i);
     return std::move(*loan);
   }
-  /// Publishes the loan, and takes samples until it comes.
+  /// Publishes the loan, and takes samples until that sample arrives.
   Taken pass_on(Cloud loan, std::uint32_t number) {
     EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok) << "cloud " << number;
     Taken taken;
@@ -247,7 +248,7 @@ class Pair {
         << number;
     return taken;
   }
-  /// Publishes and takes clouds until one comes by that transport.
+  /// Publishes and takes clouds until one arrives by that transport. Returns false if none does.
   bool goes_by(TransportKind way) {
     return eventually([&] {
       const Taken taken = pass_on(cloud(1), 1);
@@ -304,7 +305,7 @@ INSTANTIATE_TEST_SUITE_P(OfADaemon, HeldMemory, testing::Values(End::killed, End
                            return end.param == End::killed ? "ThatIsKilled" : "ThatIsStopped";
                          });
 
-/// Returns how often the threads of this process have slept so far.
+/// Returns the number of times that the threads of this process have gone to sleep so far.
 long wakes_of_all_threads() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);

@@ -29,11 +29,11 @@ using namespace std::chrono_literals;
 /// The state that a process reports while it runs.
 struct Report {
   std::atomic<bool> failed{false};
-  std::atomic<std::size_t> matched{0};  ///< connected publishers, or served subscribers
+  std::atomic<std::size_t> matched{0};  ///< the number of connected publishers or served subscribers
   std::atomic<std::uint64_t> taken{0};
   std::atomic<std::uint64_t> liveliness_lost{0};
-  std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow their predecessor
-  std::atomic<std::size_t> addresses{0};       ///< addresses that the publisher's node reports
+  std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the previous sample
+  std::atomic<std::size_t> addresses{0};       ///< the number of addresses that the publisher's node reports
   std::atomic<double> share_of_a_core{1};      ///< CPU time of the process divided by the time that it waited
 };
 
@@ -73,7 +73,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// Publishes nothing, so that only its node's heartbeats show that it is alive.
+/// Publishes no samples, so that only the heartbeats of its node show that it is alive.
 void promise_life(Node& node, Report&) {
   const auto publisher = node.publisher<PointCloud2>("points", {.liveliness_lease = 500ms}).value();
   for (;;) pause();
@@ -112,7 +112,7 @@ void wait_in_vain(Node& node, Report& report) {
     return writers.size() == 1 && writers[0].connected;
   };
   while (!hears_one()) subscriber.wait(20ms);
-  subscriber.wait(2s);  // the rest of discovery is not measured
+  subscriber.wait(2s);  // the rest of discovery must not be measured
   const double before = cpu_seconds();
   const auto begin = std::chrono::steady_clock::now();
   subscriber.wait(4s);
@@ -135,7 +135,7 @@ void publish_reliably(Node& node, Report& report) {
   }
 }
 
-/// Reports samples that are missing or out of order after the first one.
+/// Reports samples that are missing or out of order after the first sample.
 void subscribe_reliably(Node& node, Report& report) {
   auto subscriber =
       node.subscriber<PointCloud2, F::height | F::data>("points", {.reliability = reliable, .depth = 1000})
@@ -214,12 +214,12 @@ TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// With several subscribers, one multicast datagram for all would be cheaper. It must not be sent, because
-/// it would not arrive.
+/// With several subscribers, one multicast datagram for all of them would be cheaper. It must not be used,
+/// because it would not arrive.
 TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed) {
   for (const std::size_t number : {0U, 1U}) {
-    // The BPF program, ldb [0]; jeq 1, drop, pass, checks the first byte of the destination's hardware
-    // address, which is 1 for a multicast.
+    // The BPF program (ldb [0]; jeq 1, drop, pass) drops multicasts: the first byte of the destination's
+    // hardware address is 1 for them.
     if (!filter_what_is_sent(number, "4,48 0 0 0,21 0 1 1,6 0 0 2,6 0 0 0")) return;
   }
   const DiscoverySettings here{.peers = {address(1)}, .interfaces = {}};
@@ -239,7 +239,8 @@ TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed
 
 TEST_F(DiscoveryTest, AFirewallThatDropsUnicastIsNamedInTheLogWithTheHostAndWhatToDo) {
   for (const std::size_t number : {0U, 1U}) {
-    // ldb [0]; jset 1, pass, drop: the first byte of a hardware address is odd for multicast.
+    // The BPF program (ldb [0]; jset 1, pass, drop) lets only multicasts pass: the first byte of the
+    // destination's hardware address is odd for them.
     if (!filter_what_is_sent(number, "4,48 0 0 0,69 1 0 1,6 0 0 2,6 0 0 0")) return;
   }
   const SharedWithChildren<std::atomic<bool>> told;
@@ -255,7 +256,7 @@ TEST_F(DiscoveryTest, AFirewallThatDropsUnicastIsNamedInTheLogWithTheHostAndWhat
   EXPECT_EQ(subscriber.report().matched, 0U);
 }
 
-/// Nodes with peers send signs of life less often than a node without peers expects.
+/// Nodes with peers send signs of life less often than a node without peers expects them.
 TEST_F(DiscoveryTest, TheEndOfANodeThatHasPeersIsNoticedByOneThatHasNone) {
   const NodeProcess publisher(host(0), options(), publish);
   NodeProcess subscriber(host(1), options({.peers = {address(0)}, .interfaces = {}}), subscribe);
@@ -297,13 +298,13 @@ TEST_F(DiscoveryTest, NodesOfOtherDomainsAreNotFound) {
   EXPECT_EQ(there.report().matched, 0U);
 }
 
-/// Tests in which both hosts lose a fifth of the packets that they send. The parameter is true for discovery
-/// by multicast, and false for a list of peers.
+/// Tests in which both hosts lose a fifth of the packets that they send. The parameter is true if nodes are
+/// discovered by multicast, and false if they are discovered by a list of peers.
 class LossyDiscoveryTest : public DiscoveryTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
     DiscoveryTest::SetUp();
-    // The BPF program: ld rand; mod 5; jeq 0, drop, pass
+    // The BPF program (ld rand; mod 5; jeq 0, drop, pass) drops a fifth of the packets.
     for (const std::size_t number : {0U, 1U}) {
       if (!IsSkipped()) filter_what_is_sent(number, "5,32 0 0 4294963256,148 0 0 5,21 1 0 0,6 0 0 0,6 0 0 2");
     }
@@ -338,7 +339,7 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
 TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
   const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());
-  // The BPF program: ldh the destination port; jeq drop, pass
+  // The BPF program (ldh the destination port; jeq, drop, pass) drops packets to the port of heartbeats.
   for (const std::size_t number : {0U, 1U}) {
     if (!filter_what_is_sent(number, "4,40 0 0 36,21 1 0 " + port + ",6 0 0 0,6 0 0 2")) return;
   }
@@ -350,7 +351,7 @@ TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   EXPECT_TRUE(publisher.matches(0, 12s)) << "the lease, and what the signs of life of others may take longer";
 }
 
-/// Cyclone keeps the participants meanwhile, so that nothing has to be found again.
+/// Meanwhile Cyclone keeps the participants, so that no participant has to be discovered again.
 TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   const NodeProcess publisher(host(0), options(), publish);
   const NodeProcess subscriber(host(1), options(), subscribe);
@@ -363,7 +364,7 @@ TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   EXPECT_TRUE(subscriber.takes_samples(3s));
 }
 
-/// The default route of that host leads to another network, so the host prefers its address there.
+/// The default route of that host leads to another network, so the host prefers its address in that network.
 TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   ASSERT_TRUE(run_on(1,
                      "ip link add out type veth peer name far; ip link set dev out multicast off\n"
@@ -375,7 +376,7 @@ TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// Each interface has nodes that cannot be reached by the others.
+/// Each interface has nodes that cannot be reached by the other interfaces.
 TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   plug_in_another_cable();
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);
@@ -405,7 +406,7 @@ INSTANTIATE_TEST_SUITE_P(Of, FailoverTest, testing::Values(0, 1), [](const auto&
   return param.param == 0 ? "ThePublishersHost" : "TheSubscribersHost";
 });
 
-/// The second cable is the better path to the subscriber's host, while discovery uses the first.
+/// The second cable is the better path to the subscriber's host, while discovery uses the first cable.
 TEST_P(FailoverTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
   plug_in_another_cable();
   ASSERT_TRUE(run_on(1, "ip route add default via 10.78.0.1"));
@@ -424,7 +425,7 @@ TEST_P(FailoverTest, AReliableStreamGoesOnByAnotherInterfaceWithoutALoss) {
   EXPECT_EQ(publisher.report().matched, 1U);
 }
 
-/// The subscriber's host sees no change of its own interfaces, because a switch lies between.
+/// The subscriber's host sees no change of its own interfaces, because a switch is between the hosts.
 TEST_F(DiscoveryTest, AReliableStreamOutlivesTheInterfaceOfThePublishersDiscovery) {
   plug_in_another_cable();
   const DiscoverySettings both{.interfaces = {"eth0", "eth1"}};

@@ -1,5 +1,6 @@
-// A publisher cannot open the doorbell of readers in shared memory. The readers receive by UDP, both sides
-// continue, and the publisher says why. The readers return to shared memory once the doorbell can be opened.
+// A publisher cannot open the doorbell of readers in shared memory. The readers then receive by UDP, both
+// sides continue, and the publisher logs the reason. The readers return to shared memory once the doorbell
+// can be opened.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -27,8 +28,8 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// A process that takes points and publishes each one again, with its transport as the width. It starts with
-/// the first byte in its pipe.
+/// A process that takes clouds and publishes each again. The width of the published cloud is the number of
+/// the transport by which the cloud came. The process starts when it reads the first byte from its pipe.
 class Listening {
  public:
   /// REQUIRES: this process has no other threads yet.
@@ -95,16 +96,16 @@ class DoorbellLoss : public ::testing::Test {
   std::vector<std::string> warnings_;
 };
 
-/// A publisher, and a subscriber to what its listeners answer.
+/// A publisher, and a subscriber to the answers of its listeners.
 class Talking {
  public:
   explicit Talking(const NodeOptions& options) : node_(Node::open(options).value()) {}
 
-  /// Publishes until that number of listeners has received one sample by `way` within 50 ms.
+  /// Publishes until `listeners` listeners have received one sample by `way` within 50 ms.
   bool is_heard(TransportKind way, std::size_t listeners = 1) {
     return is_heard_by(listeners, [way](TransportKind came) { return came == way; });
   }
-  /// Does the same, but accepts any transport.
+  /// Does the same for samples by any transport.
   bool is_heard_by(std::size_t listeners) {
     return is_heard_by(listeners, [](TransportKind) { return true; });
   }
@@ -169,7 +170,8 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
                reader.reason.find("Too many open files") != std::string::npos;
       });
     }));
-    // A datagram of this sample wakes the second listener, which then may find the sample in shared memory.
+    // A datagram of this sample wakes the second listener. Then that listener may find the sample in shared
+    // memory.
     EXPECT_TRUE(talking.is_heard_by(2));
     EXPECT_TRUE(eventually([&] { return warned_of("Too many open files") == 1; }));
   }

@@ -1,5 +1,5 @@
-// Programs that are compiled without the type of a topic. They find the type, read its fields by name and
-// print samples, over every transport.
+// Programs that are compiled without the type of a topic. They find the type, read fields of the topic by
+// name and print samples, over every transport.
 #include <spawn.h>
 #include <sys/wait.h>
 #include <unistd.h>
@@ -26,7 +26,7 @@ using namespace detail;
 
 using ::testing::HasSubstr;
 
-/// The role of another process, which knows the type at compile time.
+/// The role of another process, which is compiled with the type.
 [[noreturn]] void publish_forever(Way way) {
   Node node = Node::open(node_options(way, "publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -123,7 +123,7 @@ TEST_P(DynamicTest, ASubscriberThatDeclaresOnlyALengthSeesNoElements) {
   auto pub = a.publisher<PointCloud2>("points").value();
   const DynamicType type = b.find_type("points", hang_timeout).value();
   auto sub = b.subscriber("points", type, "fields.size").value();
-  auto whole = b.subscriber<PointCloud2>("points").value();  // so that the sample may have all fields
+  auto whole = b.subscriber<PointCloud2>("points").value();  // ensures that the sample may have all fields
   expect_served(pub, 2);
   pub.publish(small_cloud());
   ASSERT_TRUE(sub.wait(hang_timeout));
@@ -262,7 +262,7 @@ TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
     pub.publish(small_cloud());
     ASSERT_TRUE(sub->wait(hang_timeout));
     last = sub->take();
-    pub.publish(small_cloud());  // still under way or not taken when `sub` is destroyed
+    pub.publish(small_cloud());  // is under way or in the queue when `sub` is destroyed
     sub.reset();
     EXPECT_EQ(last->view()["width"].as<int>(), 1024);
     expect_served(pub, 0);
@@ -414,11 +414,11 @@ TEST_F(DynamicNodesTest, AnotherDefinitionOfTheTypeIsExplainedToBothSidesAndLogg
   EXPECT_EQ(writer.mismatch->difference, "height: uint64 here, uint32 there");
   EXPECT_THAT(writer.mismatch->here, HasSubstr("uint64 height;"));
   EXPECT_THAT(writer.mismatch->there, HasSubstr("uint32 height;"));
-  auto more = b.subscriber("points", taller(), "width").value();  // now all pairs are compared again
+  auto more = b.subscriber("points", taller(), "width").value();  // causes all pairs to be compared again
   ASSERT_TRUE(eventually([&] { return pub.status().readers.size() == 2; }));
   EXPECT_TRUE(eventually([&] {
     const std::scoped_lock lock(mutex);
-    return logged.size() == 2;  // one line of each side, although two pairs mismatch
+    return logged.size() == 2;  // one line of each side, although two pairs do not match
   }));
   EXPECT_THAT(logged[0], HasSubstr("topic 'points', node '"));
 }
@@ -469,7 +469,7 @@ TEST_F(DynamicNodesTest,
   const auto seconds = (std::chrono::steady_clock::now() - begun) / 1s;
   {
     const auto last_of_node = std::move(sub);
-    const Node ends = std::move(node);  // whose destructor writes all pending lines
+    const Node ends = std::move(node);  // its destructor writes all pending lines
   }
   EXPECT_GE(complaints, 1);
   EXPECT_LE(complaints, 3 + seconds);

@@ -1,5 +1,5 @@
-// Callbacks of one node share threads. None waits for ever because another one always has a next sample, and
-// the log names one that waits long.
+// Callbacks of one node share threads. No callback waits for ever because another one always has a next
+// sample, and the log names a callback that waits long.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -29,7 +29,7 @@ class FairCallbacks : public PubSubTest {
   void SetUp() override { camera_.emplace(source_.publisher<PointCloud2>("camera").value()); }
 
   /// Opens subscribers that always have a next sample, whatever the speed of the machine: each callback
-  /// publishes one after its work.
+  /// publishes a sample at its end.
   void open_busy(std::size_t subscribers, Clock::duration work) {
     for (std::size_t i = 0; i < subscribers; ++i) {
       busy_.push_back(app_.subscriber<PointCloud2>("camera",
@@ -43,12 +43,12 @@ class FairCallbacks : public PubSubTest {
     for (int i = 0; i < 4; ++i) publish_next();
     ASSERT_TRUE(eventually([&] { return images_ > 10; }));
   }
-  /// On this thread and on that of the callbacks.
+  /// Called on this thread and on the thread of the callbacks.
   void publish_next() {
     const core::Lock lock(publishing_);
     camera_->publish(cloud(++images_));
   }
-  /// Returns how many of 80 samples their callback did not get.
+  /// Returns how many of 80 samples did not reach their callback.
   std::size_t starved(Clock::duration work) {
     auto halt = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
     std::atomic<std::size_t> stops{0};

@@ -1,5 +1,5 @@
-// Threads of a program that wait for subscribers of one node: none waits for ever because another one always
-// has a next sample.
+// Threads of a program that wait for subscribers of one node. No thread waits for ever because another thread
+// always has a next sample.
 #include <gtest/gtest.h>
 #include <poll.h>
 
@@ -17,8 +17,8 @@ class FairWaits : public PubSubTest {
  protected:
   static constexpr std::uint32_t presses = 80;
 
-  /// Takes samples of a topic of which there is always a next one, whatever the speed of the machine: who
-  /// takes one publishes another one.
+  /// Takes samples of a topic that always has a next sample, whatever the speed of the machine: each time
+  /// that the thread takes a sample, it publishes another one.
   std::jthread take_images_without_end(Subscriber<PointCloud2>& camera) {
     for (int i = 0; i < 4; ++i) images_.publish(cloud(0));
     return std::jthread([this, &camera](const std::stop_token& ends) {
@@ -27,7 +27,7 @@ class FairWaits : public PubSubTest {
       }
     });
   }
-  /// Each is published while images come.
+  /// Publishes the stop `number` once further images have been taken.
   void press(std::uint32_t number) {
     const std::uint32_t before = taken_;
     ASSERT_TRUE(eventually([&] { return taken_ > before; })) << "images come";

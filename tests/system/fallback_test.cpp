@@ -1,6 +1,6 @@
-// Samples that shared memory cannot take go by UDP, in order with the others: samples that are too large,
-// and samples for which no chunk is free because readers hold all. The publisher never fails because of
-// that.
+// Samples that shared memory cannot take go by UDP, in order with the others. These are samples that are too
+// large, and samples for which no chunk is free because readers hold all chunks. The publisher never fails
+// for this reason.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -31,7 +31,7 @@ constexpr std::size_t small_bytes = 1'000;
 constexpr std::size_t large_bytes = 1'000'000;
 constexpr int chunks = 12;
 
-/// A daemon with these pools. The destructor kills it.
+/// A daemon with the given pools. The destructor kills it.
 class SmallDaemon {
  public:
   explicit SmallDaemon(const std::string& pools) {
@@ -266,8 +266,8 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
   EXPECT_EQ(publisher.status().diverted.total(), 1U);
 }
 
-// A durable publisher chooses the routes of a sample after it has added the sample to the history. So its
-// counts change at another moment than those of other publishers.
+// A durable publisher chooses the routes of a sample after it has added the sample to the history. So it
+// updates its counts at another time than other publishers.
 TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
   Node a = Node::open(options("a")).value();

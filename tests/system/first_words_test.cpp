@@ -1,5 +1,5 @@
-// Typical mistakes of programs that set no option for the log. The standard error says what is wrong, and
-// what to do or what differs.
+// Typical mistakes of programs that set no option for the log. The standard error names the mistake, and the
+// remedy or the difference.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -40,7 +40,7 @@ class FirstWords : public ::testing::Test {
     text.resize(static_cast<std::size_t>(std::max<ssize_t>(bytes, 0)));
     return text;
   }
-  /// Expects all of these texts in the log.
+  /// Expects all given texts in the log.
   void expect_says(const std::vector<std::string>& texts) const {
     for (const std::string& text : texts)
       EXPECT_TRUE(eventually([&] { return printed().find(text) != std::string::npos; })) << text << "\nin\n"
@@ -98,8 +98,8 @@ TEST_F(FirstWords, OfAMessageThatIsTooLarge) {
   PointCloud2 image;
   image.data.resize(70'000'000);
   EXPECT_EQ(pub.publish(image), PublishStatus::invalid);
-  expect_says({"robot: a message is not sent: topic 'points': the message has ", "'data'",
-               "which no option raises"});
+  expect_says(
+      {"robot: a message is not sent: topic 'points': the message has ", "'data'", "which no option raises"});
 }
 
 TEST_F(FirstWords, OfAStringWithANul) {

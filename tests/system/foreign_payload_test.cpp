@@ -1,4 +1,4 @@
-// Payloads that other DDS implementations encoded arrive as if they had been published here.
+// Payloads that other DDS implementations have encoded arrive as if SFT had published them.
 #include <builtin_interfaces/msg/Time.hpp>
 
 #include "tests/system/fixture.h"

@@ -1,4 +1,4 @@
-// fork() in a program with nodes. Whatever the child does with its copy of the nodes, the parent's nodes
+// fork() in a program with nodes. Whatever the child does with its copies of the nodes, the parent's nodes
 // continue undisturbed.
 #include <sys/wait.h>
 #include <unistd.h>
@@ -17,7 +17,7 @@
 namespace sft::test {
 namespace {
 
-/// One of each object that a program can have of a node.
+/// One object of each kind that a program can get from a node.
 struct Held {
   Node writing, reading;
   Publisher<PointCloud2> publisher;
@@ -70,7 +70,7 @@ class ForkTest : public PubSubTest {
   static int forked(const std::function<void()>& act) {
     const pid_t child = fork();
     if (child == 0) {
-      alarm(20);  // if `act` hangs
+      alarm(20);  // ends the process if `act` hangs
       act();
       _exit(0);
     }
@@ -92,7 +92,7 @@ class ForkTest : public PubSubTest {
       EXPECT_EQ(sample.info().lost_before, 0U);
       ASSERT_TRUE(eventually([&] { return called_ >= called_before + static_cast<int>(i); })) << i;
     }
-    // This request comes after anything that the child might have sent to the daemon or to other nodes.
+    // This request is sent after any message that the child might have sent to the daemon or to other nodes.
     const auto later = held->reading.subscriber<PointCloud2, F::height>("points").value();
     expect_served(held->publisher, 3);
     EXPECT_EQ(disturbances_, 0);

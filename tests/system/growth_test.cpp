@@ -1,7 +1,7 @@
-// A program that opens and closes something again and again leaves nothing behind. After the first rounds
-// the memory, the descriptors and the threads of this process and of its peers do not grow, nor does the
-// number of chunks in use. CI runs some hundred rounds, ./run soak ten thousand of most acts. A soak also
-// prints the figure endpoint_left_bytes: the bytes that each round leaves for good.
+// A program that opens and closes objects again and again leaves nothing behind. After the first rounds the
+// memory, the descriptors and the threads of this process and of its peers do not grow, nor does the number
+// of chunks in use. CI runs some hundred rounds, ./run soak ten thousand of most acts. A soak also prints the
+// figure endpoint_left_bytes: the bytes that each round leaves for good.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -40,7 +40,7 @@ std::int64_t entries_of(const char* directory) {
 
 /// The resources that a process holds.
 struct Holdings {
-  std::int64_t bytes = 0;  ///< the memory that its allocators have given out
+  std::int64_t bytes = 0;  ///< the memory that its allocators have lent
   std::int64_t descriptors = 0, threads = 0;
 
   Holdings operator-(const Holdings& other) const {
@@ -53,14 +53,14 @@ struct Holdings {
   }
 };
 
-/// Returns what the daemon has reported last.
+/// Returns the last status of the daemon.
 nlohmann::json daemon_status() {
   const std::string command = program_directory() + "/sftd status --json";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
   return nlohmann::json::parse(output.get());
 }
 
-/// The memory of the daemon is that which it shares with nobody.
+/// Returns the resources that the daemon holds. Only memory that it shares with no other process counts.
 Holdings holdings_of_daemon(pid_t pid) {
   const std::string process = "/proc/" + std::to_string(pid);
   Holdings held{0, entries_of((process + "/fd").c_str()), entries_of((process + "/task").c_str())};
@@ -83,12 +83,12 @@ struct HoldingsOfOther {
   std::atomic<std::int64_t> bytes{0}, descriptors{0}, threads{0};
   std::atomic<std::uint64_t> looks{0};
   std::atomic<bool> failed{false};
-  /// True once the process has its shared memory, if it uses any. From then on its holdings do not change by
-  /// themselves.
+  /// True once the process has its shared memory, if it uses shared memory. From then on the resources that
+  /// it holds remain constant without further acts.
   std::atomic<bool> settled{false};
 };
 
-/// The role of another process: reads and writes the topics of the acts, and answers requests.
+/// The role of another process. It reads and writes the topics of the acts, and answers requests.
 void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   auto clouds = node.subscriber<PointCloud2, F::height>("clouds", [](const auto&) {}).value();
   auto source = node.publisher<PointCloud2>("source").value();
@@ -107,7 +107,7 @@ void take_part(Node& node, HoldingsOfOther& holdings, bool by_shm) {
   }
 }
 
-/// The node under test. Two other hosts, and another process of its own host, know its topics.
+/// The node under test. Two other hosts, and another process of its own host, use its topics.
 struct Stage {
   Node node;
   Publisher<PointCloud2> publisher;
@@ -122,7 +122,8 @@ struct Act {
 void PrintTo(const Act& act, std::ostream* out) { *out << act.name; }
 
 constexpr std::size_t others = 3;
-/// Nodes remember a withdrawn endpoint for a minute, since a slower link may still bring its announcement.
+/// Nodes keep the id of a withdrawn endpoint for a minute, since a slower link may still bring its
+/// announcement.
 constexpr std::chrono::seconds remembered_for{70};
 
 template <class S>
@@ -235,7 +236,8 @@ constexpr Act acts[] = {
     {"groups", 30, serve_group},
 };
 
-/// Noise of the allocators, and less for each round than the smallest block of memory has.
+/// The most bytes that may be left: the noise of the allocators, and for each round less than the size of the
+/// smallest block of memory.
 constexpr std::int64_t left_bytes_max(std::uint64_t rounds) {
   return (1 << 16) + 8 * static_cast<std::int64_t>(rounds);
 }
@@ -248,7 +250,7 @@ class Growth : public testing::TestWithParam<Act> {
     if (!network) GTEST_SKIP() << network.error().message;
     network_.emplace(std::move(*network));
     for (std::size_t i = 0; i < others; ++i) {
-      const bool by_shm = i == 0;  // the hosts share one /dev/shm
+      const bool by_shm = i == 0;  // for one process only: the hosts share one /dev/shm
       NodeOptions options{.name = "other"};
       options.transport = by_shm ? TransportChoice::automatic : TransportChoice::udp;
       others_.push_back(std::make_unique<Other>(
@@ -273,7 +275,8 @@ class Growth : public testing::TestWithParam<Act> {
           [](const PublisherStatus::Reader& reader) { return reader.transport == TransportKind::shm; });
     }));
   }
-  /// Returns the holdings of this process, followed by those of each other process and of the daemon.
+  /// Returns the resources that this process holds, then those of each other process, then those of the
+  /// daemon.
   std::vector<Holdings> holdings() const {
     std::vector<Holdings> all{Holdings::of_this_process()};
     for (const auto& other : others_) {
@@ -285,7 +288,7 @@ class Growth : public testing::TestWithParam<Act> {
     all.push_back(holdings_of_daemon(daemon_));
     return all;
   }
-  /// The same once no node remembers what was withdrawn.
+  /// Returns the same when no node keeps ids of withdrawn endpoints any more.
   std::vector<Holdings> settled_holdings() const {
     eventually([] { return false; }, remembered_for, 1s);
     return holdings();
@@ -295,7 +298,8 @@ class Growth : public testing::TestWithParam<Act> {
       GetParam().do_once(*stage_, next_round_++);
   }
 
-  /// The lists of Cyclone DDS may become longer once more, though not each time.
+  /// Repeats the rounds, because the lists of Cyclone DDS may become longer once more, though not in each
+  /// repetition.
   void expect_nothing_left(std::uint64_t rounds) {
     std::int64_t left = left_bytes_max(rounds) + 1;
     for (int time = 0; time < 5 && left > left_bytes_max(rounds); ++time) {
@@ -327,13 +331,15 @@ INSTANTIATE_TEST_SUITE_P(Of, Growth, testing::ValuesIn(acts),
 /// Cyclone DDS keeps free lists, which fill up within the first minutes.
 constexpr std::int64_t bytes_at_first = 1 << 20;
 constexpr std::int64_t bytes_each_round = 16;
-/// The first samples may come after the first rounds. They add this number of threads and descriptors.
+/// The number of threads and descriptors that the first samples add. These samples may be sent after the
+/// first rounds.
 constexpr std::int64_t begun_later = 2;
-/// This number of chunks may hold samples of the other processes that are under way, or that no reader
-/// takes.
+/// The number of chunks that may hold samples of the other processes, which are under way or not taken by any
+/// reader.
 constexpr std::int64_t chunks_on_the_way = 64;
 
-/// Returns a text that names what has grown too much in that number of rounds; empty if nothing has.
+/// Returns a text that names the resources that have grown too much in that number of rounds, or an empty
+/// text.
 std::string growth(const std::vector<Holdings>& before, const std::vector<Holdings>& after,
                    std::uint64_t rounds) {
   const auto most = bytes_at_first + bytes_each_round * static_cast<std::int64_t>(rounds);
@@ -349,7 +355,7 @@ std::string growth(const std::vector<Holdings>& before, const std::vector<Holdin
 }
 
 /// A leak grows in each repetition. The lists of Cyclone DDS grow only if more samples of the control topics
-/// wait for acknowledgement at once than ever before, which depends on how fast the rounds are.
+/// than ever before wait for acknowledgement at once. This depends on the speed of the rounds.
 TEST_P(Growth, EndsAfterTheFirstRounds) {
   constexpr int times = 5;
   const std::uint64_t rounds = test_rounds(GetParam().rounds);

@@ -1,4 +1,4 @@
-// The nodes of a process share discovery. Still each of them finds other nodes and is found.
+// The nodes of a process share discovery. Still each node discovers other nodes and is discovered by them.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -37,8 +37,8 @@ class TopicMonitor {
   bool writers_become(std::size_t wanted) const { return become(writers_, wanted); }
 
  private:
-  /// Waits for that number of endpoints. Since Cyclone reports one after the other, it then checks for a
-  /// while that no more come.
+  /// Waits for that number of endpoints. Since Cyclone reports endpoints one after the other, the function
+  /// then checks for a while that no more endpoints are reported.
   bool become(dds_entity_t builtin, std::size_t wanted) const {
     return eventually([&] { return count(builtin) == wanted; }) &&
            !eventually([&] { return count(builtin) > wanted; }, std::chrono::milliseconds(200));
@@ -178,7 +178,7 @@ TEST_F(JointDiscoveryTest, AnnouncesItselfToAStrangerOfWhichOnlyHeartbeatsCome) 
     };
     return eventually(has_announced, duration);
   };
-  // Participants never pause for that long while they announce themselves at the start.
+  // At the start, participants announce themselves with shorter pauses than this.
   const auto is_quiet = [&] { return !announces_within(2500ms, [] {}); };
   ASSERT_TRUE(eventually(is_quiet, 30s)) << "the announcements at the start end";
 
@@ -213,7 +213,7 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_TRUE(TopicMonitor("sft_writer").readers_become(1));
 }
 
-// The configurations are equal except for that number.
+// The two configurations are equal except for that number.
 TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumber) {
   const auto numbered = [](int domain) {
     return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +

@@ -1,4 +1,4 @@
-// kill -9 of any process that takes part, at any moment. No other process crashes or hangs, memory is freed,
+// kill -9 of any process that takes part, at any time. No other process crashes or hangs, memory is freed,
 // and the next start works.
 #include <dirent.h>
 #include <gtest/gtest.h>
@@ -43,7 +43,7 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (std::uint32_t i = 1;; ++i) {
     auto loan = publisher.loan({.height = i}, {.data = cloud_bytes});
     if (loan) std::move(*loan).publish();
-    if (i % 64 == 0) poll(nullptr, 0, 1);  // so that other processes get the core, too
+    if (i % 64 == 0) poll(nullptr, 0, 1);  // gives the core to other processes, too
   }
 }
 
@@ -59,8 +59,8 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
-/// Publishes nothing, and offers a liveliness lease. The lease of its node is so long that only the lease of
-/// its publisher can end while a test waits.
+/// Publishes no samples, and offers a liveliness lease. The lease of its node is so long that only the lease
+/// of its publisher can end while a test waits.
 [[noreturn]] void live_forever() {
   NodeOptions options{.name = "living"};
   options.cyclonedds_config =
@@ -70,14 +70,14 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (;;) pause();
 }
 
-/// Asks for all samples and takes none.
+/// Requests all samples and takes none.
 [[noreturn]] void stall_forever() {
   Node node = Node::open({.name = "stalled"}).value();
   auto subscriber = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
   for (;;) pause();
 }
 
-/// Asks for every second sample and, by a second selection, for every seventh. Takes them all.
+/// Requests every second sample and, by a second selection, every seventh. Takes all of them.
 [[noreturn]] void choose_forever(TransportChoice transport) {
   Node node = Node::open({.name = "choosy", .transport = transport}).value();
   auto subscriber = node.subscriber<PointCloud2>(
@@ -144,7 +144,7 @@ class KillTest : public ::testing::Test {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
 
-  /// Takes samples until one comes by `way`. Returns false if none does.
+  /// Takes samples until one arrives by `way`. Returns false if none does.
   template <class S>
   static bool hears_by(S& subscriber, TransportKind way) {
     return eventually(
@@ -194,7 +194,7 @@ TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
     taken += sample->height() == published ? 1 : 0;
   };
   for (int round = 0; round < 10; ++round) {
-    // Six killed programs would hold all chunks of this size, and rounds are faster than the daemon.
+    // Six killed programs would hold all chunks of this size, and the rounds are faster than the daemon.
     ASSERT_TRUE(eventually([] { return programs_with_sockets() == 1; })) << "round " << round;
     Process other("subscriber");
     // Killed readers stay in the publisher's status until their lease ends.
@@ -337,11 +337,11 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
   EXPECT_LT(std::chrono::steady_clock::now() - begin, hang_timeout) << "not for each of its samples";
 }
 
-/// Takes samples of a subscriber with two selections on its own thread. If the test took them, the queue
-/// might overflow while a busy machine starts a process.
+/// Takes samples of a subscriber with two selections on a separate thread. If the thread of the test took
+/// them, the queue might overflow while a busy machine starts a process.
 class Taking {
  public:
-  using Heights = std::array<std::vector<std::uint32_t>, 2>;  ///< by selection
+  using Heights = std::array<std::vector<std::uint32_t>, 2>;  ///< in the order of the selections
   explicit Taking(Subscriber<PointCloud2, F::height>& subscriber)
       : thread_([this, &subscriber](const std::stop_token& stop) {
           while (!stop.stop_requested()) {
@@ -353,8 +353,8 @@ class Taking {
           }
         }) {}
 
-  /// Takes samples until each selection has given its last one, then stops. Returns the heights of all
-  /// samples.
+  /// Takes samples until the last one of each selection has arrived, and then stops. Returns the heights of
+  /// all samples.
   Heights up_to(const std::array<std::uint32_t, 2>& last) {
     for (const std::size_t i : {0, 1}) EXPECT_TRUE(eventually([&] { return last_[i] == last[i]; })) << i;
     thread_.request_stop();
@@ -369,8 +369,8 @@ class Taking {
 };
 
 /// The killed reader has conditions and two selections, too, and the publisher waits for it. Samples are
-/// small, because the queues of several killed readers keep some for a while, and shared memory must have
-/// room for more.
+/// small, because the queues of several killed readers keep some samples for a while, and shared memory must
+/// have room for further ones.
 TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
@@ -389,14 +389,14 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
   };
   ASSERT_TRUE(eventually(serves_nobody_else));
   for (const auto& reader : publisher.status().readers) served_so_far.insert(reader.id);
-  constexpr std::array<std::uint32_t, 2> every{3, 5};  // by selection
+  constexpr std::array<std::uint32_t, 2> every{3, 5};  // in the order of the selections
   std::atomic<std::uint32_t> published{0};
   std::atomic<int> failed{0};
   Taking taking(subscriber);
   std::optional<Ticker> traffic(std::in_place, 1ms, [&](std::uint32_t number) {
     auto loan = publisher.loan({.height = number}, {.data = 10'000});
-    // A sample that replaces another one in the queue of a killed reader counts as dropped, which is no
-    // failure.
+    // If a sample replaces another one in the queue of a killed reader, the status is `dropped`, which is not
+    // a failure.
     failed += loan && std::move(*loan).publish() != PublishStatus::no_memory ? 0 : 1;
     published = number;
   });
@@ -429,7 +429,7 @@ TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing
 
 TEST_F(KillTest, APublisherThatIsStoppedOrKilledLosesItsLiveliness) {
   Node node = Node::open({.name = "reader"}).value();
-  // Counts of events, by selection.
+  // The counts of events, in the order of the selections.
   std::array<std::atomic<int>, 2> lost{}, recovered{};
   const auto note = [&](const Event& event) {
     lost.at(event.selection) += event.kind == Event::Kind::liveliness_lost ? 1 : 0;

@@ -1,4 +1,4 @@
-// Samples as large as those of ordinary robots, with default options.
+// Samples of the sizes that are usual on robots, with default options.
 #include <fcntl.h>
 #include <unistd.h>
 
@@ -18,7 +18,7 @@ namespace {
 
 using sensor_msgs::msg::Image;
 
-/// A host like those of robots. /dev/shm has 1900 MiB, which is less than half of 4 GB of RAM.
+/// A host as on robots: /dev/shm has 1900 MiB, which is less than half of 4 GB of RAM.
 class LargeSamples : public PubSubTest {
  protected:
   void SetUp() override {
@@ -96,8 +96,8 @@ class ThreeLidars : public ::testing::Test {
       return reader.served && reader.transport == TransportKind::shm;
     }));
   }
-  /// Publishes all clouds. Each reader takes the first cloud. Of the later ones the first `stalled` readers
-  /// of each lidar take none, and the other readers take all.
+  /// Publishes all clouds. Each reader takes the first cloud. The first `stalled` readers of each lidar take
+  /// no later clouds, and the other readers take all of them.
   void publish_all(std::size_t stalled) {
     PointCloud2 cloud;
     cloud.data.resize(cloud_bytes);

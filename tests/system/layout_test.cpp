@@ -28,8 +28,8 @@ class LayoutNodesTest : public PubSubTest {
 
   DynamicType type() { return b.find_type("map", hang_timeout).value(); }
 
-  /// Returns a map in which the height of a cell is 100 times its row plus its column, shifted by the map's
-  /// number.
+  /// Returns a map in which the height of a cell is 100 times its row plus its column plus the number of the
+  /// map.
   static HeightMap map(std::uint32_t number = 0) {
     HeightMap m;
     m.rows = rows;

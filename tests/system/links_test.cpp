@@ -1,5 +1,5 @@
-// Nodes on robots. Network interfaces come late, change their addresses, lose their cables and are replaced.
-// Users list them rightly, wrongly, or not at all.
+// Nodes on robots whose network interfaces appear late, change their addresses, lose their cables and are
+// replaced. Users list the interfaces correctly, wrongly, or not at all.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/resource.h>
@@ -136,7 +136,7 @@ class LinksTest : public ::testing::Test {
     return {.discovery = {.interfaces = std::move(interfaces)}, .transport = TransportChoice::udp};
   }
 
-  /// Waits until samples come (again), and prints how long that took.
+  /// Waits until samples arrive (again), and prints the time that this took.
   static testing::AssertionResult comes_soon(const NodeProcess& subscriber) {
     const auto begin = std::chrono::steady_clock::now();
     const bool came = subscriber.takes_samples();
@@ -144,7 +144,7 @@ class LinksTest : public ::testing::Test {
     std::printf("samples came after %.2f s\n", took.count());
     return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().told();
   }
-  /// Waits until no more samples come.
+  /// Waits until no more samples arrive.
   static bool falls_silent(const NodeProcess& subscriber) {
     return eventually(
         [&, last = std::uint64_t{0}]() mutable {
@@ -206,7 +206,7 @@ TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
 }
 
 /// Tests with a publisher on the robot and a subscriber on the laptop, whose network changes while samples
-/// come.
+/// are sent.
 class ChangesOfNetwork : public LinksTest {
  protected:
   void SetUp() override {
@@ -261,7 +261,7 @@ TEST_F(ChangesOfNetwork, OfTheAddressOfTheSubscriber) {
 TEST_F(ChangesOfNetwork, OfTheCardByAnotherOne) {
   ASSERT_TRUE(run(robot, "ip link delete lan0"));
   EXPECT_TRUE(falls_silent(subscriber()));
-  plug_in(robot, "lan0", "10.0.0.1");  // with another hardware address
+  plug_in(robot, "lan0", "10.0.0.1");  // the new interface has another hardware address
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
@@ -289,8 +289,8 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
-/// Neither host sees the cut, and heartbeats arrive by the other network all the time. Samples have to use
-/// that network, too.
+/// Neither host sees the cut, and heartbeats arrive by the other network all the time. Samples must use the
+/// other network, too.
 TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   plug_in(robot, "lan1", "10.1.0.1", "second");
   plug_in(laptop, "lan1", "10.1.0.2", "second");
@@ -333,8 +333,8 @@ TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
   EXPECT_EQ(publisher.report().matched, 1U);
 }
 
-/// Publishes while open files take all descriptors that select(2) can handle. The program closes them when
-/// the test says so.
+/// Publishes while open files take all descriptors that select(2) can handle. The program closes these files
+/// when the test requests it.
 void publish_beside_many_files(Node& node, Report& report) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);

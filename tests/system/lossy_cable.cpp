@@ -26,11 +26,11 @@ namespace {
 
 constexpr std::size_t udp_header_end = 14 + 20 + 8;  // IPv4 without options
 constexpr std::size_t frame_bytes_max = 2048;
-constexpr int quiet_ms = 10;  // a frame that is held back for a swap is sent after this time at the latest
+constexpr int quiet_ms = 10;  // the longest time for which a frame is held back for a swap
 
 using Frame = std::span<const std::byte>;
 
-/// Opens that end of the cable, which is in this network namespace.
+/// Opens the end of the cable that is in this network namespace.
 core::FileDescriptor open_end(const char* interface) {
   core::FileDescriptor end(::socket(AF_PACKET, SOCK_RAW | SOCK_CLOEXEC, htons(ETH_P_ALL)));
   const int bytes = 64 << 20, yes = 1;
@@ -51,8 +51,8 @@ std::uint64_t not_received(const core::FileDescriptor& end) {
   return stats.tp_drops;
 }
 
-/// Returns the low half of the sequence of the sample of which the frame carries a part; 0 if it carries
-/// none.
+/// Returns the low half of the sequence of the sample of which the frame carries a part, or 0 if the frame
+/// carries no part of a sample.
 std::uint32_t sequence_in(Frame frame) {
   constexpr std::size_t ether_type = 12, protocol = 14 + 9;
   if (frame.size() <= udp_header_end || frame[ether_type] != std::byte{8} ||
@@ -137,7 +137,8 @@ LossyCable::~LossyCable() {
   waitpid(process_, nullptr, 0);
 }
 
-/// The process carries whole frames, so the interfaces must add checksums and cut trains into frames.
+/// Connects an end of the cable to a host. The process of the cable carries whole frames, so the interfaces
+/// must add checksums and cut trains into frames.
 Result<void> LossyCable::plug_in(std::size_t number) const {
   const std::string end = "end" + std::to_string(number);
   const std::string address = hosts::EmulatedNetwork::address(number);

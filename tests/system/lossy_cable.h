@@ -1,6 +1,6 @@
 // A cable between two hosts. A process carries each frame from end to end. While the cable is bad, the
-// process drops some frames, sends some twice, and some after the next one. It notes which samples were
-// affected.
+// process drops some frames, sends some twice, and swaps some with the next frame. It records the samples
+// that were affected.
 #pragma once
 
 #include <sys/types.h>
@@ -39,10 +39,10 @@ class LossyCable {
   /// The state of the cable, and its faults so far.
   struct Notes {
     std::atomic<bool> ready{false}, bad{false};
-    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< counts of frames
-    /// Count of frames that the kernel dropped or refused, which are unwanted losses.
+    std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< the numbers of frames
+    /// The number of frames that the kernel dropped or refused. These losses are not intended.
     std::atomic<std::uint64_t> failed{0};
-    /// By sequence: true if the cable lost a part of that sample, of any publisher.
+    /// By sequence: true if the cable has lost a part of a sample with that sequence, of any publisher.
     std::array<std::atomic<bool>, samples_max> harmed{};
   };
   const Notes& notes() const { return *notes_; }

@@ -1,4 +1,4 @@
-// A program that locks its memory, as real-time programs do, meets no page fault on the path of samples. All
+// A program that locks its memory, as real-time programs do, has no page fault on the path of samples. All
 // memory that samples need is mapped once the nodes are open and warm.
 #include <sys/mman.h>
 #include <unistd.h>
@@ -37,7 +37,8 @@ std::map<int, Faults> faults() {
   return faults;
 }
 
-/// Names the threads on the path of samples that have met page faults since `before`, with their counts.
+/// Returns the threads on the path of samples that have had page faults since `before`, with their counts, as
+/// text.
 std::string faulting_since(const std::map<int, Faults>& before) {
   std::string faulting;
   for (const auto& [number, now] : faults()) {
@@ -81,8 +82,8 @@ TEST_P(MemoryLockTest, ThreadsThatPublishSendReceiveAndCallBackMeetNoPageFault) 
       while (const auto sample = taken.take()) bytes += sample->data().size();
     }
   };
-  // Samples that are under way take memory. On a busy machine it takes time until the largest number of them
-  // has been under way at once.
+  // Samples that are under way take memory. On a busy machine it may take time until the largest number of
+  // samples has been under way at once.
   std::string faulting;
   EXPECT_TRUE(eventually(
       [&] {

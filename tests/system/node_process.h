@@ -35,8 +35,8 @@ class SharedWithChildren {
   T* value_;
 };
 
-/// A process that opens a node and calls a role with it again and again. The role writes its progress to a
-/// report. The destructor kills the process.
+/// A process that opens a node and calls the same role with it again and again. The role writes its progress
+/// to a report. The destructor kills the process.
 template <class Report>
 class NodeProcessWith {
  public:
@@ -56,7 +56,7 @@ class NodeProcessWith {
     waitpid(process_, nullptr, 0);
     process_ = -1;
   }
-  /// Stops the process, as a debugger or a busy machine would.
+  /// Stops the process, as a debugger or a busy machine would do.
   void hold_up() const { kill(process_, SIGSTOP); }
   void let_go() const { kill(process_, SIGCONT); }
   Report& report() const { return *report_; }

@@ -28,17 +28,17 @@ inline std::pair<std::size_t, std::size_t> in_use() {
   return counts;
 }
 
-/// Returns the outcome after `lack` has run in the child. The outcome is Opened::limit_exceeded only if the
-/// error names `limit`.
+/// Opens a node in a child process in which `lack` has run before. The outcome is Opened::limit_exceeded only
+/// if the error names `limit`.
 inline Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
   const pid_t child = fork();
   if (child == 0) {
-    alarm(30);  // a child that hangs ends like one that crashes
+    alarm(30);  // a child that hangs ends like a child that crashes
     lack();
     const auto before = in_use();
     const auto node = Node::open(node_options(Way::udp, "short_of_all"));
     const bool descriptors_are_back = in_use().first == before.first;
-    // The kernel still lists a thread for a moment after it was joined.
+    // The kernel lists a thread for a short time after it was joined.
     const auto all_are_back = [&] { return descriptors_are_back && in_use() == before; };
     if (!node && !eventually(all_are_back, std::chrono::seconds(1))) _exit(static_cast<int>(Opened::leaked));
     const bool is_limit = !node && node.error().code == Errc::limit_exceeded &&

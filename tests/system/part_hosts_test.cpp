@@ -33,16 +33,16 @@ struct Cloudcast {
   std::atomic<std::uint32_t> wanted{0};  ///< the number of samples to publish
   std::atomic<std::uint32_t> count{0};
   std::atomic<std::size_t> served{0}, in_groups{0};
-  std::atomic<std::uint64_t> link_bytes{0};  ///< bytes that the publisher's host has sent
+  std::atomic<std::uint64_t> link_bytes{0};  ///< the bytes that the publisher's host has sent
 };
 
 struct Received {
   std::atomic<bool> failed{false};
-  std::atomic<bool> wrong{false};           ///< a sample did not match its selection, or was out of order
-  std::atomic<std::uint32_t> selection{0};  ///< index of the selection to ask for
+  std::atomic<bool> wrong{false};  ///< true: a sample did not match its selection, or was out of order
+  std::atomic<std::uint32_t> selection{0};  ///< the index of the selection to request
   std::atomic<std::uint32_t> count{0}, last{0};
   std::atomic<std::uint64_t> lost{0};
-  std::atomic<std::uint32_t> named{0};  ///< index of the last sample's selection
+  std::atomic<std::uint32_t> named{0};  ///< the index of the selection of the last sample
 };
 
 std::uint8_t byte_at(std::uint32_t number, std::size_t at) {
@@ -106,8 +106,8 @@ std::vector<std::uint8_t> part_of_cloud(std::uint32_t number, const Selection::P
   return bytes;
 }
 
-/// Returns true if the sample is of the cloud with that number, and has exactly the part that its selection
-/// names.
+/// Returns true if the sample was made from the cloud with that number, and has exactly the part that its
+/// selection names.
 bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
   const Selection* const named = sample.selection();
   if (named == nullptr) return false;
@@ -122,7 +122,7 @@ bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
   return true;
 }
 
-/// Subscribes with one selection at a time: the one whose index is in Received::selection.
+/// Subscribes with one selection at a time: the selection whose index is in Received::selection.
 auto subscribe_in_turn(std::vector<std::string> selections) {
   return [selections = std::move(selections)](Node& node, Received& received) {
     const DynamicType type = node.find_type("points", hang_timeout).value();
@@ -155,7 +155,7 @@ auto subscribe_in_turn(std::vector<std::string> selections) {
   };
 }
 
-/// Asks for all of the selections at the same time, with a subscriber for each.
+/// Requests all of the selections at the same time, with a subscriber for each.
 auto subscribe_together(std::vector<std::string> selections) {
   return [selections = std::move(selections)](Node& node, Received& received) {
     const DynamicType type = node.find_type("points", hang_timeout).value();
@@ -223,12 +223,12 @@ class PartHostsTest : public testing::Test {
         },
         hang_timeout);
   }
-  /// Publishes until at least that number of readers is in groups.
+  /// Publishes until at least `readers` readers are in groups.
   bool publish_until_in_groups(std::size_t readers) {
     return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, hang_timeout);
   }
-  /// Returns the bytes on the link for each sample. Every subscriber has a sample before the next one is
-  /// published, so that no reader lags behind its group.
+  /// Returns the bytes on the link per sample. The next sample is published only when every subscriber has
+  /// the previous one, so that no reader lags behind its group.
   double bytes_of_a_sample() {
     constexpr std::uint32_t samples = 20;
     EXPECT_TRUE(publish_more(1));
@@ -236,7 +236,7 @@ class PartHostsTest : public testing::Test {
     for (std::uint32_t i = 0; i < samples; ++i) EXPECT_TRUE(publish_more(1));
     return static_cast<double>(cast().link_bytes - before) / samples;
   }
-  /// Measures until the groups have settled, and a sample takes at most that many bytes.
+  /// Measures until the groups have settled, and a sample takes at most `bytes` bytes.
   testing::AssertionResult sends_at_most(double bytes) {
     double least = bytes_of_a_sample();
     const auto is_within = [&] { return least <= bytes || (least = bytes_of_a_sample()) <= bytes; };
@@ -272,8 +272,8 @@ TEST_F(PartHostsTest, WholePartsAndScalarsAreServedBesideEachOther) {
   expect_all_is_right();
 }
 
-/// The hosts ask for windows that overlap for the most part, and cut them out of one field that is sent to
-/// all.
+/// The hosts ask for windows that overlap for the most part. They cut the windows out of one field that is
+/// sent to all hosts.
 TEST_F(PartHostsTest, WindowsThatOverlapAreCutOutOfOneCopyOfTheWholeField) {
   open_all({{"data[:3900]"}, {"data[50:3950]"}, {"data[100:]"}, {"data{x,y,z,intensity,ring}"}});
   ASSERT_TRUE(publish_until_in_groups(4));

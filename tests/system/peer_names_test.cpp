@@ -1,5 +1,5 @@
-// A node looks up peers by name, and its name server answers late, never, or differently than before. The
-// node never waits for the name server.
+// A node looks up peers by name, and its name server answers late, never, or with a new address. The node
+// never waits for the name server.
 #include <arpa/inet.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ core::FileDescriptor socket_at(const std::string& address, std::uint16_t port) {
   return made;
 }
 
-/// The name server of this host. It is silent until the test sets an address.
+/// The name server of this host. It does not answer until the test sets an address.
 class NameServer {
  public:
   NameServer() : socket_(socket_at("127.0.0.1", 53)), thread_([this] { serve(); }) {}
@@ -61,7 +61,7 @@ class NameServer {
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;
 
-  /// Sets the address of every name, and answers the questions that have come before.
+  /// Sets the address of every name, and answers the questions that have arrived before.
   void set_address(const std::string& address) {
     const std::scoped_lock lock(mutex_);
     address_ = at(address, 0).sin_addr.s_addr;
@@ -88,7 +88,7 @@ class NameServer {
     }
   }
 
-  /// Sends a header of 12 bytes, the question, and one address of 4 bytes (RFC 1035, 4.1).
+  /// Sends the answer: a header of 12 bytes, the question, and one address of 4 bytes (RFC 1035, 4.1).
   void answer(const Question& question) {
     const std::size_t end_of_name = 12 + std::strlen(question.message.data() + 12) + 1;
     std::string answer(question.message.data(), end_of_name + 4);
@@ -108,7 +108,7 @@ class NameServer {
   std::thread thread_;
 };
 
-/// Replaces a file of /etc by a file with that text, for this isolated host only.
+/// Replaces a file of /etc by a file with the given text, for this isolated host only.
 void put(const std::string& file, const std::string& text) {
   const std::string own = "/tmp/" + file;
   std::ofstream(own) << text;
@@ -117,8 +117,8 @@ void put(const std::string& file, const std::string& text) {
 
 bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
-/// The parameter is true if the configuration of Cyclone DDS names the peers, and false if the node's
-/// settings do.
+/// The tests have a parameter. It is true if the configuration of Cyclone DDS names the peers, and false if
+/// the node's settings do.
 class PeerNamesTest : public ::testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -154,8 +154,8 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
     const auto subscriber = newcomer.subscriber<PointCloud2>("points").value();
     EXPECT_TRUE(eventually([&] { return publisher.status().readers.size() == 1; }));
   }
-  /// Opens a socket that gets the datagrams for a participant at that address, in place of the participant.
-  /// The nodes of this test have the first ports.
+  /// Opens a socket at the address of a participant, so that the socket gets the datagrams for the
+  /// participant. The nodes of this test have the first ports.
   static core::FileDescriptor participant_at(const std::string& address) { return socket_at(address, 7440); }
   static bool is_asked(const core::FileDescriptor& participant) {
     pollfd waits{.fd = participant.get(), .events = POLLIN, .revents = 0};
@@ -167,7 +167,7 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
 };
 
 /// If a node waited for the answer, the lookup would fail before the node continues, and the warning would
-/// name that failure.
+/// name this failure.
 TEST_P(PeerNamesTest, HoldNeitherANodeNorItsNewcomersUpWhileTheNameServerIsSilent) {
   const NameServer silent;
   Node node = Node::open(options()).value();

@@ -1,4 +1,4 @@
-// Tests of publishing and subscribing that every transport has to pass in the same way.
+// Tests of publishing and subscribing that every transport must pass in the same way.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -345,7 +345,7 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   Node a = open("a");
   auto pub = a.publisher<PointCloud2>("points").value();
   std::atomic<bool> gone{false};
-  // Orders the threads for the thread sanitizer, which does not see an order by the network.
+  // Orders the threads for the thread sanitizer, which does not see that the network orders them.
   std::atomic<bool> complete{false};
   std::optional<Node> b = open("b");
   using Sub = Subscriber<PointCloud2, F::height>;
@@ -356,7 +356,7 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
                  gone = true;
                }).value());
   complete = true;
-  b.reset();  // the subscriber alone keeps the node, and the callback takes the last reference
+  b.reset();  // now only the subscriber keeps the node alive, and the callback takes the last reference
   expect_served(pub, 1);
   pub.publish(cloud(1));
   EXPECT_TRUE(eventually([&] { return gone.load(); }));
@@ -385,7 +385,7 @@ TEST_P(PubSubTest, ACallbackThatIsKnownToTakeLongHoldsUpNoOtherSubscriber) {
   may_return = true;
 }
 
-// The agent removes the subscriber, and also answers what the callback asks the node.
+// The agent removes the subscriber, and also answers the questions of the callback to the node.
 TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   Node a = open("a");
   Node b = open("b");
@@ -396,7 +396,7 @@ TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
                  if (!complete) return;
                  sub.reset();
-                 expect_served(pub, 0);  // the agent has removed the subscriber
+                 expect_served(pub, 0);  // true when the agent has removed the subscriber
                  topics = b.topics().size();
                }).value());
   complete = true;

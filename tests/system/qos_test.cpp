@@ -1,4 +1,4 @@
-// Quality of service by the public API, over every transport.
+// Quality of service through the public API, over every transport.
 #include <atomic>
 #include <functional>
 #include <iterator>
@@ -58,8 +58,8 @@ void expect_unbroken(S& late, int samples) {
   EXPECT_EQ(late.status().lost, 0U);
 }
 
-/// Expects that a late subscriber beside an early one gets each sample once and in order, beginning with the
-/// history.
+/// Expects that a late subscriber gets each sample once and in order, beginning with the history, while an
+/// early subscriber gets live samples.
 void expect_history_beside_others(Node& a, Node& b) {
   auto pub = a.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 10}).value();
   auto early = b.subscriber<PointCloud2>("points", {.depth = 1000}).value();
@@ -191,12 +191,12 @@ TEST_P(QosTest, WhoeverPublishesInTimeMissesNoDeadline) {
   auto sub =
       b.subscriber<PointCloud2, F::height>("points", {.deadline = 1s, .on_event = requested.callback()})
           .value();
-  // It may take longer than the deadline until shared memory is ready.
+  // A longer time than the deadline may pass until shared memory is ready.
   ASSERT_TRUE(eventually([&] {
     pub.publish(cloud(1));
     return served(pub) == 1;
   }));
-  // Samples that are never taken, or are pushed out of the queue, still came in time.
+  // A sample that is never taken, or is dropped from the queue, has still arrived in time.
   const auto missed = [&] {
     pub.publish(cloud(1));
     return offered.has(Event::Kind::deadline_missed) || requested.has(Event::Kind::deadline_missed);
@@ -317,7 +317,7 @@ class RateTest : public QosTest {
     std::uint64_t samples = 0;
     std::uint64_t published() const { return last.sequence - first.sequence + 1; }
   };
-  /// Takes that number of samples of one publisher.
+  /// Takes `samples` samples of one publisher.
   template <class S>
   static Heard hear(S& sub, std::uint64_t samples) {
     Heard heard;
@@ -329,9 +329,9 @@ class RateTest : public QosTest {
     }
     return heard;
   }
-  /// A limit of that rate allows one sample in each period of 1 / `hz`, and saves up to two unused ones.
-  /// However unsteadily the publisher runs, the reader has got a sample of each period in which one was
-  /// certainly published, and at most two more samples than there are periods.
+  /// A maximum rate of `hz` allows one sample in each period of 1 / `hz`, and saves up to two unused samples.
+  /// Even if the publisher runs unsteadily, the reader must have got a sample in each period in which one was
+  /// certainly published, and at most two samples more than there are periods.
   void expect_rate(const Heard& heard, std::int64_t hz) {
     const std::int64_t period_ns = 1'000'000'000 / hz;
     const std::int64_t first = heard.first.source_stamp.time_since_epoch().count() / period_ns;
@@ -364,7 +364,7 @@ class RateTest : public QosTest {
   }
 
   std::mutex publications_mutex_;
-  /// The begin and end of each call of publish().
+  /// The times of the begin and the end of each call of publish().
   std::vector<std::pair<std::int64_t, std::int64_t>> publications_;
 };
 
@@ -390,7 +390,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
   auto slower = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 5}).value();
   expect_served(pub, 3);
   const Ticker ticker(period, publish, Keeps::rate);
-  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // the first samples may use saved allowances
+  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // the first samples may use up saved ones
   const Heard of_slow = hear(slow, 20);
   expect_rate(of_slow, 20);
   expect_rate(hear(slower, 7), 5);
@@ -413,7 +413,7 @@ TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
   EXPECT_EQ(of_all.samples, of_all.published()) << "every one that was published meanwhile";
   ASSERT_TRUE(sub.set_max_rate_hz(10));
   ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 10; }));
-  (void)hear(sub, 12);  // samples that were under way at the change
+  (void)hear(sub, 12);  // these samples were under way at the change
   expect_rate(hear(sub, 8), 10);
   EXPECT_EQ(sub.status().lost, 0U);
   EXPECT_FALSE(sub.set_max_rate_hz(-1));
@@ -431,7 +431,7 @@ TEST_P(RateTest, CallbacksComeAtTheRateToo) {
   EXPECT_EQ(sub.status().lost, 0U);
 }
 
-// By default the history comes by UDP, and then live samples come through shared memory.
+// By default the history is sent by UDP. After that, live samples are sent in shared memory.
 TEST(HistoryTest, ALateSubscriberOnTheSameHostGetsTheHistoryAndChangesOverToSharedMemory) {
   const auto options = [](const char* name) {
     NodeOptions o{.name = name};

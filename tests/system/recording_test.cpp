@@ -24,8 +24,8 @@ class RecordingTest : public PubSubTest {
     return sub->wait(hang_timeout) ? sub->take() : Sample<PointCloud2, recorded>();
   }
 
-  /// Publishes and reads until the publisher has applied `mask`; every sample must be right under the mask
-  /// that it names.
+  /// Publishes and reads until the publisher has applied `mask`. Every sample must be right under the mask
+  /// that the sample names.
   template <class Read>
   bool until_asked_for(const FieldMask& mask, Read read) {
     return eventually([&] {
@@ -63,7 +63,7 @@ TEST_P(RecordingTest, AFieldReadLaterIsAskedForAtOnceAndThenArrives) {
     (void)sample->width();
     missed += sample->height() ? 0 : 1;
   }));
-  // In shared memory the sample has all fields, so that no read misses one.
+  // In shared memory samples have all fields, so that every read finds its field.
   EXPECT_EQ(missed == 0, in_shared_memory());
   const auto sample = next();
   EXPECT_EQ(sample->height(), published);

@@ -1,5 +1,5 @@
-// A node with readers receives the records of writers, and a node with writers those of readers. Each
-// receives all records once it is told to.
+// A node with readers receives the records of writers, and a node with writers the records of readers. A node
+// receives all records once it asks for all.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -41,7 +41,7 @@ TEST_P(RolesTest, ReadersHearOfWritersOnlyAndWritersOfReadersUntilTheyAreToldToH
   writer.announce(Role::writer, 3);
   EXPECT_TRUE(writer.hears(1) && writer.hears(2));
   EXPECT_TRUE(reader.hears(3) && other_reader.hears(3));
-  other_reader.announce(Role::writer, 4);  // after its reader
+  other_reader.announce(Role::writer, 4);  // announced after reader 2 of the same node
   EXPECT_TRUE(reader.hears(4));
   EXPECT_THAT(reader.heard(), ElementsAre(3, 4));
   EXPECT_THAT(writer.heard(), ElementsAre(1, 2));

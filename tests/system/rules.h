@@ -1,5 +1,5 @@
-// Conditions together with a second definition in C++, by which a test knows what they let pass. The
-// conditions judge the field row_step of clouds, which has no other meaning if a cloud has one row.
+// Conditions together with a second definition in C++, by which a test knows the samples that pass them. The
+// conditions apply to the field row_step of clouds, which has no other meaning if a cloud has one row.
 #pragma once
 
 #include <cstddef>
@@ -12,16 +12,16 @@ namespace sft::test {
 
 struct Rule {
   std::string conditions;  ///< the text of a selection after "@"
-  /// Returns true if the conditions hold for `number`. `at` counts the numbers that the gate has seen
-  /// before, and `former` is the last number that passed. Until one has passed, `at` is 0, and `former` is
-  /// far from `number`.
+  /// Returns true if the conditions hold for `number`. `at` is the count of numbers that the gate has
+  /// examined before, and `former` is the last number that passed. Until a number has passed, `at` is 0, and
+  /// `former` is far from `number`.
   std::function<bool(std::int64_t number, std::size_t at, std::int64_t former)> holds;
 };
 
-/// Returns that many different rules. Their bounds lie between 0 and 1000.
+/// Returns `count` different rules. Their bounds lie between 0 and 1000.
 std::vector<Rule> different_rules(std::size_t count);
 
-/// Returns that many random numbers from 0 to 999.
+/// Returns `count` random numbers from 0 to 999.
 std::vector<std::uint32_t> random_numbers(std::size_t count, std::uint64_t seed);
 
 /// Returns the places, counted from 0, of the numbers that pass.

@@ -1,4 +1,4 @@
-// A cloud of several rows, whose bytes depend on its number.
+// A cloud of several rows. Its bytes depend on its number.
 #pragma once
 
 #include <cstdint>

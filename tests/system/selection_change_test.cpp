@@ -1,4 +1,4 @@
-// Subscribers that change their selections while samples come, over every transport.
+// Subscribers that change their selections while samples are sent, over every transport.
 #include <algorithm>
 #include <atomic>
 #include <cstring>
@@ -29,8 +29,8 @@ PointCloud2 row(std::int32_t number) {
   return cloud;
 }
 
-/// Returns true if the sample has the bytes that its selection takes from the row with the number in its
-/// stamp.
+/// Returns true if the sample has the bytes that its selection takes from the row. The stamp of the sample is
+/// the number of the row.
 bool has_what_it_names(const DynamicSample& sample) {
   if (sample.selection() == nullptr || sample.selection()->parts().size() != 1) return false;
   const Selection::Range part = sample.selection()->parts()[0].columns;
@@ -73,7 +73,8 @@ class AnySelection {
   Random random_{test_seed()};
 };
 
-/// Returns true if the sample equals, byte for byte, what the reference cuts from the cloud with its number.
+/// Returns true if the sample equals, byte for byte, the part that the reference cuts from the cloud with the
+/// number of the sample.
 bool is_what_it_names(const DynamicSample& sample) {
   PointCloud2 expected = scan_cloud(sample.info().sequence);
   if (sample.selection() != nullptr) {
@@ -144,7 +145,7 @@ TEST_P(SelectionChangeTest, ASampleOfACompiledSubscriberNamesItsPart) {
   }));
 }
 
-// The reader is reliable and misses nothing, while a different selection is in force for each sample.
+// The reader is reliable and misses no sample, while a different selection is in force for each sample.
 TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatTheyName) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

@@ -1,4 +1,4 @@
-// Subscribers with conditions on the samples that they need, over every transport.
+// Subscribers with conditions for the samples that they need, over every transport.
 #include <gmock/gmock.h>
 
 #include <nav_msgs/msg/Odometry.hpp>
@@ -24,7 +24,8 @@ class SelectionNodesTest : public PubSubTest {
   void publish(const Numbers& heights) {
     for (const std::uint32_t height : heights) ASSERT_EQ(pub.publish(cloud(height)), PublishStatus::ok);
   }
-  /// Takes all samples up to the one with the height `last`, which has to come. Returns their heights.
+  /// Takes all samples up to the one with the height `last`, which must arrive. Returns the heights of the
+  /// samples.
   template <class S>
   static Numbers until(S& sub, std::uint32_t last) {
     Numbers heights;

@@ -1,5 +1,5 @@
-// Services. Each call is answered or ends with an error that gives the reason, whenever clients and servers
-// come and go.
+// Services. Each call is answered, or ends with an error that gives the reason, even if clients and servers
+// start and end at any time.
 #include <gmock/gmock.h>
 
 #include <future>
@@ -19,7 +19,7 @@ namespace {
 using service_msgs::srv::Add;
 using ::testing::HasSubstr;
 
-/// A gate that holds up a handler until it is opened.
+/// A gate that blocks a handler until the gate is opened.
 class Gate {
  public:
   void open() { is_open_ = true; }
@@ -60,7 +60,7 @@ class ServiceTest : public PubSubTest {
       if (each.topic == topic) return each;
     return {};
   }
-  /// Returns the server's account of the replies to the client of another node.
+  /// Returns the server's counts of the replies to the client of another node.
   static PublisherStatus::Reader replies_to(const Node& server, const std::string& node) {
     for (const auto& reader : publisher(server, "sum/reply").readers)
       if (reader.node == node) return reader;
@@ -239,7 +239,7 @@ TEST_P(ServiceTest, ACallThatIsUnderWayIsNotCarriedOutByASecondServer) {
 }
 
 TEST_P(ServiceTest, AServerThatIsKilledEndsTheCallAndItsSuccessorAnswersTheNext) {
-  warnings_expected = true;  // about the killed process
+  warnings_expected = true;  // for warnings about the killed process
   SharedWithChildren<std::atomic<bool>> is_called;
   const pid_t doomed = fork();
   if (doomed == 0) {

@@ -29,7 +29,7 @@ using ::testing::UnorderedElementsAre;
 
 class SeveralSelectionsTest : public PubSubTest {
  protected:
-  /// For each sample the number of its selection, and its height.
+  /// The number of the selection and the height of each sample that arrived.
   using Came = std::vector<std::pair<std::uint32_t, std::uint32_t>>;
 
   static SubscriberOptions with(std::vector<std::string> further) {
@@ -42,7 +42,7 @@ class SeveralSelectionsTest : public PubSubTest {
   static std::pair<std::uint32_t, std::uint32_t> of(const DynamicSample& sample) {
     return {sample.info().selection, sample.view()["height"].as<std::uint32_t>().value_or(0)};
   }
-  /// Takes the next `count` samples, which have to come.
+  /// Takes the next `count` samples, which must arrive.
   static Came next(DynamicSubscriber& sub, std::size_t count) {
     Came came;
     while (came.size() < count && sub.wait(hang_timeout)) {
@@ -57,7 +57,7 @@ class SeveralSelectionsTest : public PubSubTest {
       a.publisher<PointCloud2>("points", {.reliability = Reliability::reliable}).value();
 };
 
-/// Tests of held samples in shared memory. Over UDP the number of held samples is not limited.
+/// Tests with held samples in shared memory. Over UDP the number of held samples is not limited.
 class HeldSelectionsTest : public SeveralSelectionsTest {};
 
 TEST_P(SeveralSelectionsTest, EachSampleSaysByWhichOfThemItCame) {
@@ -91,7 +91,8 @@ TEST_P(SeveralSelectionsTest, ASampleHasTheFieldsAndTheSelectionThatItCameBy) {
   EXPECT_THAT(seen, UnorderedElementsAre("0: height", "1: width"));
 }
 
-// The first selection asks for the pose of each sample, the second for the covariance of every third one.
+// The first selection requests the pose of each sample, the second selection the covariance of every third
+// sample.
 TEST_P(SeveralSelectionsTest, ACompiledSubscriberReadsWhatTheSampleHas) {
   using nav_msgs::msg::Odometry;
   auto odometry = a.publisher<Odometry>("odometry", {.reliability = Reliability::reliable}).value();
@@ -200,8 +201,8 @@ TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
   EXPECT_EQ(::poll(&readable, 1, 0), 0);
 }
 
-// The first selection lets one sample pass and then none. So only samples of the second one can wake the
-// thread, which receives UDP itself.
+// The first selection lets one sample pass and then none. So only samples of the second selection can wake
+// the thread. The thread itself receives UDP.
 TEST_P(SeveralSelectionsTest, AThreadThatWaitsIsWokenByTheSecondOneAlone) {
   auto sub = b.subscriber("points", type(), "height @ height == 1", with({"height @ height > 100"})).value();
   expect_served(pub, 2);
@@ -245,7 +246,7 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
       a.publisher<PointCloud2>("promised", {.reliability = Reliability::reliable, .deadline = 2s}).value();
   auto sub =
       b.subscriber("promised", b.find_type("promised", hang_timeout).value(), "height", options).value();
-  // It may take longer than the deadline until shared memory is ready.
+  // A longer time than the deadline may pass until shared memory is ready.
   ASSERT_TRUE(eventually([&] {
     promising.publish(cloud(1));
     return served(promising) == 2;
@@ -267,7 +268,8 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
   for (const std::size_t i : {0, 1}) EXPECT_EQ(sub.status(i).writers.at(0).deadlines_missed, 0U) << i;
 }
 
-// A selection without fields asks for all of them, in each option in which a compiled program can give one.
+// A selection without fields requests all fields, in each option in which a compiled program can give such a
+// selection.
 TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscriber) {
   SubscriberOptions options = with({"", "@ height > 100", "width"});
   options.selection = "@ height > 0";
@@ -284,7 +286,7 @@ TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscribe
 }
 
 TEST_P(HeldSelectionsTest, SamplesThatAreHeldOfOneLeaveTheOtherItsOwn) {
-  warnings_expected = true;  // about too many held samples
+  warnings_expected = true;  // for warnings about too many held samples
   SubscriberOptions options = with({"height @ height > 100"});
   options.max_held = 2;
   auto sub = b.subscriber("points", type(), "height @ height < 100", options).value();

@@ -1,5 +1,5 @@
-// Whole nodes on two hosts, between which long packets vanish without a word, as in some tunnels: the devices
-// of both hosts take 1500 bytes.
+// Whole nodes on hosts between which long packets are lost without an error message, as in some tunnels. The
+// network devices of the hosts accept 1500 bytes.
 #include <gtest/gtest.h>
 #include <sft/msg_text.h>
 #include <sft/sft.h>
@@ -24,7 +24,8 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// Bytes of samples that take one datagram that fits, one that does not, a few, and many.
+/// The sizes of samples in bytes: a sample takes one datagram that fits, one datagram that is too long, a few
+/// datagrams, or many.
 constexpr std::array<std::size_t, 4> sizes{100, 1300, 9000, 200'000};
 constexpr std::array<Reliability, 2> reliabilities{Reliability::best_effort, Reliability::reliable};
 constexpr std::size_t topics = sizes.size() * reliabilities.size();
@@ -36,9 +37,9 @@ std::string name_of(std::size_t topic) {
 struct Report {
   std::atomic<bool> failed{false};
   std::array<std::atomic<std::uint64_t>, topics> taken{};
-  std::atomic<std::size_t> limits_in_status{0};  ///< pairs of which the status says that there is a limit
+  std::atomic<std::size_t> limits_in_status{0};  ///< the number of pairs whose status reports the limit
   std::atomic<std::size_t> limits_in_log{0};
-  std::atomic<std::size_t> in_groups{0};  ///< pairs that share a multicast group
+  std::atomic<std::size_t> in_groups{0};  ///< the number of pairs that share a multicast group
 };
 
 constexpr std::string_view limit =
@@ -80,7 +81,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// A type whose description has some 30 KB.
+/// Returns a type whose description has about 30 KB.
 DynamicType long_type() {
   std::string text;
   for (int i = 0; i < 300; ++i) text += "float64 " + std::string(90, 'x') + std::to_string(i) + "\n";
@@ -145,7 +146,8 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
   EXPECT_EQ(told->limits_in_log, 1U);
 }
 
-/// Two hosts ask for the same, so that one copy by multicast serves both once it is known how long it may be.
+/// Two hosts ask for the same fields. So one copy by multicast serves both, once it is known how long a
+/// multicast datagram may be.
 TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAtHostsThatShareACopy) {
   const NodeProcess publisher(network_->host(0), options("publisher"), publish);
   const NodeProcess one(network_->host(1), options("one"), subscribe);

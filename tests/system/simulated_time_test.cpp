@@ -22,7 +22,7 @@ using NodeTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 
 class SimulatedTimeTest : public PubSubTest {
  protected:
-  // On a busy machine a node may find the publisher of the clock late.
+  // On a busy machine a node may discover the publisher of the clock late.
   SimulatedTimeTest() { expected_warning = "use_sim_time: nobody publishes the topic"; }
 
   static NodeOptions following(const std::string& name) {
@@ -30,7 +30,7 @@ class SimulatedTimeTest : public PubSubTest {
     options.use_sim_time = true;
     return options;
   }
-  /// Publishes the time until the node has it, because best-effort samples may get lost.
+  /// Publishes the time until the node has it, because best-effort samples may be lost.
   static bool follows(const Node& node, Publisher<ClockMessage>& clock, std::chrono::nanoseconds time) {
     const ClockMessage message{.clock = duration_message<builtin_interfaces::msg::Time>(time)};
     return eventually([&] {

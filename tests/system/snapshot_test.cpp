@@ -128,7 +128,7 @@ TEST_P(NodeSnapshotTest, OfWhatEachReaderAsksForItSaysWhatItCostAndWhatItSaved) 
   EXPECT_GT(published().bytes_sent, reader("*").bytes_sent + reader("height").bytes_sent);
 }
 
-// No reader asks for all fields, so that a sample is never encoded whole.
+// No reader requests all fields, so that no sample is encoded whole.
 TEST_P(NodeSnapshotTest, WhatIsSavedIsMeasuredWhereNothingIsEncodedWhole) {
   const PointCloud2 message = cloud(1, 5000);
   const std::size_t whole = whole_body(message);
@@ -247,7 +247,7 @@ TEST_P(NodeSnapshotTest, AsJsonItHasTheSameUnderStableNames) {
   auto stranger = b.subscriber<PointCloud2, F::height>("points", {.reliability = reliable}).value();
   expect_served(pub, 1);
   const auto is_connected = [](const auto& writer) { return writer.connected; };
-  // A reader tells its publisher that it is connected before its own status says so.
+  // A reader reports to its publisher that it is connected before its own status says so.
   ASSERT_TRUE(eventually([&] {
     return pub.status().readers.size() == 2 && stranger.status().writers.size() == 1 &&
            std::ranges::any_of(sub.status().writers, is_connected);

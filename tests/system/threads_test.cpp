@@ -1,5 +1,5 @@
-// The threads of a node: their names, CPUs and scheduling policies, which do not depend on those of the
-// thread that opens the node.
+// The threads of a node: their names, CPUs and scheduling policies. These do not depend on the thread that
+// opens the node.
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <sys/resource.h>
@@ -38,7 +38,7 @@ std::set<unsigned> cpus_of(pid_t thread) {
   return cpus;
 }
 
-/// Returns the threads of this process by number.
+/// Returns the threads of this process by their numbers.
 std::map<pid_t, Thread> threads() {
   std::map<pid_t, Thread> threads;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -76,8 +76,8 @@ bool pin_to(const std::set<unsigned>& cpus) {
   return sched_setaffinity(0, sizeof set, &set) == 0;
 }
 
-/// Nodes with all threads that a node can have, because they have a callback, a file descriptor, and several
-/// readers that sleep.
+/// Tests with nodes that have all threads that a node can have, because they have a callback, a file
+/// descriptor, and several readers that sleep.
 class ThreadsTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -111,7 +111,7 @@ class ThreadsTest : public ::testing::Test {
       publisher.publish({.height = 1});
       return called > 10;
     }));
-    // A thread sets its name a moment after it was made. The thread that wakes readers is made last.
+    // A thread sets its name shortly after it was started. The thread that wakes readers is started last.
     std::map<pid_t, Thread> now;
     EXPECT_TRUE(eventually([&] {
       now = threads();

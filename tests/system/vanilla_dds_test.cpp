@@ -1,4 +1,4 @@
-// Publishers serve readers of plain DDS, which know nothing of SFT, on this host and on another one.
+// Publishers serve readers of plain DDS, which do not use SFT, on this host and on another one.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <poll.h>
@@ -30,7 +30,7 @@ using builtin_interfaces::msg::Time;
 using testing::HasSubstr;
 using VanillaDds = NodeOptions::VanillaDds;
 
-/// A process of vanilla_reader on a host.
+/// A process of the program vanilla_reader on a host.
 class VanillaReader {
  public:
   struct How {
@@ -69,10 +69,10 @@ class VanillaReader {
   void let_go() const { kill(process_, SIGCONT); }
 
   struct Sample {
-    std::vector<std::byte> body;  ///< without padding
+    std::vector<std::byte> body;  ///< the body without padding
     std::chrono::nanoseconds stamp{0};
   };
-  /// The next one; empty if none comes.
+  /// Returns the next sample, or an empty one if no sample arrives.
   Sample take() {
     while (samples_.empty() && read_record(hang_timeout)) continue;
     if (samples_.empty()) return {};
@@ -85,7 +85,7 @@ class VanillaReader {
     while (matched_ != writers && read_record(hang_timeout)) continue;
     return matched_ == writers;
   }
-  /// The number of matching writers, as reported last.
+  /// Returns the number of matching writers that the process has reported last.
   std::uint32_t matched() {
     while (read_record(std::chrono::milliseconds(0))) continue;
     return matched_;
@@ -126,7 +126,7 @@ class VanillaReader {
   std::vector<Sample> samples_;
 };
 
-/// The publisher's node is on the first of two hosts.
+/// Tests in which the publisher's node is on the first of two hosts.
 class VanillaTest : public ::testing::Test {
  protected:
   VanillaTest() {
@@ -135,7 +135,7 @@ class VanillaTest : public ::testing::Test {
     EXPECT_TRUE(network_.host(0).enter());
     use_lease("2 s");
   }
-  /// For the node and the readers: after this time a reader that was killed is gone.
+  /// Sets the lease of the node and of the readers. A reader that was killed is lost after this time.
   static void use_lease(const std::string& lease) {
     const std::string config = "<Discovery><LeaseDuration>" + lease +
                                "</></>,<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></>";
@@ -171,7 +171,7 @@ class VanillaTest : public ::testing::Test {
              static_cast<std::ptrdiff_t>(readers);
     }));
   }
-  /// True if the reader gets a sample with this body in the end.
+  /// Returns true if the reader finally gets a sample with this body.
   static bool comes_to(VanillaReader& reader, const std::vector<std::byte>& body) {
     for (;;) {
       const VanillaReader::Sample sample = reader.take();
@@ -195,7 +195,7 @@ class VanillaTest : public ::testing::Test {
 
 struct Case {
   Way way = Way::udp;
-  std::size_t host = 0;  ///< of the reader
+  std::size_t host = 0;  ///< the number of the reader's host
   const char* reliability = "reliable";
 };
 std::string name_of_case(const testing::TestParamInfo<Case>& one) {
@@ -212,7 +212,7 @@ TEST_P(VanillaReadersTest, GetTheBytesAndTheStampOfEachMessage) {
   ASSERT_TRUE(serves(pub, 1) && reader.matches(1));
   expect_served(pub, 1);
   for (std::uint32_t i = 0; i < 5; ++i) {
-    const std::size_t bytes = i < 4 ? 1000 + i : 300'000;  // with each padding
+    const std::size_t bytes = i < 4 ? 1000 + i : 300'000;  // the sizes need all possible amounts of padding
     ASSERT_EQ(pub.publish(cloud(i, bytes)), PublishStatus::ok);
     const VanillaReader::Sample sample = reader.take();
     EXPECT_EQ(sample.body, body_of(cloud(i, bytes)));
@@ -347,9 +347,9 @@ TEST_F(VanillaTest, APublisherOfANodeThatServesThemNeverIsNotMatched) {
   EXPECT_EQ(never.status().vanilla_readers, 0U);
 }
 
-// Else a program that passes messages of DDS on to SFT would get them back.
+// Otherwise a program that forwards messages of DDS to SFT would get its own messages back.
 TEST_F(VanillaTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo) {
-  warnings_expected = true;  // the program's own settings of the domain hold
+  warnings_expected = true;  // the program's own settings of the domain are in force
   const dds_entity_t participant = dds_create_participant(control_domain(), nullptr, nullptr);
   Node node = open(Way::udp);
   Node serving = open(Way::udp, VanillaDds::always);

@@ -21,7 +21,7 @@ class Loop {
     EXPECT_EQ(::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event), 0);
   }
   /// Returns true if the descriptor becomes ready in time. The kernel may interrupt the wait without a
-  /// signal, to clear away the rings of an earlier test.
+  /// signal, when it removes the rings of an earlier test.
   bool wakes(std::chrono::milliseconds within) {
     epoll_event event{};
     int ready = 0;
@@ -37,7 +37,7 @@ class Loop {
 
 class WaitingTest : public PubSubTest {
  protected:
-  /// Takes a sample and returns its sequence; 0 if there is none.
+  /// Takes a sample and returns its sequence, or 0 if there is none.
   template <class S>
   static std::uint64_t taken(S& subscriber) {
     const auto sample = subscriber.take();
@@ -96,7 +96,7 @@ TEST_P(WaitingTest, WaitWorksOnASubscriberWithAFileDescriptorToo) {
   EXPECT_EQ(taken(sub), 1U);
 }
 
-/// The node that the handler of a signal interrupts.
+/// The node that the signal handler interrupts.
 std::atomic<Node*> node_of_handler{nullptr};
 
 TEST_P(WaitingTest, ASignalHandlerEndsTheWaitsOfEachSubscriberOfANode) {

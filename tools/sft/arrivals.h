@@ -14,7 +14,7 @@ namespace sft::tool {
 /// Counts and measures samples as they arrive, on threads of the node.
 class Arrivals {
  public:
-  /// Returns the value of a sample, which is recorded beside its time of arrival.
+  /// A function that returns a value of a sample. The value is recorded together with the time of arrival.
   using Measure = std::function<double(const DynamicSample&)>;
 
   struct Request {
@@ -26,13 +26,13 @@ class Arrivals {
 
   struct Report {
     double rate_hz = 0;
-    Spread periods;             ///< in seconds
+    Spread periods;             ///< the times between samples, in seconds
     Spread values;              ///< the results of Request::measure
-    std::uint64_t samples = 0;  ///< since the beginning
-    std::uint64_t lost = 0;     ///< since the beginning, as the subscriber counts
-    std::uint64_t fresh = 0;    ///< since the last report
+    std::uint64_t samples = 0;  ///< the number of samples since the beginning
+    std::uint64_t lost = 0;     ///< the number of lost samples since the beginning, as the subscriber counts
+    std::uint64_t fresh = 0;    ///< the number of samples since the last report
   };
-  /// Reports the last `window_s` seconds.
+  /// Returns a report on the last `window_s` seconds.
   Report report(double window_s);
 
   const std::string& topic() const { return topic_; }
@@ -49,7 +49,7 @@ class Arrivals {
   Series values_;
   std::uint64_t samples_ = 0;
   std::uint64_t reported_ = 0;                   ///< samples_ at the last report
-  std::optional<DynamicSubscriber> subscriber_;  ///< the last member: its callbacks use the others
+  std::optional<DynamicSubscriber> subscriber_;  ///< must be the last member: its callbacks use the others
 };
 
 }  // namespace sft::tool

@@ -1,4 +1,4 @@
-// `sft bw`: measures how many bytes per second a topic has.
+// `sft bw`: measures the bytes per second of a topic.
 #pragma once
 
 #include <string>
@@ -10,12 +10,12 @@ namespace sft::tool {
 struct BwOptions {
   std::string topic{};
   std::string fields = "*";
-  bool every = false;  ///< measure every sample, instead of one sample per second and the rate
+  bool every = false;  ///< true: measures every sample, instead of one sample per second and the rate
   LiveOptions live{};
 };
 
-/// The network carries one whole sample per second, and only the headers of all others, unless `every` is
-/// set.
+/// Runs the command. Unless `every` is set, the network carries one whole sample per second, and only the
+/// headers of all others.
 ExitCode run(const BwOptions& options, const CommonOptions& common, Session& session);
 
 }  // namespace sft::tool

@@ -20,18 +20,18 @@ namespace sft::tool {
 
 namespace {
 
-constexpr const char* status_of_daemon = "/dev/shm/sft_status";  // what `sftd status` shows
+constexpr const char* status_of_daemon = "/dev/shm/sft_status";  // the file that `sftd status` prints
 constexpr std::size_t topics_named = 3;
 
 struct Pool {
-  std::uint64_t bytes = 0;  ///< the largest sample in a chunk
+  std::uint64_t bytes = 0;  ///< the size of the largest sample in a chunk
   std::uint64_t chunks = 0;
   std::uint64_t peak = 0;  ///< the most chunks that were in use at a time
 };
 
 std::string size_text(std::uint64_t bytes) { return bytes_text(static_cast<double>(bytes)); }
 
-/// Returns the pools, sorted by size; empty if no daemon has written a status.
+/// Returns the pools, sorted by size. The result is empty if no daemon has written a status.
 std::vector<Pool> pools_of_daemon() {
   std::error_code ignored;
   if (!std::filesystem::is_regular_file(std::filesystem::symlink_status(status_of_daemon, ignored)))
@@ -49,8 +49,9 @@ std::vector<Pool> pools_of_daemon() {
   return pools;
 }
 
-/// Returns the topics of publishers that may use shared memory here and have announced samples larger than
-/// `bytes`. Publishers that announce the default size do not count, since it says nothing of their samples.
+/// Returns the topics of publishers that may use shared memory on this host and have announced a maximum size
+/// above `bytes`. Publishers that announce the default size are left out, since the default does not depend
+/// on their samples.
 std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std::uint64_t bytes) {
   std::set<std::string> topics;
   for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
@@ -61,7 +62,8 @@ std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std
   return topics;
 }
 
-/// Returns the topics of publishers of this host that have reported larger samples, as "images (6.3 MB)".
+/// Returns the topics of publishers of this host that have reported samples too large for shared memory, as
+/// "images (6.3 MB)".
 std::set<std::string> topics_that_were_diverted(const DomainSnapshot& domain) {
   std::map<std::string, std::uint64_t> largest;
   for (const DomainSnapshot::Pair& pair : domain.pairs) {

@@ -1,5 +1,5 @@
-// The check of `sft doctor` that compares the chunks of shared memory with what publishers of this host
-// announce.
+// The check of `sft doctor` that compares the chunks of shared memory with the sizes that publishers of this
+// host announce.
 #pragma once
 
 #include <sft/domain.h>

@@ -17,7 +17,7 @@ namespace sft::tool {
 
 namespace {
 
-/// The options of all subcommands. CLI11 writes to those of the chosen one.
+/// The options of all subcommands. CLI11 writes to the options of the chosen subcommand.
 struct Parsed {
   CommandLine line;
   LsOptions ls;
@@ -86,7 +86,7 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, Options Parse
   return command;
 }
 
-/// Adds --count, and --once, which is a --count of one.
+/// Adds --count, and --once, which has the effect of --count 1.
 void add_count(CLI::App* command, std::uint64_t& count, const char* of_one, const char* of_many) {
   const auto one = [&count](std::int64_t) { count = 1; };
   CLI::Option* once = command->add_flag_function("--once", one, of_one);
@@ -101,7 +101,7 @@ void add_live(CLI::App* command, LiveOptions& live) {
       ->capture_default_str();
 }
 
-/// For commands that need the definition of a type, which a node may not announce.
+/// Adds the option for commands that need the definition of a type, because nodes might not announce it.
 void add_includes(CLI::App* command, CommonOptions& common) {
   command
       ->add_option("-I,--include", common.includes,
@@ -238,7 +238,7 @@ void declare_doctor(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.doctor; });
 }
 
-/// What users of the command line of ROS 2 type, and the command of sft that does the same.
+/// A command that users of the command line of ROS 2 may type, and the command of sft with the same effect.
 struct Counterpart {
   std::string_view typed, command;
 };
@@ -256,7 +256,8 @@ constexpr Counterpart counterparts[] = {{"topic list", "ls"},
                                         {"interface show", "type"},
                                         {"interface list", "ls types"}};
 
-/// Returns what is wrong if the first word is no command; empty if it is one, or an option.
+/// Returns the fault if the first word is not a command. Returns an empty text if it is a command or an
+/// option.
 std::string fault_of_command(const CLI::App& app, std::span<char* const> words) {
   if (words.size() < 2 || words[1][0] == '-') return "";
   const std::string one = words[1];
@@ -271,7 +272,7 @@ std::string fault_of_command(const CLI::App& app, std::span<char* const> words) 
   return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
 }
 
-/// Prints a mistake that CLI11 found. CLI11 does not end the sentence.
+/// Prints a mistake that CLI11 has found. The sentence of CLI11 has no full stop.
 ExitCode report_mistake(const CLI::App& app, const std::string& what) {
   const auto chosen = app.get_subcommands();
   const std::string help = chosen.empty() ? "sft --help" : "sft " + chosen.front()->get_name() + " --help";
@@ -298,7 +299,7 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
     const std::string fault = fault_of_command(app, std::span(argv, static_cast<std::size_t>(argc)));
     if (!fault.empty()) return report_mistake(app, fault);
     if (error.get_exit_code() != 0) return report_mistake(app, error.what());
-    app.exit(error);  // prints the help that was asked for
+    app.exit(error);  // prints the help that the user has requested
     if (std::cout.flush()) return ExitCode::done;
     complain("the output cannot be written");
     return ExitCode::failed;

@@ -24,12 +24,13 @@ using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, P
                              BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
 
 struct CommandLine {
-  std::string name;  ///< of the subcommand
+  std::string name;  ///< the name of the subcommand
   CommonOptions common;
   Command command;
 };
 
-/// Returns an exit code if there is nothing to run: help was printed, or a mistake was reported.
+/// Parses the command line. Returns an exit code if there is nothing to run, because help was printed or a
+/// mistake was reported.
 std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv);
 
 }  // namespace sft::tool

@@ -16,8 +16,10 @@ struct CommonOptions {
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
-  double wait_s = 1;     ///< how long a command collects what it hears before it prints a complete list
-  double timeout_s = 5;  ///< how long a command waits for a topic or a sample that the user named
+  /// The time for which a command collects announcements before it prints a complete list.
+  double wait_s = 1;
+  /// The longest time for which a command waits for a topic or a sample that the user has named.
+  double timeout_s = 5;
 };
 
 inline std::chrono::nanoseconds seconds(double s) {

@@ -19,7 +19,7 @@ Result<std::string> cell(const DynamicView& view, const JsonOptions& options) {
   if (view.is_absent()) return std::string();
   Result<std::string> json = to_json(view, options);
   if (!json || !json->starts_with('"')) return json;
-  return nlohmann::json::parse(*json).get<std::string>();  // text, a name of an enumeration, or base64
+  return nlohmann::json::parse(*json).get<std::string>();  // a text, the name of an enumerator, or base64
 }
 
 }  // namespace
@@ -53,7 +53,7 @@ Result<std::string> CsvTable::row(const DynamicView& sample, const JsonOptions& 
   for (const Column& column : columns_) {
     if (&column != &columns_.front()) text += ',';
     const DynamicView view = sample.find(column.path);
-    if (view.is_absent()) continue;  // the sample came by a selection without this field
+    if (view.is_absent()) continue;  // the sample came for a selection without this field
     if (column.only_size) {
       const Result<std::size_t> size = view.size();
       if (!size) return tl::unexpected(size.error());

@@ -25,8 +25,9 @@ class CsvTable {
                    std::size_t leaf);
 
   struct Column {
-    std::string path;        ///< of the field in a view of the sample
-    bool only_size = false;  ///< the length of a sequence of structs, none of whose fields is chosen
+    std::string path;  ///< the path of the field in a view of the sample
+    /// True: the column is the length of a sequence of structs, none of whose fields is chosen.
+    bool only_size = false;
   };
   std::vector<Column> columns_;
 };

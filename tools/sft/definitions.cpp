@@ -14,16 +14,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the directory with the messages of SFT. Its path is relative to the program, wherever that is
-/// installed. The build tree has a link there.
+/// Returns the directory with the messages of SFT. Its path is relative to the program, wherever the program
+/// is installed. The build tree has a link at that place.
 fs::path own_interfaces() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   return (program.parent_path() / SFT_INTERFACES_FROM_PROGRAM).lexically_normal();
 }
 
-/// The user's own files are not hostile. So types in them may nest deeper than those that other nodes
-/// announce.
+/// The limits of types in the user's own files. These files are not hostile, so their types may nest deeper
+/// than types that other nodes announce.
 constexpr DynamicType::Limits limits_of_files{.bytes = std::size_t{1} << 20, .depth = 64};
 
 std::vector<fs::path> roots_of(const CommonOptions& common) {
@@ -32,7 +32,8 @@ std::vector<fs::path> roots_of(const CommonOptions& common) {
   return roots;
 }
 
-/// The file of a message or service in the first directory that has it; nothing if none has it.
+/// Returns the file of a message or service in the first directory that has it, or nothing if no directory
+/// has it.
 std::optional<fs::path> find_file(std::string_view name, const std::string& kind,
                                   const CommonOptions& common) {
   std::string path(name);

@@ -1,4 +1,4 @@
-// The definitions of message types in files: those of the user, and those that are installed with SFT.
+// Finds the definitions of message types in files: files of the user, and files that are installed with SFT.
 #pragma once
 
 #include <sft/domain.h>
@@ -11,20 +11,21 @@
 
 namespace sft::tool {
 
-/// Returns the type with that name, or the one in that file, PACKAGE/msg/NAME.msg. Looks in the user's
-/// directories (CommonOptions::includes) first. Errc::unavailable if no directory has it.
+/// Returns the type with the name `type`, or the type in that file, PACKAGE/msg/NAME.msg. The user's
+/// directories (CommonOptions::includes) are searched first. The error is Errc::unavailable if no directory
+/// has the type.
 Result<DynamicType> find_definition(const std::string& type, const CommonOptions& common);
 
-/// Returns the definition of the type that an endpoint announces without its fields. Returns an error if
-/// there is no definition, or if it defines another type of that name.
+/// Returns the definition of a type that an endpoint announces without its fields. Returns an error if there
+/// is no definition, or if the definition is that of another type with the same name.
 Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, const CommonOptions& common);
 
-/// The lines of constants in the file of a message, if the files define this type. Types are announced
-/// without their constants.
+/// Returns the lines of constants in the file of a message, if the files define this type. (Types are
+/// announced without their constants.)
 std::string constants_of(const StructType& type, const CommonOptions& common);
 
-/// The text of the service with that name, "std_srvs/SetBool", or in that file, PACKAGE/srv/NAME.srv. Nothing
-/// if no directory has it.
+/// Returns the text of the service with that name, "std_srvs/SetBool", or in that file, PACKAGE/srv/NAME.srv.
+/// Returns nothing if no directory has it.
 std::optional<std::string> find_service(std::string_view service, const CommonOptions& common);
 
 }  // namespace sft::tool

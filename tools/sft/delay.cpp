@@ -12,8 +12,8 @@ namespace sft::tool {
 
 namespace {
 
-/// Returns the path of the time stamp: "header.stamp", or "stamp" if the message is a header itself; empty if
-/// there is none.
+/// Returns the path of the time stamp: "header.stamp", or "stamp" if the message itself is a header. Returns
+/// an empty text if there is no time stamp.
 std::string stamp_field(const TypeSupport& type) {
   for (const char* field : {"header.stamp", "stamp"}) {
     const std::string path = field;

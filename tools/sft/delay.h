@@ -1,4 +1,4 @@
-// `sft delay`: measures how old samples are when they arrive.
+// `sft delay`: measures the age of samples at their arrival.
 #pragma once
 
 #include <string>
@@ -9,7 +9,7 @@ namespace sft::tool {
 
 struct DelayOptions {
   std::string topic{};
-  bool published = false;  ///< measure from the time of publication, instead of header.stamp
+  bool published = false;  ///< true: measures from the time of publication, instead of header.stamp
   LiveOptions live{};
 };
 

@@ -7,19 +7,19 @@
 
 namespace sft::tool {
 
-// The names in these objects are stable; later versions may add names.
+// The names in the JSON objects are stable; later versions may add names.
 nlohmann::ordered_json endpoint_json(const DomainSnapshot::Endpoint& endpoint, bool publishes);
-/// Counters that a node has not reported are null.
+/// Returns a pair as a JSON object. Counters that a node has not reported are null.
 nlohmann::ordered_json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint& publisher,
                                  const DomainSnapshot::Endpoint& subscriber);
 
-/// For example "reliable, transient_local, keep last 10, deadline 100 ms".
+/// Returns a text such as "reliable, transient_local, keep last 10, deadline 100 ms".
 std::string qos_text(const Qos& qos);
-/// For example "height, width; at most 20 Hz".
+/// Returns a text such as "height, width; at most 20 Hz".
 std::string request_text(const DomainSnapshot::Endpoint& subscriber);
-/// The transports that an endpoint may use, for example "shm, udp".
+/// Returns the transports that an endpoint may use, such as "shm, udp".
 std::string ways_text(const DomainSnapshot::Endpoint& endpoint);
-/// For example "matched by udp: another host" or "not matched: ...", in one line.
+/// Returns one line such as "matched by udp: another host" or "not matched: ...".
 std::string verdict_text(const DomainSnapshot::Pair& pair);
 
 const DomainSnapshot::Endpoint* endpoint_of(std::uint64_t id,

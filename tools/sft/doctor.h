@@ -1,4 +1,4 @@
-// `sft doctor`: checks whether this host is set up well for SFT, and says how to correct what is not.
+// `sft doctor`: checks if this host is set up well for SFT, and says how to correct faults.
 #pragma once
 
 #include "tools/sft/session.h"
@@ -6,10 +6,10 @@
 namespace sft::tool {
 
 struct DoctorOptions {
-  bool quiet = false;  ///< print warnings and errors only
+  bool quiet = false;  ///< true: prints warnings and errors only
 };
 
-/// Opens its own node, since a node that does not open is a finding.
+/// Runs the checks. The command opens its own node, since a node that cannot be opened is a finding.
 ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
 }  // namespace sft::tool

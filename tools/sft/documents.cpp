@@ -33,7 +33,7 @@ std::optional<std::string> Documents::next() {
   return document;
 }
 
-/// Returns a line with its line break, which the last line may lack.
+/// Returns a line with its line break (which the last line may lack).
 std::optional<std::string> Documents::line() {
   std::size_t searched = 0;
   for (;;) {

@@ -46,7 +46,8 @@ class Printer {
   }
 
  private:
-  /// The channels are a part of the data and not of the type, so only a sample shows that one is missing.
+  /// Reports missing channels. Channels are a part of the data and not of the type, so only a sample shows
+  /// that a channel is missing.
   void report_missing_channels(const DynamicSample& sample) {
     for (const std::string& channel : sample.missing_channels()) {
       if (!missing_.insert(channel).second) continue;
@@ -62,14 +63,14 @@ class Printer {
   }
 
   Format format_;
-  bool has_several_;  ///< samples come by several selections
+  bool has_several_;  ///< true: samples come for several selections
   Output& output_;
   CsvTable table_;
   YamlOptions yaml_;
   JsonOptions json_;
   bool has_header_ = false;
   std::string topic_;
-  std::set<std::string> missing_;  ///< channels that were reported
+  std::set<std::string> missing_;  ///< the missing channels that were reported
 };
 
 Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic& topic, Node& node) {
@@ -77,7 +78,7 @@ Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic
                                .depth = 64,
                                .max_rate_hz = options.max_rate_hz,
                                .pollable = true};
-  // A sample in shared memory has every field. This cuts it down to the fields that the user asked for.
+  // A sample in shared memory has every field. This setting reduces it to the fields that the user asked for.
   subscriber.recording.as_remote = options.fields != std::vector<std::string>{"*"};
   subscriber.further_selections.assign(options.fields.begin() + 1, options.fields.end());
   return node.subscriber(topic.name, topic.type, options.fields.front(), subscriber);
@@ -94,8 +95,8 @@ Result<FieldMask> all_fields(const EchoOptions& options, const TypeSupport& type
   return all;
 }
 
-/// Prints samples as they arrive and returns how many there were. A user who wants a number of samples waits
-/// for the first one for at most the timeout.
+/// Prints samples as they arrive, and returns their number. If the user wants a certain number of samples,
+/// the command waits for the first one at most for the timeout.
 Result<std::uint64_t> print_samples(const EchoOptions& options, const CommonOptions& common,
                                     DynamicSubscriber& subscriber, Printer& printer, Stop& stop) {
   using Clock = std::chrono::steady_clock;

@@ -4,9 +4,9 @@
 namespace sft::tool {
 
 enum class ExitCode : int {
-  done = 0,     ///< for doctor: all is well
-  nothing = 1,  ///< what the user asked for is not there, or did not come in time; for doctor: a warning
-  failed = 2,   ///< wrong usage, or something failed; for doctor: an error
+  done = 0,     ///< for doctor: there is no fault
+  nothing = 1,  ///< the requested topic or sample was not found in time; for doctor: a warning
+  failed = 2,   ///< wrong usage, or a failure; for doctor: an error
 };
 
 inline constexpr const char* exit_codes_help =

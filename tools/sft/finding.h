@@ -12,7 +12,7 @@ struct Finding {
   std::string what;  ///< the name of the check, such as "io_uring"
   Health health = Health::ok;
   std::string text;     ///< the state that the check found
-  std::string to_do{};  ///< how to correct it; empty if all is well
+  std::string to_do{};  ///< the way to correct the state; empty if there is no fault
 };
 
 }  // namespace sft::tool

@@ -27,7 +27,7 @@ std::string HelpFormat::make_description(const CLI::App* app) const {
   return wrapped(CLI::Formatter::make_description(app), columns);
 }
 
-/// CLI11 indents each line of the result.
+/// The result has no indentation, because CLI11 indents each of its lines.
 std::string HelpFormat::described(const std::string& text) const {
   return wrapped(text, columns - get_column_width());
 }

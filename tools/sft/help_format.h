@@ -1,4 +1,4 @@
-// Formats CLI11's help in lines that fit a terminal of 80 columns.
+// Formats the help of CLI11 in lines that fit a terminal of 80 columns.
 #pragma once
 
 #include <CLI/CLI.hpp>

@@ -1,4 +1,4 @@
-// `sft hz`: measures how often samples of topics arrive.
+// `sft hz`: measures the rate at which samples of topics arrive.
 #pragma once
 
 #include <string>
@@ -13,7 +13,8 @@ struct HzOptions {
   LiveOptions live{};
 };
 
-/// Asks for no field at all, so that the network carries only the headers of a sample, however large it is.
+/// Runs the command. It requests no field at all, so that the network carries only the headers of samples,
+/// even if they are large.
 ExitCode run(const HzOptions& options, const CommonOptions& common, Session& session);
 
 }  // namespace sft::tool

@@ -9,7 +9,7 @@ namespace sft::tool {
 
 struct LsOptions {
   std::string what{};  ///< "nodes", "topics", "types" or "endpoints"; empty: topics, or all of these as JSON
-  bool names = false;  ///< print names only, one per line
+  bool names = false;  ///< true: prints names only, one per line
 };
 
 ExitCode run(const LsOptions& options, const CommonOptions& common, Session& session);

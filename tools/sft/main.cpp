@@ -21,7 +21,7 @@ ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
   return std::visit(
       [&](const auto& options) {
         if constexpr (std::is_same_v<std::decay_t<decltype(options)>, DoctorOptions>) {
-          return ExitCode::done;  // ran above
+          return ExitCode::done;  // `sft doctor` has been run above
         } else {
           return run(options, line.common, *session);
         }
@@ -35,8 +35,9 @@ int main(int argc, char** argv) {
   const auto parsed = parse_command_line(argc, argv);
   if (const auto* code = std::get_if<ExitCode>(&parsed)) return static_cast<int>(*code);
   const auto& line = std::get<CommandLine>(parsed);
-  unsetenv("SFT_REMAP");     // the rules are for programs: a tool shows topics by the names that they have
-  signal(SIGPIPE, SIG_IGN);  // Output notices a closed pipe when it writes
+  // The rules are for programs: a tool shows the names of topics as they are announced.
+  unsetenv("SFT_REMAP");
+  signal(SIGPIPE, SIG_IGN);  // Output detects a closed pipe when it writes
   Stop stop;
   Output output(stop, line.common.no_color);
   const ExitCode code = run(line, stop, output);

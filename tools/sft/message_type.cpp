@@ -10,7 +10,7 @@ namespace sft::tool {
 
 namespace {
 
-/// Maps all forms of a type's name to one: "sensor_msgs/PointCloud2".
+/// Converts any form of a type's name to the short form: "sensor_msgs/PointCloud2".
 std::string short_name(std::string_view name) {
   std::string text = msg_name(name);
   if (const std::size_t at = text.find("/msg/"); at != text.npos) text.erase(at, 4);

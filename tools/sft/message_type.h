@@ -1,4 +1,4 @@
-// Finds the message type that a publisher is to use.
+// Finds the message type for a publisher.
 #pragma once
 
 #include <string>
@@ -7,9 +7,10 @@
 
 namespace sft::tool {
 
-/// Returns the type that the user names (PubOptions::type). Looks for a name in the directories of the
+/// Returns the type that the user names (PubOptions::type). A name is searched for in the directories of the
 /// session (CommonOptions::includes), in the messages that are installed with SFT, and then, for the timeout
-/// of the session, among the types that nodes announce. Errc::unavailable if no place has it.
+/// of the session, among the types that nodes announce. The error is Errc::unavailable if the type is found
+/// in none of these places.
 Result<DynamicType> find_message_type(const std::string& type, const std::string& topic, Session& session);
 
 }  // namespace sft::tool

@@ -47,7 +47,7 @@ std::string members_text(const StructType& type, const ConstantsOf& constants_of
   return text;
 }
 
-/// Adds the types that the members have. Called for each type found, it lists them breadth first, as
+/// Adds the types of the members. If it is called for each type found, all types are listed breadth first, as
 /// `ros2 interface show` does.
 void add_nested(const StructType& type, std::vector<const StructType*>& found) {
   for (const Member& m : type.members) {

@@ -24,8 +24,8 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr const char* group =
-    "239.255.83.70";  // in the range that any program may use within a site (RFC 2365)
+// An address in the range that any program may use within a site (RFC 2365).
+constexpr const char* group = "239.255.83.70";
 constexpr std::chrono::milliseconds timeout{300};
 
 struct Interface {
@@ -50,7 +50,7 @@ std::vector<Interface> interfaces() {
   return found;
 }
 
-/// A socket that sends to a group by an interface and receives from the group by the same interface.
+/// A socket that sends to a group by an interface, and receives datagrams to the group by the same interface.
 class Loop {
  public:
   explicit Loop(const Interface& interface)

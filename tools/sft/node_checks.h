@@ -1,4 +1,4 @@
-// The checks of `sft doctor` that open a node and report what the library says about this host.
+// The checks of `sft doctor` that open a node and report the state of this host according to the library.
 #pragma once
 
 #include <string>

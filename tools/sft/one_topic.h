@@ -16,8 +16,8 @@ struct OneTopic {
   std::vector<DomainSnapshot::Pair> pairs;
 };
 
-/// Waits until a node uses the topic, and then collects further ones for common.wait_s. Errc::unavailable if
-/// no node uses the topic within the timeout.
+/// Waits until a node uses the topic, and then collects further nodes for common.wait_s. The error is
+/// Errc::unavailable if no node uses the topic within the timeout.
 Result<OneTopic> look_at(std::string_view topic, const CommonOptions& common, Session& session);
 
 OneTopic part_of(const DomainSnapshot& domain, const std::string& topic);

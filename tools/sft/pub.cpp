@@ -19,8 +19,8 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr double usual_rate_hz = 1;
-constexpr auto most_behind = 20ms;  // samples that are later than this are skipped, not made up for
-constexpr auto afterglow = 100ms;   // time for the last sample to be received before the node closes
+constexpr auto most_behind = 20ms;  // samples that are later than this are skipped
+constexpr auto afterglow = 100ms;   // the time for the last sample to be received before the node closes
 
 /// A message that has been checked. It is encoded once, unless it contains the present time.
 class Value {
@@ -59,7 +59,7 @@ class Source {
     return Value::of(type_, options_.value).map([&](Value&& value) { value_ = std::move(value); });
   }
 
-  /// Waits until the next message is due, and returns it; null if there is none.
+  /// Waits until the next message is due, and returns it, or null if there is none.
   Result<const Value*> next() {
     if (options_.count != 0 && given_ == options_.count) return nullptr;
     if (from_input()) {
@@ -100,7 +100,8 @@ std::size_t served(const PublisherStatus& status) {
   return static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
 }
 
-/// Returns true if enough subscribers are served in time. Otherwise prints why they are not.
+/// Waits until enough subscribers are served, and returns true. Prints the reason and returns false if that
+/// does not happen in time.
 bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const std::string& topic,
               const CommonOptions& common, Session& session) {
   Stop& stop = session.stop();

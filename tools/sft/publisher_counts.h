@@ -1,4 +1,5 @@
-// Measures a topic by what its publishers count, without a subscriber: for a type whose fields are not known.
+// Measures a topic by the counts of its publishers, without a subscriber. For types whose fields are not
+// known.
 #pragma once
 
 #include <cstdint>
@@ -11,17 +12,18 @@
 
 namespace sft::tool {
 
-/// Publishers count what they send to their subscribers. So nothing is measured while there are none.
+/// The counts of a topic's publishers. Publishers count the samples that they send to subscribers. So no
+/// sample is counted while there are no subscribers.
 class PublisherCounts {
  public:
-  /// Begins to count now. The session outlives this object.
+  /// Begins to count now. The session must outlive this object.
   PublisherCounts(std::string topic, const Session& session);
 
   struct Report {
     double rate_hz = 0;         ///< the sum over all publishers
-    double bytes_per_s = 0;     ///< over the network, for each subscriber
-    std::uint64_t samples = 0;  ///< since the beginning
-    std::uint64_t fresh = 0;    ///< since the last report
+    double bytes_per_s = 0;     ///< bytes over the network, summed over the subscribers
+    std::uint64_t samples = 0;  ///< the number of samples since the beginning
+    std::uint64_t fresh = 0;    ///< the number of samples since the last report
   };
   Report report();
 
@@ -35,8 +37,8 @@ class PublisherCounts {
   std::uint64_t samples_ = 0;
 };
 
-/// Returns counts for a topic for which find() has failed because its nodes announce no fields, and tells the
-/// user so. Returns null if find() has failed for another reason.
+/// Returns counts for a topic for which find() has failed because its nodes announce no fields, and prints a
+/// line about this for the user. Returns null if find() has failed for another reason.
 std::unique_ptr<PublisherCounts> counts_instead(const std::string& topic, const Error& error,
                                                 const Session& session);
 

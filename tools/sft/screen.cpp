@@ -16,7 +16,7 @@ Screen::Screen(Output& output) : output_(output) {
     keys_ = STDIN_FILENO;
     termios raw = before_;
     raw.c_lflag &= ~static_cast<tcflag_t>(ICANON | ECHO);
-    raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // Ctrl-Z would leave the terminal in this state
+    raw.c_cc[VSUSP] = _POSIX_VDISABLE;  // disables Ctrl-Z, which would leave the terminal in this state
     tcsetattr(keys_, TCSANOW, &raw);
   }
   output_.write("\x1b[?1049h\x1b[?25l");  // the alternative screen, without a cursor
@@ -43,7 +43,7 @@ bool Screen::pressed(char key) const {
   while (keys_ >= 0 && poll(&input, 1, 0) > 0) {
     std::array<char, 64> typed{};
     const ssize_t bytes = read(keys_, typed.data(), typed.size());
-    if (bytes <= 0) return true;  // the terminal is gone
+    if (bytes <= 0) return true;  // the terminal has been closed
     found |= std::find(typed.begin(), typed.begin() + bytes, key) != typed.begin() + bytes;
   }
   return found;

@@ -10,7 +10,7 @@
 
 namespace sft::tool {
 
-/// Takes the whole screen, and restores what was there when it is destroyed.
+/// Uses the whole screen. The destructor restores the former contents.
 class Screen {
  public:
   explicit Screen(Output& output);
@@ -18,16 +18,16 @@ class Screen {
   Screen(const Screen&) = delete;
   Screen& operator=(const Screen&) = delete;
 
-  /// A whole line has one colour. Lines that are too long or too many for the screen are cut.
+  /// A line has one colour. Lines that are too long or too many for the screen are cut.
   struct Line {
     std::string text;
     Color color = Color::none;
   };
   void show(const std::vector<Line>& lines);
 
-  /// The descriptor from which keys are read; -1: the standard input is no terminal.
+  /// Returns the descriptor from which keys are read, or -1 if the standard input is not a terminal.
   int keys() const { return keys_; }
-  /// Returns true if the user has pressed this key. Discards all other keys.
+  /// Returns true if the user has pressed the key. Discards all other keys.
   bool pressed(char key) const;
 
  private:

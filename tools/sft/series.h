@@ -7,7 +7,7 @@
 
 namespace sft::tool {
 
-/// A time by a clock that is never set, so that no time between two events is negative.
+/// A time of a clock that is never set, so that no time between two events is negative.
 using Moment = std::chrono::steady_clock::time_point;
 
 struct Spread {
@@ -33,13 +33,13 @@ class Series {
   std::deque<Value> values_;
 };
 
-/// Times between events, in seconds.
+/// The times between events, in seconds.
 class Periods {
  public:
   void add(Moment when);
   void forget_before(Moment when) { series_.forget_before(when); }
   Spread spread() const { return series_.spread(); }
-  /// Returns events per second; 0 before the second event.
+  /// Returns the number of events per second, or 0 before the second event.
   double rate() const;
 
  private:

@@ -17,11 +17,11 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_pause{20};
-constexpr std::chrono::milliseconds settle_time{
-    100};  // time for the other publishers of a topic to be discovered
+constexpr std::chrono::milliseconds settle_time{100};  // the time to discover the other publishers of a topic
 
-/// Requests the durability that every publisher of the topic offers, so that retained samples are seen, too.
-/// Does not request reliability: a publisher may wait for reliable readers, and a tool must not slow it down.
+/// Returns the QoS to request: the durability that every publisher of the topic offers, so that retained
+/// samples are received, too. Reliability is not requested: a publisher may wait for reliable readers, and a
+/// tool must not slow it down.
 Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   Qos qos{.durability = Durability::transient_local};
   bool published = false;
@@ -34,7 +34,7 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
 }
 
 /// Returns a publisher of the topic if all its publishers are announced without the fields of their type. If
-/// it has no publishers, the same applies to its subscribers. Returns null otherwise.
+/// the topic has no publishers, the same is done with its subscribers. Returns null otherwise.
 const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const DomainSnapshot& domain) {
   const DomainSnapshot::Endpoint* first = nullptr;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
@@ -58,7 +58,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.discovery.peers = options.peers;
   node.shm.start_daemon = false;
   return Node::open(node).map([&](Node&& opened) {
-    (void)opened.domain();  // from now on, the node learns of all other nodes
+    (void)opened.domain();  // from now on, the node receives announcements of all other nodes
     return Session(std::move(opened), options, stop, output);
   });
 }
@@ -137,7 +137,7 @@ Result<FoundTopic> Session::find(std::string_view topic) {
     const auto* const undescribed = type ? nullptr : undescribed_one(name, domain);
     if (undescribed != nullptr) {
       type = definition_of(*undescribed, options_).map_error([&](const Error& of_files) {
-        const bool has_none = of_files.code == Errc::invalid_argument;  // .msg has no such names
+        const bool has_none = of_files.code == Errc::invalid_argument;  // .msg files do not have such names
         return Error{has_none ? Errc::unavailable : of_files.code,
                      type.error().message + "; " + of_files.message};
       });

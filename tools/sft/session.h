@@ -22,8 +22,8 @@ struct FoundTopic {
 
 class Session {
  public:
-  /// `command` is a part of the node's name. The node never starts a daemon, since a command that only
-  /// observes must not change the host.
+  /// Opens the node. `command` is a part of the node's name. The node never starts a daemon, since a command
+  /// that only observes must not change the host.
   static Result<Session> open(const CommonOptions& options, std::string_view command, Stop& stop,
                               Output& output);
 
@@ -32,34 +32,34 @@ class Session {
   Output& output() { return *output_; }
   const CommonOptions& options() const { return options_; }
 
-  /// Waits for options.wait_s, so that other nodes are found, and returns domain().
+  /// Waits for options.wait_s, so that other nodes are discovered, and returns domain().
   DomainSnapshot look_around();
-  /// Returns the domain as it is known now, without the publishers and subscribers of this session.
+  /// Returns the domain as it is known at present, without the publishers and subscribers of this session.
   DomainSnapshot domain() const;
 
   /// Waits until `enough` is true for the domain, at most for `for_s`. Returns false if the time is over.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
-  /// The same, for options.timeout_s.
+  /// Waits in the same way, at most for options.timeout_s.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
     return wait_until(enough, options_.timeout_s);
   }
 
-  /// Returns the name without its leading slash, which has no meaning.
+  /// Returns the name without a leading slash, which has no meaning.
   static std::string plain_name(std::string_view topic);
-  /// Returns the name under which nodes announce a topic that the user wrote with or without a leading slash;
-  /// nothing while no node publishes or subscribes to it.
+  /// Returns the name under which nodes announce a topic that the user has written with or without a leading
+  /// slash. Returns nothing while no node publishes or subscribes to the topic.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
-  /// Returns an error if the topic is private to a node, "~/image": a command takes topics by their full
-  /// names.
+  /// Returns an error if the topic is private to a node, "~/image": commands need the full names of topics.
   Result<void> check_name(std::string_view topic);
-  /// Adds to an error about an unknown topic which topics programs call by that name.
+  /// Adds the topics that programs call by that name to an error about an unknown topic.
   Error explained(Error error, std::string_view topic) const;
 
-  /// Finds a topic and its type. Errc::unavailable if no node announces the topic within the timeout. If its
-  /// nodes announce a type without its fields, the definition comes from files (CommonOptions::includes).
+  /// Finds a topic and its type. The error is Errc::unavailable if no node announces the topic within the
+  /// timeout. If its nodes announce a type without its fields, the definition is read from files
+  /// (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
-  /// Returns the name under which nodes announce the topic, if they announce its type without fields;
+  /// Returns the name under which nodes announce the topic, if they announce its type without fields,
   /// otherwise nothing.
   std::optional<std::string> undescribed(std::string_view topic) const;
 
@@ -73,7 +73,7 @@ class Session {
   Output* output_;
 };
 
-/// The part of an error that explains why a host which --peer names is not found.
+/// The part of an error that explains why a host that --peer names is not found.
 inline constexpr const char* peers_name_each_other =
     "nodes on the host that --peer names have to name this host as a peer, too (DiscoverySettings::peers)";
 

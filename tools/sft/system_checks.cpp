@@ -31,8 +31,8 @@ namespace {
 
 constexpr std::uint64_t mib = 1024 * 1024;
 constexpr rlim_t files_wanted = 256;             // each interface and each topic takes some descriptors
-constexpr std::uint64_t shm_least = 128 * mib;   // sftd does not start with less
-constexpr std::uint64_t shm_wanted = 256 * mib;  // samples of 16 MiB fit
+constexpr std::uint64_t shm_least = 128 * mib;   // sftd does not start with less memory
+constexpr std::uint64_t shm_wanted = 256 * mib;  // enough for samples of 16 MiB
 constexpr std::uint64_t memlock_wanted = 8 * mib;
 
 std::string limit_text(rlim_t limit) {
@@ -93,7 +93,7 @@ Finding check_memlock() {
           "service)."};
 }
 
-/// Asks a socket which receive buffer it gets, because a container hides the setting net.core.rmem_max.
+/// Checks the receive buffer that a socket gets, because a container hides the setting net.core.rmem_max.
 Finding check_receive_buffers() {
   const int wanted = static_cast<int>(UdpSettings{}.receive_buffer_bytes);
   const int asked = wanted / 2;  // the kernel doubles the number
@@ -104,7 +104,7 @@ Finding check_receive_buffers() {
   socklen_t bytes = sizeof granted;
   getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &bytes);
   close(probe);
-  int most = 0;  // the limit for processes without the right to exceed it
+  int most = 0;  // the limit for processes that have no right to exceed it
   std::ifstream("/proc/sys/net/core/rmem_max") >> most;
   const std::string limit = most == 0 ? "" : fmt::format("; net.core.rmem_max is {}", most);
   const std::string text =
@@ -143,7 +143,7 @@ Finding check_tmp() {
           "/tmp."};
 }
 
-/// Returns whether a mount of another kind than a tmpfs is there.
+/// Returns true if the directory is a mount of another kind than a tmpfs.
 bool is_on_a_disk(const char* directory) {
   struct statfs system {};
   constexpr long tmpfs = 0x01021994, ramfs = static_cast<long>(0x858458f6);
@@ -168,7 +168,8 @@ Finding check_dev_shm() {
   const std::uint64_t free = std::uint64_t{space.f_bavail} * space.f_frsize;
   const std::string text = fmt::format("{} of {} are free", bytes_text(static_cast<double>(free)),
                                        bytes_text(static_cast<double>(total)));
-  const bool has_daemon = !users_of_daemons().empty();  // a running daemon has taken the memory that it needs
+  // A running daemon has already taken the memory that it needs.
+  const bool has_daemon = !users_of_daemons().empty();
   if (total >= shm_wanted && (has_daemon || free >= shm_least)) return {"/dev/shm", Health::ok, text};
   if (total >= shm_least && (has_daemon || free >= shm_least))
     return {"/dev/shm", Health::warning, text,

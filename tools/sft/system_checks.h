@@ -1,4 +1,4 @@
-// The checks of `sft doctor` that need no node. Each reads a state of the system, without waiting.
+// The checks of `sft doctor` that need no node. Each check reads a state of the system, without waiting.
 #pragma once
 
 #include "tools/sft/finding.h"

@@ -24,10 +24,10 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds key_pause{100};  // nodes report their progress about once a second
+constexpr std::chrono::milliseconds key_pause{100};  // between two looks at the domain; a key ends it earlier
 
 struct View {
-  std::uint32_t number;  ///< of the domain
+  std::uint32_t number;  ///< the number of the domain
   DomainSnapshot domain{};
   Traffic traffic{};
 };
@@ -69,7 +69,7 @@ Screen::Line pair_line(const DomainSnapshot::Pair& pair, const OneTopic& topic) 
   const DomainSnapshot::Endpoint& publisher = *endpoint_of(pair.publisher, topic.publishers);
   const DomainSnapshot::Endpoint& subscriber = *endpoint_of(pair.subscriber, topic.subscribers);
   const std::string names = publisher.node + " -> " + subscriber.node;
-  if (pair.connected) {  // wider terminals show the text behind the columns, too
+  if (pair.connected) {  // wider terminals also show the text that follows the columns
     return {printable(fmt::format("{}  {}: {}", account_columns(names, to_string(pair.transport), pair),
                                   pair.reason, request_text(subscriber)))};
   }
@@ -126,7 +126,7 @@ void ask_about(const std::set<std::string>& topics, Session& session, Inquiries&
   }
 }
 
-/// Runs until the user wants to stop. Reads the domain more often than it shows it, since the times of
+/// Runs until the user wants to stop. The domain is read more often than it is shown, since the times of
 /// reading limit the precision of rates.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {

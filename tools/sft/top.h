@@ -7,7 +7,7 @@ namespace sft::tool {
 
 struct TopOptions {
   double every_s = 1;
-  double for_s = 0;  ///< 0: until the user stops it
+  double for_s = 0;  ///< the duration in seconds; 0: until the user stops the command
 };
 
 ExitCode run(const TopOptions& options, const CommonOptions& common, Session& session);

@@ -5,7 +5,7 @@
 namespace sft::tool {
 
 namespace {
-constexpr std::chrono::seconds idle_after{5};  // a publisher without progress for this time is idle
+constexpr std::chrono::seconds idle_after{5};  // a publisher without progress for this time counts as idle
 }  // namespace
 
 void Traffic::note(const DomainSnapshot& domain, Clock::time_point now) {

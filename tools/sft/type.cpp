@@ -18,10 +18,10 @@ using Json = nlohmann::ordered_json;
 
 struct Subject {
   DynamicType type;
-  std::optional<std::string> topic{};  ///< empty: it was found by its own name
+  std::optional<std::string> topic{};  ///< the topic of the type; empty: the type was found by its own name
 };
 
-/// A service is shown as its file has it.
+/// Prints a service as the text of its file.
 ExitCode print_service(const std::string& text, const TypeOptions& options, const CommonOptions& common,
                        Output& output) {
   if (options.fields) {
@@ -38,7 +38,7 @@ ExitCode print_service(const std::string& text, const TypeOptions& options, cons
   return ExitCode::done;
 }
 
-/// Returns whether a type may have this name: "sensor_msgs/PointCloud2", with "msg" between both words, or a
+/// Returns true if a type may have this name: "sensor_msgs/PointCloud2", with "msg" between both words, or a
 /// file. A topic may have such a name, too.
 bool may_be_type(std::string_view name) {
   const std::string short_form = msg_name(name);
@@ -53,7 +53,7 @@ Result<Subject> find_topic(const TypeOptions& options, Session& session) {
   });
 }
 
-/// A message of that name goes first.
+/// Returns the text of the service with that name, or nothing. A message of the same name takes precedence.
 std::optional<std::string> service_of(const TypeOptions& options, const CommonOptions& common,
                                       Session& session) {
   const std::optional<std::string> text = find_service(options.topic, common);

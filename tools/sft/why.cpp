@@ -21,13 +21,14 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t width = 80;
 constexpr std::size_t indent = 4;
 
-/// Prints the text in lines that fit a terminal, each of them indented and coloured.
+/// Prints the text in lines that fit a terminal, indented and coloured.
 void print_indented(const std::string& text, Color color, Output& output) {
   for (const std::string& line : lines_of(printable(text), width - indent, LongWords::broken))
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
-/// Prints the text in the same way, with a name in front of its first line. Nothing if it is empty.
+/// Prints the text in the same way, with a name in front of its first line. Prints nothing if the text is
+/// empty.
 void print_row(const char* name, const std::string& text, Output& output) {
   if (text.empty()) return;
   constexpr std::size_t name_width = 11;
@@ -37,7 +38,8 @@ void print_row(const char* name, const std::string& text, Output& output) {
   }
 }
 
-/// Prints the names of both nodes, with the ids of the endpoints behind them, or below if there is no room.
+/// Prints the names of both nodes, with the ids of the endpoints behind the names, or below them if there is
+/// no room.
 void print_ends(const DomainSnapshot::Endpoint& publisher, const DomainSnapshot::Endpoint& subscriber,
                 Output& output) {
   const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
@@ -113,8 +115,8 @@ void print_pairs_json(const OneTopic& topic, Output& output) {
 
 }  // namespace
 
-/// Asks the nodes of all pairs for their counters first. Most answer while the command still looks for other
-/// nodes. What is under way has time to come before it counts as missing.
+/// Asks the nodes of all pairs for their counters first. Most nodes answer while the command still looks for
+/// other nodes. Samples that are under way get time to arrive before they count as missing.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
   if (const Result<void> sound = session.check_name(options.topic); !sound) return give_up(sound.error());
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);

@@ -1,8 +1,8 @@
-// The domain as a node knows it, for tools: all topics, publishers and subscribers that it has seen, and
-// for each pair of a publisher and a subscriber whether they match, by which path, and why. The node derives
-// this by the rules that both of them follow. The two nodes of a pair count the samples that were sent,
-// saved, withheld or lost. They report these counts only while a program asks for them (AccountInquiry). A
-// node knows more of its own publishers and subscribers (snapshot.h).
+// The domain as a node knows it, for tools: all topics, publishers and subscribers that it has seen, and for
+// each pair of a publisher and a subscriber whether they match, by which path, and why. The node derives the
+// state of a pair by the same rules as the two nodes of the pair. The two nodes of a pair count the samples
+// that were sent, saved, withheld or lost. They report these counts only while a program asks for them
+// (AccountInquiry). A node knows more of its own publishers and subscribers (snapshot.h).
 //
 // All structs are copies that the program owns, made when Node::topics() or Node::domain() was called. Any
 // thread may call these functions, also in callbacks.
@@ -28,27 +28,28 @@ class NodeCore;
 
 /// One topic that the node has seen.
 struct TopicInfo {
-  /// One type of a topic, and the nodes that use it. A list has the name of a node once for each of its
-  /// publishers or subscribers.
+  /// One type of a topic, and the nodes that use the type. The lists of nodes name a node once for each of
+  /// its publishers or subscribers.
   struct Type {
-    std::string name;                        ///< as in the IDL: "sensor_msgs::msg::Imu"
-    std::uint64_t hash = 0;                  ///< equal for equal definitions of the type
-    std::optional<DynamicType> type{};       ///< its fields; empty if the type is too large to be described
-    std::vector<std::string> publishers{};   ///< names of nodes
-    std::vector<std::string> subscribers{};  ///< names of nodes
+    std::string name;        ///< the name as in the IDL: "sensor_msgs::msg::Imu"
+    std::uint64_t hash = 0;  ///< equal for equal definitions of the type
+    /// The fields of the type; empty if the type is too large to be described.
+    std::optional<DynamicType> type{};
+    std::vector<std::string> publishers{};   ///< the names of the publishers' nodes
+    std::vector<std::string> subscribers{};  ///< the names of the subscribers' nodes
     std::vector<Qos> offered{};              ///< the QoS that each of `publishers` offers, in the same order
     std::vector<Qos> requested{};  ///< the QoS that each of `subscribers` requests, in the same order
   };
 
-  /// The name has no slash at its beginning.
+  /// The name of the topic, without a slash at the beginning.
   std::string name;
   std::vector<Type> types{};  ///< publishers and subscribers of different types do not match
 };
 
-/// While this object or a copy of it lives, the nodes of all publishers and subscribers of a topic are asked
-/// for their counts of each pair; Node::domain() contains the answers. The first answers come after about a
-/// second, and are repeated about once a second. A node reports 32 accounts at a time; if there are more, it
-/// reports them in turn. An inquiry keeps its node alive. Any thread may destroy it.
+/// While this object or a copy of it lives, this node asks the nodes of all publishers and subscribers of a
+/// topic for their counts of each pair. Node::domain() contains the answers. The first answers come after
+/// about a second, and are repeated about once a second. A node reports 32 accounts at a time; if there are
+/// more, it reports them in turn. An inquiry keeps its node alive. Any thread may destroy it.
 class [[nodiscard]] AccountInquiry {
  public:
   AccountInquiry() = default;  ///< an inquiry that asks no node
@@ -61,7 +62,7 @@ class [[nodiscard]] AccountInquiry {
 
 /// The result of Node::domain().
 struct DomainSnapshot {
-  // The parts are defined behind this struct, because std::optional takes a part whose members have default
+  // The parts are defined behind this struct. Reason: std::optional accepts a part whose members have default
   // values only once the struct around the part is complete.
   struct Endpoint;
   struct Progress;
@@ -78,51 +79,53 @@ struct DomainSnapshot {
 /// The amount that a publisher has sent so far. Its node announces it from time to time while the publisher
 /// has readers.
 struct DomainSnapshot::Progress {
-  std::uint64_t samples = 0;  ///< samples that were sent to its readers
-  std::uint64_t bytes = 0;    ///< bytes of their bodies that went over the network, for each reader
+  std::uint64_t samples = 0;  ///< samples that were sent to readers of the publisher
+  /// Bytes of bodies that went over the network; a body counts once for each reader.
+  std::uint64_t bytes = 0;
 };
 
 /// One publisher or subscriber.
 /// Larger than usual: it is a record, whose members have names of their own for users.
 struct DomainSnapshot::Endpoint {
-  std::uint64_t id = 0;                  ///< random; a new one each time that an endpoint is opened
-  std::uint64_t node_id = 0;             ///< different for each node, even if names are equal
-  std::string node;                      ///< the name of its node
-  bool is_own = false;                   ///< true: it belongs to the node that was asked
-  std::string topic;                     ///< without a slash at the beginning
-  std::string given_topic{};             ///< the name that its program uses; empty if that is `topic`
-  std::string type_name;                 ///< as in the IDL: "sensor_msgs::msg::Imu"
-  std::uint64_t type_hash = 0;           ///< equal for equal definitions of the type
-  std::optional<DynamicType> type{};     ///< its fields; empty if the type is too large to be described
-  Qos qos;                               ///< what a publisher offers or a subscriber requests
-  bool may_use_shm = false;              ///< its options allow shared memory
-  bool may_use_udp = false;              ///< its options allow UDP
-  bool shm_ready = false;                ///< its node has shared memory that it may use
-  bool same_machine = false;             ///< it runs on the host of the node that was asked
-  std::vector<std::string> addresses{};  ///< its addresses for samples over UDP: "10.0.0.5:40123"
+  std::uint64_t id = 0;         ///< random; a new one each time that an endpoint is opened
+  std::uint64_t node_id = 0;    ///< different for each node, even if names are equal
+  std::string node;             ///< the name of the endpoint's node
+  bool is_own = false;          ///< true: the endpoint belongs to the node that was asked
+  std::string topic;            ///< the name without a slash at the beginning
+  std::string given_topic{};    ///< the name that the endpoint's program uses; empty if that is `topic`
+  std::string type_name;        ///< the name as in the IDL: "sensor_msgs::msg::Imu"
+  std::uint64_t type_hash = 0;  ///< equal for equal definitions of the type
+  /// The fields of the type; empty if the type is too large to be described.
+  std::optional<DynamicType> type{};
+  Qos qos;                               ///< the QoS that a publisher offers or a subscriber requests
+  bool may_use_shm = false;              ///< true: the options of the endpoint allow shared memory
+  bool may_use_udp = false;              ///< true: the options of the endpoint allow UDP
+  bool shm_ready = false;                ///< true: the endpoint's node has shared memory that it may use
+  bool same_machine = false;             ///< true: the endpoint runs on the host of the node that was asked
+  std::vector<std::string> addresses{};  ///< the addresses that receive samples over UDP: "10.0.0.5:40123"
 
-  // Publishers only.
+  // The members of publishers only.
   std::uint64_t max_sample_bytes = 0;  ///< the size of the largest body
-  bool waits = false;                  ///< it waits for reliable readers that do not keep up
-  /// Nodes report it while the program calls Node::domain() now and then. Empty until the publisher's node
-  /// has reported it.
+  bool waits = false;                  ///< true: publish() waits for reliable readers that do not keep up
+  /// The amount sent. Nodes report it while the program calls Node::domain() now and then. Empty until the
+  /// publisher's node has reported it.
   std::optional<Progress> progress{};
 
-  // Subscribers only.
-  std::optional<std::string> fields{};  ///< the fields that it asks for at present; empty: type unknown
-  double max_rate_hz = 0;               ///< the rate that it asks for; 0: all samples
-  std::uint64_t requests = 0;           ///< the number of its requests so far
+  // The members of subscribers only.
+  std::optional<std::string> fields{};  ///< the fields requested at present; empty: the type is unknown
+  double max_rate_hz = 0;               ///< the rate that the subscriber asks for; 0: all samples
+  std::uint64_t requests = 0;           ///< the number of requests that the subscriber has made
 };
 
 /// The counts of the publisher's node for one subscriber, with the meanings of PublisherStatus::Reader.
 struct DomainSnapshot::Sent {
-  std::chrono::nanoseconds
-      age{};                     ///< the time since the counts arrived; 0 for counts of the asked node itself
-  std::uint64_t sent = 0;        ///< samples that were sent
-  std::uint64_t withheld = 0;    ///< samples that conditions or the maximum rate have withheld
-  std::uint64_t dropped = 0;     ///< samples that were dropped
-  std::uint64_t retained = 0;    ///< samples from before the subscriber came; not in the counts above
-  std::uint64_t bytes_sent = 0;  ///< bytes of bodies over the network
+  /// The time since the counts arrived; 0 for counts of the asked node itself.
+  std::chrono::nanoseconds age{};
+  std::uint64_t sent = 0;         ///< samples that were sent
+  std::uint64_t withheld = 0;     ///< samples that conditions or the maximum rate have withheld
+  std::uint64_t dropped = 0;      ///< samples that were dropped
+  std::uint64_t retained = 0;     ///< samples from before the subscriber joined; not in the counts above
+  std::uint64_t bytes_sent = 0;   ///< bytes of bodies over the network
   std::uint64_t bytes_saved = 0;  ///< bytes of the fields that were left out of these bodies
   std::uint64_t diverted = 0;     ///< sent samples that went by UDP because shared memory could not take them
   std::uint64_t too_large_bytes = 0;  ///< as in PublisherStatus::Diverted
@@ -133,11 +136,11 @@ struct DomainSnapshot::Sent {
 struct DomainSnapshot::Received {
   std::chrono::nanoseconds age{};  ///< as in Sent
   std::uint64_t received = 0;      ///< samples that were taken or passed to the callback
-  std::uint64_t lost = 0;          ///< samples that should have come, and did not
+  std::uint64_t lost = 0;          ///< samples that should have arrived, and did not
 };
 
 /// The counts that the two nodes of a pair have reported. A side is empty if the program does not ask, or if
-/// the node has not answered yet. An answer that the node does not repeat is kept for 10 s.
+/// that node has not answered yet. An answer that the node does not repeat is dropped after 10 s.
 struct DomainSnapshot::Account {
   std::optional<Sent> publisher{};       ///< the report of the publisher's node
   std::optional<Received> subscriber{};  ///< the report of the subscriber's node
@@ -148,15 +151,17 @@ struct DomainSnapshot::Account {
 struct DomainSnapshot::Pair {
   std::uint64_t publisher = 0;     ///< the id of the publisher
   std::uint64_t subscriber = 0;    ///< the id of the subscriber
-  bool matched = false;            ///< false: `reason` says why
-  bool connected = false;          ///< the subscriber reports that it is connected, by `transport`
+  bool matched = false;            ///< false: the two do not match, and `reason` says why
+  bool connected = false;          ///< true: the subscriber reports that it is connected, by `transport`
   TransportKind transport{};       ///< valid only while the pair is connected
-  std::string reason{};            ///< why this transport is used, or none; for people
-  bool incompatible_type = false;  ///< the names or definitions of their types differ
-  std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions; "here" is the publisher's
-  QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
-  bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
-  Account account{};  ///< the counts of both nodes, while the program asks (Node::ask_accounts())
+  std::string reason{};            ///< the reason for this transport, or for having none; for people
+  bool incompatible_type = false;  ///< true: the names or definitions of the two types differ
+  /// Not null: two definitions of the type; "here" is the publisher's.
+  std::shared_ptr<const TypeMismatch> mismatch{};
+  /// The first policy that does not fit; `reason` names all.
+  QosPolicy incompatible_policy = QosPolicy::none;
+  bool no_path = false;  ///< true: type and QoS fit, but no path is allowed to both
+  Account account{};     ///< the counts of both nodes, while the program asks for them (Node::ask_accounts())
 };
 
 }  // namespace sft

@@ -8,8 +8,8 @@
 //   const auto status = pub->publish_json(R"({"width": 1024, "fields": [{"name": "x"}]})");
 //   const auto status = pub->publish_yaml("{header: auto, width: 1024}");
 //
-// To other programs these are subscribers and publishers like all others: the same transports, the same
-// masks. Types also come from .msg text: from_msg() (msg_text.h).
+// Other programs see them as ordinary subscribers and publishers, with the same transports and masks. Types
+// also come from .msg text: from_msg() (msg_text.h).
 #pragma once
 
 #include <chrono>
@@ -33,10 +33,10 @@
 
 namespace sft {
 
-/// A sample, as take() returns it and callbacks get it. It has the fields that its subscriber declared, and
-/// no others, even if a sample in shared memory has more. If the subscriber records, it has all fields of the
-/// sample. It keeps its type alive. Any thread may destroy it, and several threads may read it at once. It
-/// may be empty, like a Sample (sample.h). Then all fields are absent, and to_yaml() and to_json() return
+/// A sample, as take() returns it and callbacks get it. It shows the fields that its subscriber declared, and
+/// no others, even if the sample in shared memory has more. If the subscriber records, it shows all fields of
+/// the sample. It keeps its type alive. Any thread may destroy it, and several threads may read it at once.
+/// It may be empty, like a Sample (sample.h). Then all fields are absent, and to_yaml() and to_json() return
 /// errors.
 class DynamicSample {
  public:
@@ -56,7 +56,8 @@ class DynamicSample {
   }
   void view() const&& = delete;
 
-  /// Returns sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
+  /// Returns sequence, stamps, publisher, and the number of samples lost before this one. Valid as long as
+  /// the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Returns the fields that view() has. Must not be called on an empty sample.
@@ -82,11 +83,11 @@ class DynamicSample {
   std::span<const std::byte> cdr() const&;
   void cdr() const&& = delete;
 
-  /// Returns the fields that the sample has, as YAML, or an error if the sample is empty or malformed.
+  /// Returns the fields that mask() names as YAML, or an error if the sample is empty or malformed.
   Result<std::string> to_yaml(const YamlOptions& options = {}) const {
     return sample_ ? sft::to_yaml(view(), options) : empty_error();
   }
-  /// The same as JSON.
+  /// Returns the same fields as JSON.
   Result<std::string> to_json(const JsonOptions& options = {}) const {
     return sample_ ? sft::to_json(view(), options) : empty_error();
   }
@@ -113,7 +114,7 @@ class DynamicSample {
 /// any thread may call the other functions at any time.
 class [[nodiscard]] DynamicPublisher {
  public:
-  /// For SFT's own code: Node::publisher() opens one.
+  /// For SFT's own code: Node::publisher() makes publishers.
   DynamicPublisher(DynamicType type, detail::untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 
@@ -123,13 +124,13 @@ class [[nodiscard]] DynamicPublisher {
     return publisher_.publish_cdr(payload);
   }
   /// Publishes a message that is given as JSON (cdr_from_json() in json.h); a stamp may be "now", and a
-  /// header "auto". Errors name the path of the field and what was expected, even if there are no readers. It
-  /// allocates memory, and is meant for tools rather than for large data.
+  /// header "auto". Errors name the path of the field and what was expected, even if there are no readers.
+  /// The function allocates memory, and is meant for tools rather than for large data.
   [[nodiscard]] Result<PublishStatus> publish_json(std::string_view json) {
     return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
         .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
   }
-  /// The same for YAML (json_from_yaml() in yaml.h).
+  /// Does the same for a message that is given as YAML (json_from_yaml() in yaml.h).
   [[nodiscard]] Result<PublishStatus> publish_yaml(std::string_view yaml) {
     return json_from_yaml(type_.type(), yaml).and_then([this](const std::string& json) {
       return publish_json(json);
@@ -159,28 +160,28 @@ class [[nodiscard]] DynamicSubscriber {
   /// A callback for samples. The sample is destroyed after the call.
   using Callback = std::function<void(const DynamicSample&)>;
 
-  /// For SFT's own code: Node::subscriber() opens one.
+  /// For SFT's own code: Node::subscriber() makes subscribers.
   DynamicSubscriber(DynamicType type, detail::untyped::Subscriber subscriber)
       : type_(std::move(type)), subscriber_(std::move(subscriber)) {}
 
-  /// Returns the oldest sample that was not taken yet, or an empty one if there is none.
+  /// Returns the oldest sample that was not taken yet, or an empty sample if there is none.
   [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
   /// Returns the newest sample; see Subscriber::take_latest().
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
-  /// Returns true as soon as there is a sample to take, or false when the time is over.
+  /// Returns true as soon as there is a sample to take, or false when the timeout is over.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   /// See Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
   /// Changes selection `which`: asks for other fields, other parts of them, or other conditions. Publishers
-  /// apply it shortly after, and their next sample then counts as changed (Selection::Gate). A maximum rate
-  /// stays if the selection has none. Returns an error, and changes nothing, if the subscriber records, if
-  /// the text is wrong, or if there is no such selection.
+  /// apply the change shortly after, and their next sample then counts as changed (Selection::Gate). If the
+  /// new selection has no maximum rate, the present one remains. Returns an error, and changes nothing, if
+  /// the subscriber records, if the text is wrong, or if there is no selection `which`.
   [[nodiscard]] Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
-  /// The same with a selection that was made for this type.
+  /// Does the same with a selection that was made for this type.
   [[nodiscard]] Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
     return subscriber_.set_selection(selection, which);
   }

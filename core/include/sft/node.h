@@ -9,8 +9,8 @@
 // what to do.
 //
 // fork() is harmless. In the new process the node, and everything that it opened or lent, may be destroyed,
-// which does nothing, and the process may start another program (exec) or end. Nothing else may be done with
-// them there, and no other node can be opened.
+// which has no effect. The process may start another program (exec) or end. It must not use these objects in
+// any other way, and cannot open another node.
 //
 // A topic is a name in UTF-8 of up to 255 bytes, which may have slashes: "points", "left/points". An absolute
 // name has a slash in front, which is not shown. Any other name is relative: it is in the namespace of the
@@ -57,10 +57,10 @@ class [[nodiscard]] Node {
 
   /// Opens a subscriber whose samples the program takes. With declared fields: `node.subscriber<PointCloud2,
   /// F::height | F::width>("points")`; with recorded fields: `<PointCloud2, sft::recorded>`. If the field
-  /// `fields` is a sequence of structs, `F::fields` names all of it, `F::fields.each.name` one member of each
-  /// element, and `F::fields.size` the number of elements, which also comes with any member. An array of
-  /// structs has no `size`. As text these are "fields", "fields[].name" and "fields.size". A part of a field
-  /// is declared like a field: `F::data.channels<"x", "y", "z">`, `F::ranges.every(4)`
+  /// `fields` is a sequence of structs, `F::fields` names the whole sequence, `F::fields.each.name` one
+  /// member of each element, and `F::fields.size` the number of elements, which is sent with any member, too.
+  /// An array of structs has no `size`. As text these are "fields", "fields[].name" and "fields.size". A part
+  /// of a field is declared like a field: `F::data.channels<"x", "y", "z">`, `F::ranges.every(4)`
   /// (detail/declared_part.h, and selection.md for its meaning). With `<PointCloud2, sft::selected>`
   /// SubscriberOptions::selection names the fields when the program runs.
   template <class T, Req<T> R = Req<T>(all<T>)>
@@ -87,7 +87,8 @@ class [[nodiscard]] Node {
         .map([](detail::untyped::Subscriber&& s) { return Subscriber<T, R>(std::move(s)); });
   }
 
-  /// An overload for other callbacks that never compiles; the compiler's message says what a callback takes.
+  /// An overload for arguments that are no callback. It never compiles; the compiler's message says which
+  /// arguments a callback takes.
   template <class T, Req<T> R = Req<T>(all<T>), class F>
   requires(!detail::SampleCallback<F, Sample<T, R>> && !std::convertible_to<F, const SubscriberOptions&>)
       Result<Subscriber<T, R>> subscriber(std::string_view, F&&, const SubscriberOptions& = {}) {
@@ -97,18 +98,18 @@ class [[nodiscard]] Node {
     return fail(Errc::invalid_argument, "no callback for samples");
   }
 
-  // For programs that were not compiled with the type of a topic (dynamic.h).
+  // The functions for programs that were not compiled with the type of a topic (dynamic.h).
 
-  /// Waits until a publisher of the topic has announced the type. If no publisher appears within a second, or
-  /// longer while other processes are still being discovered, the type that a subscriber has announced is
-  /// returned. The error says what was seen instead. If a callback calls this, the other callbacks of the
-  /// node wait.
+  /// Waits until a publisher of the topic has announced the type, and returns that type. If no publisher
+  /// appears within a second, or longer while other processes are still being discovered, the type that a
+  /// subscriber has announced is returned. The error says which announcements were received instead. If a
+  /// callback calls this function, the other callbacks of the node wait.
   Result<DynamicType> find_type(std::string_view topic, std::chrono::nanoseconds timeout);
   /// Returns all topics that are known at present, including those of this node.
   ///
   /// By default a node learns only of publishers and subscribers that may match its own. After the first call
-  /// of topics(), domain() or ask_accounts() it learns of all. Those that were not known at that call are
-  /// known soon after it.
+  /// of topics(), domain() or ask_accounts() it learns of all publishers and subscribers. Those that were not
+  /// known at the time of that call are known soon after it.
   std::vector<TopicInfo> topics() const;
   /// Returns all publishers and subscribers that are known at present, including those of this node, and the
   /// state of each pair (domain.h).
@@ -118,13 +119,13 @@ class [[nodiscard]] Node {
   Result<AccountInquiry> ask_accounts(std::string_view topic) const;
   /// Opens a subscriber of a topic of any type. `fields` is a text: "header.stamp, fields[].name", or "*" for
   /// all. It may name parts of fields, as TypeSupport::parse_selection() takes them: "data{x,y,z}[::4]".
-  /// Publishers on other hosts send just the part; in shared memory the part is read in the whole sample.
+  /// Publishers on other hosts send only the part; in shared memory the part is read from the whole sample.
   /// Without a callback the program takes the samples.
   [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                                      std::string_view fields,
                                                      const SubscriberOptions& options = {},
                                                      DynamicSubscriber::Callback callback = {});
-  /// The same with recorded fields: `node.subscriber("points", type, sft::recorded)`.
+  /// Opens such a subscriber with recorded fields: `node.subscriber("points", type, sft::recorded)`.
   [[nodiscard]] Result<DynamicSubscriber> subscriber(std::string_view topic, const DynamicType& type,
                                                      detail::Recorded, const SubscriberOptions& options = {},
                                                      DynamicSubscriber::Callback callback = {});
@@ -134,22 +135,23 @@ class [[nodiscard]] Node {
   [[nodiscard]] Result<DynamicPublisher> publisher(std::string_view topic, const DynamicType& type,
                                                    const PublisherOptions& options = {});
 
-  /// Ends all waiting in this node, now and from now on: Subscriber::wait() of each of its subscribers
-  /// returns at once, with false if there is no sample, their file descriptors become readable and stay so,
-  /// and find_type() fails. Everything else goes on. A signal handler may call it: `while
-  /// (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). It cannot be undone.
+  /// Ends all waiting in this node, now and from now on. Subscriber::wait() of each of its subscribers
+  /// returns at once, with false if there is no sample; the file descriptors of the subscribers become
+  /// readable and stay so; and find_type() fails. Everything else goes on. A signal handler may call this
+  /// function: `while (!node.is_interrupted())` is a loop that ends at Ctrl-C (guide.md). The effect is
+  /// permanent.
   void interrupt() noexcept;
   bool is_interrupted() const noexcept;  ///< true after interrupt()
 
   /// Returns the time of the node, which time_message() (time.h) converts to a stamp. It is the system's
-  /// time, or, with NodeOptions::use_sim_time, the latest time from the topic "/clock", and 0 before the
+  /// time. With NodeOptions::use_sim_time it is the latest time from the topic "/clock", or 0 before the
   /// first one. A simulated time may stand still or go back.
   std::chrono::sys_time<std::chrono::nanoseconds> now() const;
 
-  /// Returns how discovery, UDP and shared memory work, and what was refused (status.h).
+  /// Returns the state of discovery, UDP and shared memory, and counts of refused input (status.h).
   NodeStatus status() const;
-  /// Returns everything that the node knows of its publishers, its subscribers and itself (snapshot.h);
-  /// to_json() prints it.
+  /// Returns all data of the node about its publishers, its subscribers and itself (snapshot.h); to_json()
+  /// prints them.
   NodeSnapshot snapshot() const;
 
  private:

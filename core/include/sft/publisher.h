@@ -20,7 +20,7 @@ namespace sft {
 
 /// A message that is filled in the memory from which readers on this host will read it, so that publish()
 /// copies nothing. `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)`
-/// writes a scalar, and `loan.shrink(F::data, n)` gives back what was reserved beyond n elements.
+/// writes a scalar, and `loan.shrink(F::data, n)` removes the reserved elements after the first n.
 ///
 /// A loan is moved, not copied. It owns its memory until it is published; an unpublished loan gives the
 /// memory back when it is destroyed. A loan may outlive its publisher. One thread at a time uses it; any
@@ -30,7 +30,7 @@ namespace sft {
 template <class T>
 class [[nodiscard]] Loan {
  public:
-  /// The writable members of the loan.
+  /// The type that gives access to the writable members of the loan.
   using View = typename T::template LoanView<detail::LoanedPlace<T>>;
   /// The sequences of T that a loan can reserve.
   using Reservations = decltype(View::reservations({}));
@@ -39,7 +39,7 @@ class [[nodiscard]] Loan {
   Loan(detail::untyped::Loan&& loan, const Reservations& reserved)
       : loan_(std::move(loan)), reserved_(reserved) {}
 
-  /// The value that operator->() returns.
+  /// The result of operator->().
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -48,12 +48,12 @@ class [[nodiscard]] Loan {
    private:
     View view_;
   };
-  /// Accesses the writable members, in place. Does not compile on a temporary loan.
+  /// Gives access to the writable members, in place. Does not compile on a temporary loan.
   Arrow operator->() & { return Arrow(View{detail::LoanedPlace<T>{loan_.body(), loan_.state()}}); }
   void operator->() && = delete;
 
-  /// Writes one scalar field that is not in a sequence or an array of structs. The value is a number, or an
-  /// enumerator of the field's own enumeration; anything else does not compile.
+  /// Writes one scalar field that is not in a sequence or an array of structs. The value must be a number, or
+  /// an enumerator of the field's own enumeration. Other values do not compile.
   template <std::size_t Leaf, class V>
   void set(const detail::FieldNode<T, Leaf, 1>&, V value) {
     constexpr ScalarPlace place = scalar_place(detail::TypeTable<T>::type, Leaf);
@@ -131,12 +131,12 @@ class [[nodiscard]] Loan {
 };
 
 /// Publishes messages of type T on one topic; Node::publisher() opens it. It is moved, not copied, and keeps
-/// its node alive. One thread at a time publishes and takes loans: a second one that does so meanwhile ends
-/// the program with a line that says so. A loan may be filled on another thread, but the thread that uses the
-/// publisher at that time publishes it. Any thread may call assert_liveliness(), wait_for_subscribers(),
-/// status() and type() at any time. Loans may outlive the publisher. After the destructors of the publisher
-/// and of its loans none of its callbacks runs any more (unless such a destructor is called from within the
-/// callback).
+/// its node alive. One thread at a time publishes and takes loans. If a second thread does so meanwhile, the
+/// program ends with a line that names this mistake. A loan may be filled on another thread, but it is
+/// published by the thread that uses the publisher at that time. Any thread may call assert_liveliness(),
+/// wait_for_subscribers(), status() and type() at any time. Loans may outlive the publisher. After the
+/// destructors of the publisher and of its loans none of its callbacks runs any more (unless such a
+/// destructor is called from within the callback).
 template <class T>
 class [[nodiscard]] Publisher {
  public:
@@ -153,7 +153,8 @@ class [[nodiscard]] Publisher {
   /// Publishes a span, vector or array of messages. Each becomes a sample of its own, as if they were
   /// published one after the other. For small messages to other hosts this is much cheaper, because over UDP
   /// small samples share datagrams and system calls. All samples have the time of this call as their stamp.
-  /// (publish() of a single message sends it at once, and never waits for further ones to share a datagram.)
+  /// (publish() of a single message sends it at once, and never waits for further messages with which it
+  /// could share a datagram.)
   template <std::convertible_to<std::span<const T>> Messages>
   requires(!std::convertible_to<Messages, const T&>) PublishedSpan publish(const Messages& messages) {
     const std::span<const T> all = messages;
@@ -186,25 +187,25 @@ class [[nodiscard]] Publisher {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
-  /// Returns why publish() returned PublishStatus::invalid: the field that is wrong, its size and the limit,
-  /// as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span it is about the last
-  /// message that was wrong. The text stays until the next message is refused, and is empty before the first
-  /// one. Only the thread that publishes may call this.
+  /// Returns the reason why publish() returned PublishStatus::invalid: the field that is wrong, its size and
+  /// the limit, as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span the text is
+  /// about the last message that was wrong. It stays until the next message is refused, and is empty before
+  /// the first refusal. Only the thread that publishes may call this.
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
-  /// Sleeps until at least `count` subscribers are served, and returns true, or until the time is over, and
-  /// returns false. A subscriber with several selections counts once for each. If it returns true, messages
-  /// that are published later are sent to these subscribers. Must not be called in callbacks: the node would
-  /// not serve these subscribers meanwhile.
+  /// Sleeps until at least `count` subscribers are served, and then returns true. Returns false if the
+  /// timeout is over before. A subscriber with several selections counts once for each. If the result is
+  /// true, messages that are published later are sent to these subscribers. Must not be called in callbacks:
+  /// the node would not serve these subscribers meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
 
-  /// Asserts that the publisher is alive. For liveliness manual_by_topic, while there is nothing to publish.
-  /// Cheap.
+  /// Asserts that the publisher is alive. A program with the liveliness manual_by_topic calls this while it
+  /// has nothing to publish. The call takes little time.
   void assert_liveliness() { publisher_.assert_liveliness(); }
 
-  /// Returns the counts, and each subscriber of the topic. Any thread may call this.
+  /// Returns the counts of the publisher, and each subscriber of the topic. Any thread may call this.
   PublisherStatus status() const { return publisher_.status(); }
   /// Returns the message type, which is valid as long as the publisher. Any thread may call this.
   const TypeSupport& type() const { return publisher_.type(); }

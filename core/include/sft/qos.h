@@ -17,7 +17,7 @@
 
 namespace sft {
 
-/// Says what is done about samples that are lost on the way.
+/// The treatment of samples that are lost on the way.
 enum class Reliability : std::uint8_t {
   best_effort,  ///< a lost sample is only counted
   /// Samples come in order, and none is lost as long as the subscriber does not lag by more than its depth.
@@ -31,17 +31,17 @@ enum class Reliability : std::uint8_t {
   /// nevertheless are counted, and logged as a warning.
   reliable,
 };
-/// Says which samples a subscriber gets that were published before it came.
+/// Decides which samples from before it joined a subscriber gets.
 enum class Durability : std::uint8_t {
   volatile_,  ///< none: the subscriber gets only samples that are published once it is served
   /// The last samples of each publisher, as many as both sides keep (PublisherOptions::history_depth,
   /// SubscriberOptions::depth). They come by UDP, even within a host, or in shared memory if the pair must
   /// not use UDP. A reliable subscriber gets all of them, whatever their size: they are sent at the pace at
-  /// which it acknowledges them, and samples that are published meanwhile follow. Until they have been sent
-  /// they stay in memory, even if the publisher already retains newer ones.
+  /// which it acknowledges them. Samples that are published meanwhile follow. The retained samples stay in
+  /// memory until they have been sent, even if the publisher already retains newer ones.
   transient_local,
 };
-/// How a publisher shows that it is alive.
+/// The way in which a publisher shows that it is alive.
 enum class Liveliness : std::uint8_t {
   /// A publisher is alive as long as its node is. If a subscriber requests a lease, the node sends three
   /// signs of life per lease, each for all its publishers together, in about 155 bytes.
@@ -62,10 +62,12 @@ struct Qos {
   Durability durability = Durability::volatile_;       ///< a transient_local offer satisfies each request
   std::chrono::nanoseconds deadline{0};                ///< the longest time between two samples
   Liveliness liveliness = Liveliness::automatic;       ///< a manual_by_topic offer satisfies each request
-  std::chrono::nanoseconds liveliness_lease{0};        ///< the longest time between two signs of life
-  // These take no part in matching:
-  std::chrono::nanoseconds lifespan{0};  ///< only for publishers: the age up to which samples are delivered
-  /// Publishers: samples kept for late subscribers. Subscribers: samples kept until they are taken.
+  /// The longest time between two assertions that a publisher is alive.
+  std::chrono::nanoseconds liveliness_lease{0};
+  // The following members take no part in matching.
+  std::chrono::nanoseconds lifespan{0};  ///< only for publishers: the age at which samples expire
+  /// Publishers: the number of samples kept for late subscribers. Subscribers: the number kept until they are
+  /// taken.
   std::uint32_t history_depth = 1;
   friend bool operator==(const Qos&, const Qos&) = default;
 };

@@ -1,4 +1,4 @@
-// The fields that a subscriber asks for and, if they are recorded, those that its program was seen to read:
+// The fields that a subscriber asks for and, if they are recorded, the fields that its program has read:
 //
 //   const sft::Requirements seen = recorded.requirements();                   // after it ran for a while
 //   auto declared = node.subscriber("points", type, seen.text);               // always asks for these fields

@@ -6,10 +6,10 @@
 //   string                std::string_view       a range of std::string_view
 //   struct                a view with getters    a range of views
 //
-// Ranges have random access, and work with range-for and std::ranges. If a mask is declared, a getter of a
-// field that is not in it does not compile. If fields are recorded, or selected by text, getters return
-// sft::Optional (optional.h), which is empty if the sample does not have the field. If they are recorded,
-// getters note the access, too.
+// Ranges have random access, and work with range-for and std::ranges. If a mask is declared, the getter of a
+// field that is not in the mask does not compile. If fields are recorded, or selected by text, getters return
+// sft::Optional (optional.h), which is empty if the sample does not have the field. If fields are recorded,
+// getters also record the access.
 #pragma once
 
 #include <memory>
@@ -26,8 +26,8 @@
 
 namespace sft {
 
-/// A message of the program's own, of which only the fields in `mask` were received. Other fields have their
-/// default values.
+/// A message in an object of the program, of which only the fields in `mask` were received. Other fields have
+/// their default values.
 template <class T>
 struct Partial {
   T value{};         ///< owned by this struct
@@ -46,7 +46,7 @@ struct Partial {
 template <class T, Req<T> R = Req<T>(all<T>)>
 class Sample {
  public:
-  /// The getters of the fields.
+  /// The type of the view, which has the getters of the fields.
   using View = detail::ViewOf<T, R>;
 
   Sample() = default;
@@ -56,8 +56,8 @@ class Sample {
   /// Returns false if there is no sample.
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
-  /// The value that operator->() returns. The operator does not compile on a temporary sample, because what
-  /// getters return would refer to a destroyed sample.
+  /// The result of operator->(). The operator does not compile on a temporary sample, because the results of
+  /// getters would refer to a destroyed sample.
   class Arrow {
    public:
     explicit Arrow(View view) : view_(view) {}
@@ -66,12 +66,12 @@ class Sample {
    private:
     View view_;
   };
-  /// Calls getters: `sample->field()`. Must not be called on an empty sample.
+  /// Gives access to the getters: `sample->field()`. Must not be called on an empty sample.
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 
-  /// Returns all getters of the sample. Valid as long as the sample, which must not be moved meanwhile. Must
-  /// not be called on an empty sample.
+  /// Returns the view with the getters of the sample. The view is valid as long as the sample, which must not
+  /// be moved meanwhile. Must not be called on an empty sample.
   View view() const& {
     if (!sample_) [[unlikely]]
       stop();
@@ -79,7 +79,8 @@ class Sample {
   }
   void view() const&& = delete;
 
-  /// Returns sequence, stamps, publisher, and what was lost before this sample. Valid as long as the sample.
+  /// Returns sequence, stamps, publisher, and the number of samples lost before this one. Valid as long as
+  /// the sample.
   const SampleInfo& info() const& { return sample_.info(); }
   void info() const&& = delete;
   /// Returns the fields that the sample has. Must not be called on an empty sample.
@@ -89,11 +90,12 @@ class Sample {
     return *sample_.state().mask;
   }
   void mask() const&& = delete;
-  /// Returns the selection that the sample was made for: the fields and parts that its subscriber had asked
-  /// for. After a subscriber has changed its selection, samples of the former one may still come, and return
-  /// that one. A sample in shared memory, which has all fields, is always reduced to the latest one. Of
-  /// selections that differ in their conditions only, it is the latest one. Null if the subscriber records,
-  /// if it declares only whole fields, or if the sample is empty. Valid as long as the sample.
+  /// Returns the selection that the sample was made for: the fields and parts that its subscriber has
+  /// requested. After a subscriber has changed its selection, samples of the former selection may still
+  /// arrive; for these samples the former selection is returned. A sample in shared memory, which has all
+  /// fields, is always reduced to the latest selection. If selections differ only in their conditions, the
+  /// latest one is returned. The result is null if the subscriber records, if it declares only whole fields,
+  /// or if the sample is empty. Valid as long as the sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
   /// Returns the channels of point clouds that were asked for, declared or recorded, and that the sample's
@@ -103,8 +105,8 @@ class Sample {
   /// was no memory for the part of a field that it had to copy.
   bool malformed() const { return sample_.state().is_malformed(); }
 
-  /// Copies the whole message. Only for samples that have all fields. Returns an error if the bytes are
-  /// malformed, which a broken program on this host can cause.
+  /// Returns a copy of the whole message. Compiles only if the sample has all fields. Returns an error if the
+  /// bytes are malformed, which a faulty program on this host can cause.
   [[nodiscard]] Result<T> to_owned() const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     static_assert(fits_the_stack,
@@ -115,13 +117,14 @@ class Sample {
     return value;
   }
   /// Copies the whole message to an object of the program, whose memory is reused. This also works for
-  /// structs that are too large for the stack. After an error the object may have some fields of the sample.
+  /// structs that are too large for the stack. After an error the object may contain some fields of the
+  /// sample.
   [[nodiscard]] Result<void> to_owned(T& message) const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
     return decode_to(message);
   }
-  /// Copies the fields that this sample has. Returns the same errors as to_owned().
+  /// Returns a copy of the fields that this sample has. Returns the same errors as to_owned().
   [[nodiscard]] Result<Partial<T>> to_partial() const {
     static_assert(fits_the_stack,
                   "the struct is too large for the stack: write sample.to_partial(*partial), "
@@ -131,7 +134,7 @@ class Sample {
       partial = tl::unexpected(std::move(copied.error()));
     return partial;
   }
-  /// The same, but to an object of the program, which is replaced completely.
+  /// Does the same, but copies to an object of the program, which is replaced completely.
   [[nodiscard]] Result<void> to_partial(Partial<T>& partial) const {
     if (!sample_) return empty_error();
     std::destroy_at(&partial.value);
@@ -141,13 +144,13 @@ class Sample {
   }
 
   /// Returns the encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of
-  /// those members of the type that are in mask(). If parts of fields were asked for, the first call on the
-  /// publisher's host makes a copy; the result is empty if there is no memory for it.
+  /// the members of the type that are in mask(). If parts of fields were requested, the first call on the
+  /// publisher's host makes a copy; the result is empty if there is no memory for the copy.
   std::span<const std::byte> cdr() const& { return sample_.cdr(); }
   void cdr() const&& = delete;
 
  private:
-  /// Not inline: getters, which are many, stay short.
+  /// The function is not inline, so that the getters, which are many, stay short.
   [[noreturn, gnu::cold, gnu::noinline]] static void stop() {
     detail::stop_at_empty_sample(detail::TypeTable<T>::type.name);
   }

@@ -8,17 +8,17 @@
 
 namespace sft {
 
-/// Belongs to a sample, and is valid as long as the sample. Stamps are in UTC, as std::chrono::system_clock
-/// counts.
+/// The origin of a sample. The object belongs to the sample, and is valid as long as the sample. Stamps are
+/// in UTC, as std::chrono::system_clock counts.
 struct SampleInfo {
-  std::uint64_t sequence = 0;  ///< number of the sample among those of its publisher, from 1
-  std::uint64_t writer = 0;    ///< id of the publisher
+  std::uint64_t sequence = 0;  ///< the number of the sample among all samples of its publisher, from 1
+  std::uint64_t writer = 0;    ///< the id of the publisher
   /// The time of publish(), by the publisher's clock.
   std::chrono::sys_time<std::chrono::nanoseconds> source_stamp{};
-  /// The time at which the sample was complete on this host. For a sample in shared memory, which is complete
-  /// when it is published, it is the time of take().
+  /// The time at which the sample was complete on this host. A sample in shared memory is complete when it is
+  /// published; for such a sample it is the time of take().
   std::chrono::sys_time<std::chrono::nanoseconds> receive_stamp{};
-  /// The number of samples of this publisher that were lost between the previous one of the same selection
+  /// The number of samples of this publisher that were lost between the previous sample of the same selection
   /// and this one.
   std::uint64_t lost_before = 0;
   TransportKind transport{};  ///< the path by which the sample came

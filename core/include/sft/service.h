@@ -7,10 +7,10 @@
 //   auto client = sft::Client<SetBool>::open(node, "lights").value();
 //   sft::Result<SetBool::Response> response = client.call({.data = true}, std::chrono::seconds(2));
 //
-// A service is two reliable topics: clients publish S::Call on NAME/call, the server publishes S::Reply on
-// NAME/reply. Each client subscribes to its own replies only, so that they are not sent to other hosts. `sft
-// echo` shows both topics, and `sft pub NAME/call auto '{request: {data: true}}'` calls, too. The fields of
-// both:
+// A service has two reliable topics: clients publish S::Call on NAME/call, and the server publishes S::Reply
+// on NAME/reply. Each client subscribes to its own replies only, so that they are not sent to other hosts.
+// `sft echo` shows both topics, and `sft pub NAME/call auto '{request: {data: true}}'` makes a call. Calls
+// and replies have these fields:
 //
 //   client      a random number of the client; 0: `sft pub`, whose calls are always carried out
 //   number      the number of the call, which the client counts; a repetition has the same one
@@ -48,18 +48,19 @@ concept GeneratedService = requires(typename S::Call call, typename S::Reply rep
 }  // namespace detail
 
 /// The server of a service. It is moved, not copied, and keeps its node alive. After the destructor the
-/// handler does not run any more, and waiting clients get the error that the server is gone.
+/// handler does not run any more, and waiting clients get an error that says that the server has departed.
 template <detail::GeneratedService S>
 class [[nodiscard]] Service {
  public:
-  /// Called once for each request by a thread of the node, one request at a time. It is a callback for
-  /// samples, and their rules apply (subscriber.h). While it runs, other requests wait. It returns a
-  /// response, or an error, whose message the client gets. It must not throw.
+  /// The function that answers requests. It is called once for each request by a thread of the node, one
+  /// request at a time. It is a callback for samples, and the rules of such callbacks apply (subscriber.h).
+  /// While it runs, other requests wait. It returns a response, or an error, whose message the client gets.
+  /// It must not throw.
   using Handler = std::function<Result<typename S::Response>(const typename S::Request&)>;
 
-  /// Serves until the returned object is destroyed. Clients refuse to choose between two servers of one name.
-  /// `options` are those of the publisher of replies, `max_sample_bytes` for example, which is always
-  /// reliable.
+  /// Opens the server, which serves until the returned object is destroyed. If two servers have one name,
+  /// clients use neither. `options` are the options of the publisher of replies, for example
+  /// `max_sample_bytes`. That publisher is always reliable.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, Handler handler,
                                             PublisherOptions options = {}) {
     if (!handler) return fail(Errc::invalid_argument, "service '" + std::string(service) + "': no handler");
@@ -81,7 +82,7 @@ class [[nodiscard]] Service {
   using Reply = typename S::Reply;
   using Served = detail::ServedCalls<Reply>;
 
-  /// Used by one thread at a time: the one that runs the callback.
+  /// The state that the callback uses. One thread at a time uses it: the thread that runs the callback.
   class State {
    public:
     State(Handler handler, Publisher<Reply> replies)
@@ -128,20 +129,21 @@ class [[nodiscard]] Service {
   Service(std::shared_ptr<State>&& state, Subscriber<Call>&& calls)
       : state_(std::move(state)), calls_(std::move(calls)) {}
 
-  std::shared_ptr<State> state_;  // a callback shares it while it runs: the handler may destroy the service
-  Subscriber<Call> calls_;        // destroyed first, which waits for the handler
+  // Shared with the running callback, because the handler may destroy the service.
+  std::shared_ptr<State> state_;
+  Subscriber<Call> calls_;  // destroyed first; its destructor waits for the handler
 };
 
-/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time may use it:
-/// threads that call at the same time need a client each. A call while another one is under way is an error.
+/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time may use it.
+/// Threads that call at the same time need separate clients: a call while another one is running is an error.
 template <detail::GeneratedService S>
 class [[nodiscard]] Client {
  public:
-  using Request = typename S::Request;    ///< as in the .srv file
-  using Response = typename S::Response;  ///< as in the .srv file
+  using Request = typename S::Request;    ///< the request as in the .srv file
+  using Response = typename S::Response;  ///< the response as in the .srv file
 
-  /// Opens a client; the server may start later. `options` are those of the publisher of calls, which is
-  /// always reliable.
+  /// Opens a client; the server may start later. `options` are the options of the publisher of calls, which
+  /// is always reliable.
   [[nodiscard]] static Result<Client> open(Node& node, std::string_view service,
                                            PublisherOptions options = {}) {
     const std::uint64_t id = detail::new_client_id();
@@ -159,11 +161,11 @@ class [[nodiscard]] Client {
   /// Returns true if there is exactly one server, and both calls and replies are connected.
   bool is_available() const { return detail::only_server(servers()) != nullptr; }
 
-  /// Waits for the server, sends the request to it, repeats it until the response comes, and returns that.
-  /// The handler of the server runs once. Returns an error, which says why, if that takes longer than
-  /// `timeout`, if the server goes away meanwhile, or if it refuses. After an error it is not known whether
-  /// the handler ran. Must not be called in callbacks for samples, since the response would wait for the
-  /// callback: call on a thread of the program.
+  /// Waits for the server, sends the request to it, repeats the request until the response arrives, and
+  /// returns the response. The handler of the server runs once. Returns an error with the reason if this
+  /// takes longer than `timeout`, if the server departs meanwhile, or if the server refuses. After an error
+  /// it is unknown if the handler ran. Must not be called in callbacks for samples, since the response would
+  /// wait for the callback: call it on a thread of the program.
   [[nodiscard]] Result<Response> call(const Request& request, std::chrono::nanoseconds timeout) {
     static_assert(sizeof(Response) <= (1 << 20),
                   "the response is too large for the stack: write client.call(request, *response, timeout), "
@@ -173,8 +175,8 @@ class [[nodiscard]] Client {
       response = tl::unexpected(std::move(done.error()));
     return response;
   }
-  /// The same, but writes the response to an object of the program, which does not change if there is an
-  /// error.
+  /// Does the same, but writes the response to an object of the program. The object does not change if there
+  /// is an error.
   [[nodiscard]] Result<void> call(const Request& request, Response& response,
                                   std::chrono::nanoseconds timeout) {
     using Kind = detail::ClientCall::Step::Kind;
@@ -229,7 +231,7 @@ class [[nodiscard]] Client {
     return {};  // a request that was not sent for lack of memory is sent again later
   }
 
-  /// Returns the reply to the latest call; empty if there is none yet. Late replies to earlier calls are
+  /// Returns the reply to the latest call, or nothing if there is none yet. Late replies to earlier calls are
   /// dropped.
   std::optional<Result<void>> take_answer(Response& response) {
     while (const Sample<Reply> sample = replies_.take()) {

@@ -1,5 +1,5 @@
 // The result of Node::snapshot(): everything that a node knows of its own publishers and subscribers at one
-// time. For people, tools and tests.
+// time. It is for people, tools and tests.
 //
 // A snapshot is a copy that the program owns. Any thread may take one, also in callbacks of SFT. The call
 // copies the status of all publishers and subscribers one after the other (status.h says what the counts mean
@@ -7,10 +7,10 @@
 // for each pair. Publishing and receiving do not wait for it; opening or destroying a publisher or subscriber
 // does.
 //
-// As JSON it is one object. Later versions keep the names and may add some. Ids are strings of 16 hex digits.
-// Durations are in nanoseconds; 0 means none. `fields` are texts as TypeSupport::parse_selection() takes
-// them. `transport` is "shm" or "udp"; it is null for a reader that is not served and a writer that is not
-// connected:
+// As JSON a snapshot is one object. Later versions keep the names and may add some. Ids are strings of 16 hex
+// digits. Durations are in nanoseconds; 0 means none. `fields` are texts as TypeSupport::parse_selection()
+// takes them. `transport` is "shm" or "udp"; it is null for a reader that is not served and a writer that is
+// not connected:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}
@@ -48,11 +48,11 @@ struct NodeSnapshot {
   struct Publisher {
     /// One reader of a publisher.
     struct Reader : PublisherStatus::Reader {
-      std::string fields{};  ///< the fields that are sent to it
+      std::string fields{};  ///< the fields that are sent to the reader
     };
 
-    std::uint64_t id = 0;                  ///< DomainSnapshot::Endpoint::id
-    std::string topic;                     ///< without a slash at the beginning
+    std::uint64_t id = 0;                  ///< the same as DomainSnapshot::Endpoint::id
+    std::string topic;                     ///< the name without a slash at the beginning
     std::string type;                      ///< the name of the type
     Qos qos;                               ///< the QoS that the publisher offers
     std::string fields;                    ///< the fields that are encoded at present
@@ -70,26 +70,26 @@ struct NodeSnapshot {
   /// One subscriber, with its status. A subscriber with several selections has one entry for each, with an id
   /// of its own.
   struct Subscriber : SubscriberStatus {
-    std::uint64_t id = 0;   ///< DomainSnapshot::Endpoint::id
-    std::string topic;      ///< without a slash at the beginning
+    std::uint64_t id = 0;   ///< the same as DomainSnapshot::Endpoint::id
+    std::string topic;      ///< the name without a slash at the beginning
     std::string type;       ///< the name of the type
     Qos qos;                ///< the QoS that the subscriber requests
-    std::string fields;     ///< the fields that it asks for at present
+    std::string fields;     ///< the fields that the subscriber asks for at present
     bool recorded = false;  ///< true: `fields` were found by recording
-    /// SampleInfo::selection of its samples. The entries of one subscriber follow each other.
+    /// The number in SampleInfo::selection of its samples. The entries of one subscriber follow each other.
     std::size_t selection_number = 0;
   };
 
-  /// NodeOptions::name with the namespace, after remapping.
+  /// The full name of the node: NodeOptions::name with the namespace, after remapping.
   std::string name;
   /// The DDS domain.
   std::uint32_t domain = 0;
   std::string version;  ///< the version of this library
-  std::uint32_t control_protocol =
-      0;  ///< the version of the control protocol; nodes with another are not seen
+  /// The version of the control protocol; nodes with another version are not seen.
+  std::uint32_t control_protocol = 0;
   /// The time at which the snapshot was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
-  NodeStatus status;                    ///< how shared memory and UDP work, and what was refused
+  NodeStatus status;                    ///< the state of shared memory and UDP, and counts of refused input
   std::vector<Publisher> publishers;    ///< in the order in which they were opened
   std::vector<Subscriber> subscribers;  ///< in the same order
 };
@@ -98,7 +98,7 @@ struct NodeSnapshot {
 std::string to_json(const Qos& qos);
 
 /// Returns the snapshot as JSON. `indent` is the number of spaces for each level; -1: all in one line. The
-/// text is valid UTF-8, even if names that other nodes announced are not.
+/// text is valid UTF-8, even if other nodes have announced names that are not.
 std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
 
 }  // namespace sft

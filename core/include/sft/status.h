@@ -1,13 +1,13 @@
-// The results of publish() and shrink(), and the status of nodes, publishers and subscribers: what was
-// negotiated and what was counted.
+// The results of publish() and shrink(), and the status of nodes, publishers and subscribers: the results of
+// the negotiation, and counts.
 //
-// A status is a copy of what was true when status() was called; the program owns it. Any thread may call
-// status(), also in callbacks of SFT. The call takes a short lock of its own and copies, which takes some
-// microseconds, and longer with many peers. Publishing and receiving do not wait for it. NodeSnapshot
+// A status is a copy of the state at the time of the call of status(); the program owns the copy. Any thread
+// may call status(), also in callbacks of SFT. The call takes a short lock of its own and copies, which takes
+// some microseconds, and longer with many peers. Publishing and receiving do not wait for it. NodeSnapshot
 // (snapshot.h) has the status of all publishers and subscribers of a node at once.
 //
-// Counts only grow. They are read one after the other while samples are sent, so that a sample on its way may
-// already be in one count and not yet in another. When no sample is on its way they agree exactly.
+// Counts only grow. They are read one after the other while samples are sent, so that a sample under way may
+// already be in one count and not yet in another. When no sample is under way, the counts agree exactly.
 #pragma once
 
 #include <cstddef>
@@ -26,216 +26,228 @@ namespace sft {
 enum class TransportKind : std::uint8_t { shm, udp };
 constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
 
-/// Two definitions of one type; their publishers and subscribers never match. "Here" is the program whose
-/// status this is. All texts are empty if this definition was not compared because too many others had been
-/// announced.
+/// Two different definitions of one type. Publishers and subscribers with different definitions never match.
+/// "Here" is the program whose status this is. All texts are empty if the definitions were not compared
+/// because too many others had been announced.
 struct TypeMismatch {
   std::string difference;  ///< the first difference: "fields[].offset: uint32 here, uint64 there"
   std::string here;        ///< the whole type here, as IDL
-  std::string there;       ///< the whole type there; empty, like `difference`, if it was not described
+  /// The whole type there; empty, like `difference`, if the other node has not described the type.
+  std::string there;
 };
 
 /// The result of publishing a message.
 enum class PublishStatus : std::uint8_t {
   ok,
-  /// Nothing was sent: a string has a NUL in it, a bound is exceeded, or the sample is larger than
+  /// Nothing was sent: a string contains a NUL, a bound is exceeded, or the sample is larger than
   /// PublisherOptions::max_sample_bytes. Publisher::why_invalid() names the field.
   invalid,
   no_loan,    ///< nothing was sent: the loan was published already, or moved away
   no_memory,  ///< nothing was sent: no chunk or buffer is free, because readers hold too many samples
   /// A queue was full or no chunk was free, so that at least one reader misses this sample and counts it as
-  /// lost. With PublisherOptions::max_blocking publish() has waited that long, and the reader may have lost
-  /// an older sample instead.
+  /// lost. With PublisherOptions::max_blocking, publish() has waited for that time, and the reader may have
+  /// lost an older sample instead.
   dropped,
   /// Nothing was sent: this process is a copy (fork()) of the process that opened the publisher, and has none
-  /// of its threads.
+  /// of that process's threads.
   forked,
 };
-/// Returns a sentence about the status, which lives as long as the program.
+/// Returns a sentence about the status. The text lives as long as the program.
 const char* to_string(PublishStatus status);
 
 /// The result of publish(span).
 struct PublishedSpan {
-  std::size_t published = 0;                 ///< the number of messages with the status ok
-  PublishStatus status = PublishStatus::ok;  ///< the status of the first message that was not ok; else ok
+  std::size_t published = 0;  ///< the number of messages with the status ok
+  /// The status of the first message whose status was not ok; else ok.
+  PublishStatus status = PublishStatus::ok;
 };
 
 /// The result of Loan::shrink().
 enum class ShrinkStatus : std::uint8_t {
   ok,
   not_reserved,  ///< nothing was changed: the loan named no size for this sequence
-  too_long,      ///< nothing was changed: the length is more than what was reserved
+  too_long,      ///< nothing was changed: the length is more than the reserved one
   no_loan,       ///< nothing was changed: the loan was published already, or moved away
 };
-/// Returns a sentence about the status, which lives as long as the program.
+/// Returns a sentence about the status. The text lives as long as the program.
 const char* to_string(ShrinkStatus status);
 
-/// One publisher.
+/// The status of one publisher.
 struct PublisherStatus {
   /// One subscriber of the topic, as the publisher serves it.
   /// Larger than usual: it is a record, whose counters have names of their own for users.
   struct Reader {
     std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the subscriber
-    std::string node;           ///< the name of its node
-    bool served = false;        ///< false: `reason` says why nothing is sent
+    std::string node;           ///< the name of the subscriber's node
+    bool served = false;        ///< false: nothing is sent, and `reason` says why
     TransportKind transport{};  ///< valid only while the reader is served
-    /// Why this transport is used, or why the reader is not served; also says if its host does not answer.
+    /// The reason why this transport is used, or why the reader is not served. Also says if the host of the
+    /// reader does not answer.
     std::string reason{};
-    /// If the reader is served by UDP: which readers share its multicast group, or why it shares none.
+    /// If the reader is served by UDP: the readers that share its multicast group, or the reason why it
+    /// shares none.
     std::string multicast{};
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
     std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first one that does not fit; `reason` has all
     bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
-    bool no_path_yet = false;  ///< no_path, but shared memory may still become available, on either side
-    FieldMask mask{};          ///< the fields that are sent to it
-    Selection selection{};     ///< these fields, with the parts that it asks for
-    double max_rate_hz = 0;    ///< the rate that it asks for; 0: all samples
-    std::uint64_t request_sequence = 0;  ///< the number of its request that is in force
+    /// True: no_path, but shared memory may still become available, on either side.
+    bool no_path_yet = false;
+    FieldMask mask{};                    ///< the fields that are sent to the reader
+    Selection selection{};               ///< the same fields, with the parts that the reader asks for
+    double max_rate_hz = 0;              ///< the rate that the reader asks for; 0: all samples
+    std::uint64_t request_sequence = 0;  ///< the number of the reader's request that is in force
 
-    // Samples since the reader was first served, over all its requests and all its paths. Samples that were
-    // queued for it when its route changed count as sent.
-    std::uint64_t published = 0;  ///< published while the reader was served: sent + withheld + dropped
-    std::uint64_t sent = 0;       ///< put into shared memory, passed to the system, or queued for that
-    std::uint64_t withheld = 0;   ///< not sent, because of conditions or max_rate_hz
-    std::uint64_t dropped = 0;    ///< not sent: a queue or the memory was full, or the system refused
-    std::uint64_t retained = 0;   ///< older ones that a durable publisher sent first; not in the counts above
-    std::uint64_t diverted = 0;  ///< the part of `sent` that went by UDP as shared memory could not take them
+    // The counts of samples since the reader was first served, over all its requests and all its paths.
+    // Samples that were queued for the reader when its route changed count as sent.
+    std::uint64_t published = 0;  ///< samples while the reader was served: sent + withheld + dropped
+    std::uint64_t sent = 0;       ///< samples put into shared memory, passed to the system, or queued for it
+    std::uint64_t withheld = 0;   ///< samples that were not sent because of conditions or max_rate_hz
+    std::uint64_t dropped = 0;    ///< samples not sent: a queue or the memory was full, or the system refused
+    std::uint64_t retained = 0;   ///< older samples, which a durable publisher sends first; not counted above
+    std::uint64_t diverted = 0;   ///< the part of `sent` that went by UDP: shared memory could not take them
 
-    // Bytes of the bodies that went over the network or the loopback, without headers. A sample in shared
-    // memory counts neither as sent nor as saved. If several readers of a process ask for the same fields,
-    // bytes that are sent once count for each of these readers.
-    std::uint64_t bytes_sent = 0;  ///< see above
+    // The counts of bytes of the bodies that went over the network or the loopback, without headers. A sample
+    // in shared memory counts neither as sent nor as saved. If several readers of a process ask for the same
+    // fields, bytes that are sent once count for each of these readers.
+    std::uint64_t bytes_sent = 0;  ///< the bytes that were sent, see above
     /// The size of the same samples with all fields, minus bytes_sent.
     std::uint64_t bytes_saved = 0;
     friend bool operator==(const Reader&, const Reader&) = default;
   };
 
-  /// The numbers of samples that shared memory could not take, by reason. They went by UDP to the readers
-  /// that may use UDP; the other readers missed them.
+  /// The numbers of samples that shared memory could not take, by reason. These samples went by UDP to the
+  /// readers that may use UDP; the other readers missed them.
   struct Diverted {
-    std::uint64_t exhausted = 0;        ///< readers, loans and the history held all chunks of that size
-    std::uint64_t too_large = 0;        ///< the sample was larger than the largest chunk
-    std::uint64_t unavailable = 0;      ///< the daemon had just ended, or held a lock
+    std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of the sample's size
+    std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
+    std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
     std::uint64_t too_large_bytes = 0;  ///< the size of the largest sample that was too large
-    std::uint64_t chunk_bytes = 0;      ///< the largest sample that had room in a chunk then
+    /// The size of the largest sample that would have had room in a chunk then.
+    std::uint64_t chunk_bytes = 0;
     /// Returns the number of such samples, for any reason.
     std::uint64_t total() const { return exhausted + too_large + unavailable; }
     friend bool operator==(const Diverted&, const Diverted&) = default;
   };
 
-  std::uint64_t id = 0;           ///< DomainSnapshot::Endpoint::id of the publisher
-  std::uint64_t published = 0;    ///< the number of samples
-  std::uint64_t bytes_sent = 0;   ///< bytes of bodies and SFT headers over the network, each datagram once
-  std::uint64_t bytes_saved = 0;  ///< the sum over all readers, also those that are gone
-  std::uint64_t deadlines_missed = 0;  ///< periods of its own deadline without a sample
-  bool alive = true;                   ///< false: it did not assert its liveliness in time
-  /// Samples that at least one transport did not take, and samples that UDP queued and then could not send.
-  /// The latter count once for each address that missed one.
+  std::uint64_t id = 0;         ///< DomainSnapshot::Endpoint::id of the publisher
+  std::uint64_t published = 0;  ///< the number of published samples
+  /// Bytes of bodies and SFT headers over the network; each datagram counts once.
+  std::uint64_t bytes_sent = 0;
+  std::uint64_t bytes_saved = 0;       ///< the sum over all readers, including departed ones
+  std::uint64_t deadlines_missed = 0;  ///< periods of the publisher's deadline without a sample
+  bool alive = true;                   ///< false: the publisher's liveliness was not asserted in time
+  /// Samples that at least one transport did not take, and samples that UDP queued and could not send later.
+  /// A sample of the latter kind counts once for each address that missed it.
   std::uint64_t dropped = 0;
-  /// Samples that shared memory could not take.
+  /// The counts of samples that shared memory could not take.
   Diverted diverted{};
   FieldMask mask;  ///< the fields of a sample that are encoded at present
-  /// The number of unmodified readers of DDS and ROS 2 that are served at present. `readers` does not have
-  /// them.
+  /// The number of unmodified readers of DDS and ROS 2 that are served at present. These readers are not in
+  /// `readers`.
   std::size_t vanilla_readers = 0;
   /// All subscribers of the topic, served or not. A subscriber with several selections has one entry for
   /// each.
   std::vector<Reader> readers;
 };
 
-/// One subscriber. Sample counts are over all publishers, also those that are gone.
+/// The status of one subscriber. Sample counts are over all publishers, including departed ones.
 struct SubscriberStatus {
   /// One publisher of the topic, as the subscriber receives from it.
   struct Writer {
-    std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the publisher
-    std::string node;           ///< the name of its node
-    bool matched = false;       ///< false: `reason` says why
-    bool connected = false;     ///< its samples arrive, by `transport`
-    bool alive = true;          ///< false: its lease or that of its node is over; `reason` says which
+    std::uint64_t id = 0;    ///< DomainSnapshot::Endpoint::id of the publisher
+    std::string node;        ///< the name of the publisher's node
+    bool matched = false;    ///< false: the two do not match, and `reason` says why
+    bool connected = false;  ///< true: samples of the publisher arrive, by `transport`
+    bool alive = true;  ///< false: the lease of the publisher or of its node is over; `reason` says which
     TransportKind transport{};  ///< valid only while the publisher is connected
-    std::string reason{};       ///< why this transport is used, or none; for people
-    /// The number of its samples that are kept until they are taken: SubscriberOptions::depth, or less if
-    /// shared memory keeps less.
+    std::string reason{};       ///< the reason for this transport, or for having none; for people
+    /// The number of samples of the publisher that are kept until they are taken: SubscriberOptions::depth,
+    /// or less if shared memory keeps less.
     std::uint32_t depth = 0;
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
     std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first that does not fit; `reason` names all
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first one that does not fit; `reason` has all
     bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
-    bool no_path_yet = false;    ///< no_path, but shared memory may still become available, on either side
+    /// True: no_path, but shared memory may still become available, on either side.
+    bool no_path_yet = false;
     std::uint64_t received = 0;  ///< samples that were taken or passed to the callback
-    std::uint64_t lost = 0;      ///< samples that should have come, and did not
+    std::uint64_t lost = 0;      ///< samples that should have arrived, and did not
     std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
     std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-    std::uint64_t deadlines_missed = 0;  ///< periods of the subscriber's deadline without its samples
-    /// How often the connection was set up anew because the publisher sent and nothing arrived.
+    /// The number of periods of the subscriber's deadline without samples of this publisher.
+    std::uint64_t deadlines_missed = 0;
+    /// The number of times that the connection was set up anew because the publisher sent and nothing
+    /// arrived.
     std::uint64_t restarts = 0;
   };
 
   std::uint64_t received = 0;  ///< samples that were taken or passed to the callback
-  /// Samples that should have come, and did not. Samples of departed publishers count if they were not taken
-  /// in time.
+  /// Samples that should have arrived, and did not. Samples of departed publishers count if they were not
+  /// taken in time.
   std::uint64_t lost = 0;
   std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  /// Samples that arrived and were discarded: malformed ones, and those that a full queue pushed out. The
-  /// latter count as lost, too, once a later sample is taken.
+  /// Samples that arrived and were discarded, because they were malformed or a full queue dropped them.
+  /// Samples of the latter kind count as lost, too, once a later sample is taken.
   std::uint64_t discarded = 0;
-  /// How often the program held SubscriberOptions::max_held samples of a publisher and could not take the
-  /// next one.
+  /// The number of times that the next sample of a publisher could not be taken because the program held
+  /// SubscriberOptions::max_held samples of that publisher.
   std::uint64_t held_too_many = 0;
-  /// How often a sample waited for more than a second for the callback, because callbacks of other
+  /// The number of samples that waited for the callback for more than a second because callbacks of other
   /// subscribers of the node were running. The status of the first selection has the count of all selections.
   std::uint64_t long_waits = 0;
-  FieldMask mask;              ///< the fields that it asks for at present
-  Selection selection{};       ///< these fields, with the parts and the conditions; the rate is below
-  double max_rate_hz = 0;      ///< the rate that it asks for at present; 0: all samples
-  std::uint64_t requests = 0;  ///< requests for fields and rates that were sent
-  std::uint64_t restarts = 0;  ///< connections that were set up anew because nothing arrived
+  FieldMask mask;              ///< the fields that the subscriber asks for at present
+  Selection selection{};       ///< the same fields, with the parts and the conditions; the rate is below
+  double max_rate_hz = 0;      ///< the rate that the subscriber asks for at present; 0: all samples
+  std::uint64_t requests = 0;  ///< the number of requests for fields and rates that were sent
+  std::uint64_t restarts = 0;  ///< the number of connections that were set up anew because nothing arrived
   /// All publishers of the topic, connected or not.
   std::vector<Writer> writers;
 };
 
-/// One node. Texts are sentences for people.
+/// The status of one node. Texts are sentences for people.
 struct NodeStatus {
-  /// The number of its DDS domain. Nodes of other domains are not seen.
+  /// The number of the DDS domain of the node. Nodes of other domains are not seen.
   std::uint32_t domain = 0;
-  std::string discovery;  ///< how nodes are found; which settings of the user have no effect, and why
+  /// How nodes are found, and which settings of the user have no effect, with the reasons.
+  std::string discovery;
   /// The parts of `discovery` that are warnings: settings of the user that have no effect, and the like.
   std::vector<std::string> discovery_warnings{};
   bool waits_for_network = false;  ///< only the loopback is in use, although other interfaces are wanted
   /// The names of the interfaces by which nodes are found. Empty if the program itself opened the DDS domain;
   /// nodes of the host are then found by the loopback, too.
   std::vector<std::string> discovery_interfaces{};
-  std::string udp;  ///< how UDP works here, or why it does not
+  std::string udp;  ///< how UDP works here, or the reason why it does not
   /// False: UDP uses plain sockets instead; `udp` says why.
   bool io_uring_in_use = false;
-  /// A feature of the system with which UDP takes less processor time.
+  /// A feature of the system that reduces the processor time of UDP.
   struct QuickPath {
-    std::string name{};     ///< one of the names below
-    std::string why_not{};  ///< why it is not used; empty: it is used
+    std::string name{};     ///< one of the names in the comment on quick_paths
+    std::string why_not{};  ///< the reason why the feature is not used; empty: it is used
   };
-  /// All such features, used or not, on every system: "io_uring", "GSO" and "GRO" (several datagrams are sent
-  /// and received in one call), "huge pages" (for large samples).
+  /// All such features, whether they are used or not, on every system: "io_uring", "GSO" and "GRO" (several
+  /// datagrams are sent and received in one call), "huge pages" (for large samples).
   std::vector<QuickPath> quick_paths{};
-  std::string shm;  ///< how shared memory works here, or why it does not
+  std::string shm;  ///< how shared memory works here, or the reason why it does not
   /// True: samples can go by shared memory.
   bool shm_ready = false;
-  bool lacks_daemon = false;  ///< no sftd is running, and NodeOptions::shm.start_daemon forbids to start one
-  /// Datagrams with malformed contents.
+  /// True: no sftd is running, and NodeOptions::shm.start_daemon forbids the node to start one.
+  bool lacks_daemon = false;
+  /// The number of datagrams with malformed contents.
   std::uint64_t datagrams_malformed = 0;
-  /// Datagrams of publishers to which this node does not subscribe, and answers to datagrams that were not
-  /// sent to the one that answers.
+  /// The number of datagrams of publishers to which this node does not subscribe, and of answers to datagrams
+  /// that were not sent to the host that answers.
   std::uint64_t datagrams_unknown = 0;
-  std::uint64_t samples_incomplete = 0;  ///< samples of which a part never came
-  /// What UDP dropped to stay within a limit when it sent or received.
+  std::uint64_t samples_incomplete = 0;  ///< the number of samples of which a part never arrived
+  /// The number of samples and datagrams that UDP dropped to stay within a limit, when it sent or received.
   std::uint64_t over_limit = 0;
   std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory with malformed contents
-  std::uint64_t shm_over_limit = 0;         ///< loans and samples that were refused to stay within a limit
-  std::uint64_t control_malformed = 0;      ///< endpoints, type descriptions and requests that were refused
+  std::uint64_t shm_over_limit = 0;         ///< loans and samples refused to stay within a limit
+  std::uint64_t control_malformed = 0;      ///< endpoints, descriptions and requests that were refused
   std::uint64_t control_ignored = 0;        ///< endpoints that were refused because the table was full
-  /// How often discovery was started anew on an interface because it did not find a node that is there. Nodes
-  /// of a process that share discovery have the same count.
+  /// The number of times that discovery was started anew on an interface because it did not find an existing
+  /// node. Nodes of a process that share discovery have the same count.
   std::uint64_t links_renewed = 0;
 };
 

@@ -27,7 +27,7 @@ concept OwnedSeconds = requires(const S& s) {
   { s.sec } -> std::convertible_to<std::int64_t>;
   { s.nanosec } -> std::convertible_to<std::int64_t>;
 };
-/// A view. Its getters return optionals if fields are recorded or selected.
+/// A view of a message. Its getters return optionals if fields are recorded or selected.
 template <class S>
 concept ReadSeconds = requires(const S& s) {
   s.sec();
@@ -43,8 +43,8 @@ constexpr std::chrono::nanoseconds together(std::int64_t sec, std::int64_t nanos
   return std::chrono::seconds(sec) + std::chrono::nanoseconds(nanosec);
 }
 
-/// Returns whole seconds, rounded down, and the remaining nanoseconds, from 0 to 999,999,999. A time that
-/// does not fit into `sec` becomes the nearest one that does.
+/// Returns whole seconds, rounded down, and the remaining nanoseconds, from 0 to 999,999,999. If the time
+/// does not fit into `sec`, the result is the nearest time that does.
 template <class Message>
 constexpr Message seconds_message(std::chrono::nanoseconds time) {
   using Sec = std::remove_cvref_t<decltype(Message{}.sec)>;
@@ -67,9 +67,9 @@ concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
 
 }  // namespace detail
 
-/// Returns a builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected the result
-/// is a std::optional, which is empty if the sample does not have both fields. Every value of a message is in
-/// range.
+/// Returns a builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected, the
+/// result is a std::optional, which is empty if the sample lacks one of the two fields. Every value of a
+/// message is in range.
 template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
   if constexpr (detail::OwnedSeconds<S>) {
@@ -100,8 +100,8 @@ constexpr auto to_time(const S& stamp) {
   }
 }
 
-/// Returns a duration as a message. Seconds are rounded down, so that the nanoseconds are never negative. A
-/// duration that does not fit into `sec` (32 bits) becomes the nearest one that does.
+/// Returns a duration as a message. Seconds are rounded down, so that the nanoseconds are never negative. If
+/// the duration does not fit into `sec` (32 bits), the result is the nearest duration that does.
 template <detail::OwnedSeconds Message>
 constexpr Message duration_message(std::chrono::nanoseconds duration) {
   return detail::seconds_message<Message>(duration);

@@ -1,4 +1,4 @@
-// The time at which tests begin that pass in the time themselves.
+// The initial time of tests that set the time themselves.
 #pragma once
 
 #include "core/platform/clock.h"

@@ -8,7 +8,8 @@
 
 namespace sft::detail {
 
-/// Bytes that are computed when a thread first asks for them, and kept from then on. Any thread.
+/// Bytes that are computed when a thread first asks for them, and kept from then on. Any thread may use an
+/// object.
 class BytesOnDemand {
  public:
   using Bytes = std::vector<std::byte>;

@@ -1,6 +1,6 @@
-// The rules of services (service.h) without their types: what a client does until its call is over, and
-// which calls a server carries out. The functions take the time as an argument, wait for nothing and send
-// nothing. One thread at a time uses an object.
+// The rules of services (service.h) without their types: the steps of a client until its call is over, and
+// the choice of the calls that a server carries out. The functions take the time as an argument, do not wait,
+// and send nothing. One thread at a time uses an object.
 #pragma once
 
 #include <algorithm>
@@ -30,7 +30,8 @@ std::uint64_t new_client_id();
 /// Returns true while a callback for samples runs on this thread, which may be the receiving thread.
 bool in_sample_callback();
 
-/// Lets one thread at a time use an object, until the end of the scope. False if another thread uses it.
+/// Lets one thread at a time use an object, until the end of the scope. Converts to false if another thread
+/// is using the object.
 class OnlyCall {
  public:
   explicit OnlyCall(std::atomic<bool>& is_used) : is_used_(is_used), is_only_(!is_used.exchange(true)) {}
@@ -46,13 +47,13 @@ class OnlyCall {
   const bool is_only_;
 };
 
-/// A server, as far as a client knows it.
+/// A server, as far as a client knows about it.
 struct SeenServer {
-  std::uint64_t id = 0;    ///< the id of its publisher of replies
-  std::string node;        ///< the name of its node
-  bool matched = false;    ///< types and policies fit, and it is alive
-  bool connected = false;  ///< calls and replies can be sent
-  std::string reason;      ///< why it is not matched or not connected
+  std::uint64_t id = 0;    ///< the id of the server's publisher of replies
+  std::string node;        ///< the name of the server's node
+  bool matched = false;    ///< true: types and policies fit, and the server is alive
+  bool connected = false;  ///< true: calls can be sent, and replies received
+  std::string reason;      ///< the reason why the server is not matched or not connected
 };
 
 /// Returns the servers that a client's publisher of calls and its subscriber of replies know.
@@ -65,19 +66,19 @@ const SeenServer* only_server(const std::vector<SeenServer>& seen);
 /// server departs after the call was sent, the call fails: another server might carry it out a second time.
 class ClientCall {
  public:
-  /// What the client has to do next.
+  /// The next step that the client has to take.
   struct Step {
     enum class Kind : std::uint8_t { send, wait, fail };
     Kind kind{};
     std::uint64_t server = 0;  ///< for `send`: the id of the server
-    ServiceTime until{};       ///< for `wait`: the time until which to wait for a reply
-    std::string reason{};      ///< for `fail`: why the call fails
+    ServiceTime until{};       ///< for `wait`: the time at which the wait for a reply ends
+    std::string reason{};      ///< for `fail`: the reason why the call fails
   };
 
   ClientCall(std::string_view service, ServiceTime now, std::chrono::nanoseconds timeout);
 
   Step next(ServiceTime now, const std::vector<SeenServer>& seen);
-  /// Returns how long the client repeats the call.
+  /// Returns the time in ms for which the client repeats the call.
   std::uint32_t timeout_ms() const;
 
  private:
@@ -87,25 +88,26 @@ class ClientCall {
   const std::string prefix_;
   const std::chrono::nanoseconds timeout_;
   const ServiceTime deadline_;
-  SeenServer server_{};  ///< the server that the call was sent to; its id is 0 before
+  SeenServer server_{};  ///< the server that the call was sent to; the id is 0 until then
   ServiceTime next_{};   ///< the time at which the call is sent again
   std::chrono::nanoseconds pause_;
 };
 
-/// The latest call of each client of a server. Its answer is kept as long as the client may repeat the call.
-/// A client makes one call at a time, and counts its calls.
+/// The latest call of each client of a server. The answer to a call is kept as long as the client may repeat
+/// the call. A client makes one call at a time, and numbers its calls.
 template <class Answer>
 class ServedCalls {
  public:
   enum class Todo : std::uint8_t {
-    nothing,  ///< the call is over, or was answered a moment ago
+    nothing,  ///< the handler is running, or the call is over, or it was answered a moment ago
     run,      ///< the call is new
     repeat    ///< the call was answered, and the answer was lost
   };
-  /// If there are more clients, the one that has not called for the longest time is removed.
+  /// The most clients that are remembered. If more clients call, the one that has not called for the longest
+  /// time is removed.
   static constexpr std::size_t clients_max = 1024;
   /// The least time between two answers to one call. Repetitions of the call that arrived while the handler
-  /// ran are seen right after the answer, and need no second one.
+  /// ran are read right after the answer was sent, and need no second answer.
   static constexpr std::chrono::milliseconds repeat_least{50};
 
   Todo heard(std::uint64_t client, std::uint64_t number, ServiceTime now) {

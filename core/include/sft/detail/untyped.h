@@ -1,5 +1,5 @@
-// The compiled side of publishers and subscribers. The templates over message types (publisher.h,
-// subscriber.h, sample.h) only add names and types to it.
+// Publishers and subscribers without message types, which are compiled into the library. The templates for
+// message types (publisher.h, subscriber.h, sample.h) only add names and types to them.
 #pragma once
 
 #include <chrono>
@@ -35,24 +35,25 @@ class SimulatedClock;
 
 namespace sft::detail {
 
-/// The initial contents of reserved memory: zeros, or whatever it contained before.
+/// The initial contents of reserved memory: zeros, or the bytes that it contained before.
 enum class ReservedMemory : std::uint8_t { zeroed, as_it_is };
 
 namespace untyped {
 
-/// The state of an empty sample: no field is present, whatever slot is read. Reading it is a mistake, but not
-/// undefined behaviour.
+/// The state of an empty sample: no slot has a field. Reading a field of an empty sample is a mistake, but
+/// not undefined behaviour.
 extern const SampleState empty_state;
 
 /// One received sample. It owns its place in shared memory or in a buffer until it is destroyed; any thread
-/// may destroy it. A subscriber can hold SubscriberOptions::max_held samples of one publisher in shared
-/// memory. Then take() returns no more of that publisher until one is destroyed, which does not wake wait().
+/// may destroy it. For each subscriber, a program can hold at most SubscriberOptions::max_held samples in
+/// shared memory of one publisher. While it holds that number, take() returns no more samples of that
+/// publisher. The destruction of a sample does not wake wait().
 class Sample {
  public:
   Sample() = default;
   /// Takes over one reference each to `buffer`, `record` (null unless the reader records), and `parts` (null
-  /// unless the parts of its fields are elsewhere). `selection` is the one that the sample was made for; null
-  /// if the subscriber does not show it.
+  /// unless the parts of its fields are elsewhere). `selection` is the selection that the sample was made
+  /// for, or null if the subscriber does not show selections.
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
          core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr,
          core::PartReader* parts = nullptr);
@@ -72,16 +73,17 @@ class Sample {
 
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
-  /// Returns a state whose body has all fields. If parts of fields are elsewhere, the first call puts them
-  /// together.
+  /// Returns a state whose body has all fields. If parts of fields are elsewhere, the first call assembles
+  /// the body.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
-  /// Returns null if the subscriber records or does not show its selections, or if the sample is empty.
+  /// Returns the selection that the sample was made for. Returns null if the subscriber records or does not
+  /// show its selections, or if the sample is empty.
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
-  /// Returns the channels that were asked for and that the message, which is of this type, does not have.
+  /// Returns the channels that were asked for and that the message lacks. `type` is the type of the message.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
-  /// Returns encapsulation and body, which is standard CDR of the type projected to the mask. Empty for an
-  /// empty sample.
+  /// Returns encapsulation and body: standard CDR of the type projected to the mask. The result is empty for
+  /// an empty sample.
   std::span<const std::byte> cdr() const;
   void reset() noexcept;
 
@@ -92,12 +94,12 @@ class Sample {
   SampleState state_ = empty_state;
   SampleInfo info_{};
   std::shared_ptr<const Selection> selection_;
-  core::SampleBuffer* buffer_ = nullptr;  // one reference
+  core::SampleBuffer* buffer_ = nullptr;  // holds one reference to the buffer
   core::RecordedSample* record_ = nullptr;
   core::PartReader* parts_ = nullptr;
 };
 
-/// One sample that is being filled. The destructor returns its memory unless the sample was published.
+/// One sample that the program is filling. The destructor returns its memory unless the sample was published.
 class Loan {
  public:
   Loan() = default;
@@ -110,13 +112,13 @@ class Loan {
   }
   ~Loan();
 
-  /// Returns the body, or null if the loan was published or moved away. state() is empty then.
+  /// Returns the body, or null if the loan was published or moved away. In these cases state() is empty.
   std::byte* body() const;
   SampleState state() const;
 
   /// Overwrites a primitive that has a slot. Does nothing if the loan was published or moved away.
   void write(std::size_t slot, const void* value, std::size_t bytes) noexcept;
-  /// Shortens the sequence, but moves no data behind it; publish() closes the gap.
+  /// Shortens the sequence, but does not move the data behind the sequence; publish() closes the gap.
   ShrinkStatus shrink(const Reservation& reserved, std::uint32_t length) noexcept;
   PublishStatus publish() &&;
 
@@ -124,11 +126,11 @@ class Loan {
   void swap(Loan& other) noexcept;
 
   std::shared_ptr<core::PublisherCore> publisher_;
-  core::SampleBuffer* buffer_ = nullptr;  // one reference
+  core::SampleBuffer* buffer_ = nullptr;  // holds one reference to the buffer
   bool has_gaps_ = false;
 };
 
-/// A publisher without its message type. It is moved, not copied: it belongs to one thread at a time.
+/// A publisher without its message type. It is moved, not copied. One thread at a time uses it.
 class Publisher {
  public:
   explicit Publisher(std::shared_ptr<core::PublisherCore> core) : core_(std::move(core)) {}
@@ -156,10 +158,12 @@ using Callback = std::function<void(Sample&&)>;
 
 /// The requirement of a subscriber.
 struct Requirement {
-  Selection selection;  ///< the declared one; if fields are recorded, the fields that are asked for at first
+  /// The declared selection; if fields are recorded, the fields that are asked for at first.
+  Selection selection;
   bool recorded = false;
-  FieldsOfText fields_of_text = FieldsOfText::declared;  ///< what the texts of SubscriberOptions may name
-  /// Samples show only the fields that were asked for, even if a sample in shared memory has more.
+  /// The fields that the texts of SubscriberOptions may name.
+  FieldsOfText fields_of_text = FieldsOfText::declared;
+  /// True: samples show only the fields that were asked for, even if a sample in shared memory has more.
   bool limits_samples = false;
   std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none if fields are recorded
 };

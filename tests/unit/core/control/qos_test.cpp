@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Returns the values from the weakest offer to the strongest.
+/// Returns values of the policy from the weakest offer to the strongest.
 std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
   switch (policy) {
     case QosPolicy::reliability:
@@ -25,7 +25,8 @@ std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
     case QosPolicy::none:
       break;
   }
-  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};  // of leases
+  // The leases, also from the weakest offer to the strongest.
+  return {{}, {.liveliness_lease = 2s}, {.liveliness_lease = 1s}, {.liveliness_lease = 1ns}};
 }
 
 class RulesTest : public ::testing::TestWithParam<QosPolicy> {};
@@ -49,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, RulesTest,
                            return param.param == QosPolicy::none ? "lease" : to_string(param.param);
                          });
 
-// All policies at once match exactly if each of them does.
+// All policies together match exactly if each of them matches.
 TEST(RulesTest, PoliciesDoNotMix) {
   std::vector<Qos> all;
   for (const Reliability reliability : {best_effort, reliable}) {

@@ -1,4 +1,4 @@
-// The bodies of records are decoded as they were encoded, and everything else is refused.
+// The bodies of records are decoded as they were encoded, and any other bytes are refused.
 #include "core/control/record_body.h"
 
 #include <gmock/gmock.h>
@@ -222,7 +222,7 @@ TEST(RecordBodyTest, OfSequencesThatNoReaderComesToIsRefused) {
 
 class RandomBodyTest : public test::RandomTest {};
 
-/// Sanitizers and assertions check that decoding reads nothing outside of the octets.
+/// Sanitizers and assertions check that decoding does not read beyond the octets.
 TEST_F(RandomBodyTest, WithAnyOctetsIsReadOrRefused) {
   const std::vector<std::byte> endpoint = to_bytes(full_endpoint()), request = to_bytes(full_request());
   for (std::uint64_t round = 0; round < test::test_rounds(20'000); ++round) {

@@ -66,27 +66,27 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"/clock:=/sim/clock"}, "/clock", "sim/clock"}, Case{{"clock:=x"}, "/clock", "clock"},
         Case{{"~/image:=raw"}, "~/image", "left/raw"}, Case{{"~/image:=raw"}, "cam/image", "left/raw"},
         Case{{"~/image:=raw"}, "image", "left/image"}, Case{{"image:=~/raw"}, "image", "left/cam/raw"},
-        // A topic with the name of the node is a topic.
+        // A topic with the name of the node is an ordinary topic.
         Case{{"cam:=b"}, "cam", "left/b"}, Case{{"cam:=b"}, "~/image", "left/cam/image"},
         Case{{"~:=b"}, "cam", "left/b"},
-        // A rule must match the whole name, not its beginning.
+        // A rule must match the whole name, not only its beginning.
         Case{{"image:=raw"}, "image/info", "left/image/info"}, Case{{"im:=raw"}, "image", "left/image"},
         // The first rule that matches is applied, once.
         Case{{"a:=b", "b:=c"}, "a", "left/b"}, Case{{"a:=b", "b:=a"}, "b", "left/a"},
         Case{{"a:=b", "a:=c"}, "a", "left/b"}, Case{{"x:=y", "a:=c"}, "a", "left/c"},
-        // Rules for one node.
+        // The following rules are for one node.
         Case{{"cam:a:=b"}, "a", "left/b"}, Case{{"/left/cam:a:=b"}, "a", "left/b"},
         Case{{"left/cam:a:=b"}, "a", "left/b"}, Case{{"/cam:a:=b"}, "a", "left/a"},
         Case{{"/right/cam:a:=b"}, "a", "left/a"}, Case{{"lidar:a:=b"}, "a", "left/a"},
         Case{{"lidar:a:=b", "a:=c"}, "a", "left/c"},
-        // The name and the namespace of the node.
+        // The following rules are for the name and the namespace of the node.
         Case{{"__ns:=/right"}, "a", "right/a"}, Case{{"__ns:=right"}, "a", "right/a"},
         Case{{"__ns:=/"}, "a", "a"}, Case{{"__ns:=/a/b"}, "~/x", "a/b/cam/x"},
         Case{{"__node:=eye"}, "~/x", "left/eye/x"}, Case{{"__name:=eye"}, "~/x", "left/eye/x"},
         Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
         Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
         Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
-        // Rules for topics are matched against the names that the node has after that, in any order.
+        // Rules for topics are matched against the names of the node after these rules, in any order.
         Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},
         Case{{"/right/eye:a:=b", "__ns:=/right", "__node:=eye"}, "a", "right/b"}));
 

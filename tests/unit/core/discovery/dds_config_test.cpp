@@ -1,5 +1,5 @@
-// The order of settings: SFT's defaults, then the user's, then those that SFT depends on. The log names
-// settings of the user that cost something.
+// The order of settings: first SFT's defaults, then the user's settings, then the settings on which SFT
+// depends. The log warns about settings of the user that have disadvantages.
 #include "core/discovery/dds_config.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ const LinkSpec card{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
 const KnownHosts hosts{{"a", {IpAddress(0x0A000001)}}, {"robot.local", {IpAddress(0x0A000008)}}};
 
-/// Returns the settings that Cyclone gets in the end, for the loopback unless another link is given.
+/// Returns the settings that Cyclone finally gets, for the loopback unless another link is given.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = loopback) {
   return CycloneSettings::read(config.text_for(link, hosts), 0).value();
 }
@@ -46,7 +46,7 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
   EXPECT_THAT(theirs.warnings, IsEmpty());
 }
 
-/// Otherwise each of N readers would answer each heartbeat that is repeated for one of N newcomers.
+/// Otherwise each of N readers would answer each heartbeat that is repeated for one of N new readers.
 TEST(DdsConfig, AReaderThatHasSaidThatItMissesNothingWaitsBeforeItSaysSoAgain) {
   EXPECT_THAT(in_force(config(""), "Internal/AckDelay"), is("1 s"));
   EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
@@ -224,7 +224,7 @@ TEST(DdsConfig, WithoutMulticastFindsNodesOfThisHostAllTheSame) {
   EXPECT_THAT(config("", {.multicast = false}).warnings, ElementsAre(HasSubstr("only nodes of this host")));
 }
 
-/// Cyclone would look up names on the thread that opens a link.
+/// Cyclone gets no names of hosts, because it would look them up on the thread that opens a link.
 TEST(DdsConfig, HasNumbersOnlyForPeersByNameOfTheSettingsAndOfTheUser) {
   const DiscoverySettings settings{.peers = {"robot.local:7410", "nobody.local"}};
   const char* user =

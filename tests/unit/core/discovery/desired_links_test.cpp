@@ -1,4 +1,4 @@
-// A table of hosts, each with the links that discovery should have there.
+// A table of hosts, each with the links that discovery should have on it.
 #include "core/discovery/desired_links.h"
 
 #include <gmock/gmock.h>

@@ -21,7 +21,7 @@ using ::testing::SizeIs;
 
 constexpr ProcessId process_one = 1, process_two = 2;
 
-/// Records what a node is informed about.
+/// Records the calls by which a node is informed.
 class Listener final : public DiscoveryListener {
  public:
   void endpoint_seen(Endpoint endpoint) override {

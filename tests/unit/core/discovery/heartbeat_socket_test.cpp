@@ -67,7 +67,7 @@ TEST_F(HeartbeatSocketTest, HeartbeatsWaitUntilTheyAreTaken) {
   EXPECT_THAT(heartbeats_taken(*other), SizeIs(100));
 }
 
-/// The kernel begins to stamp datagrams some moments after the first socket has asked for stamps.
+/// The kernel begins to stamp datagrams shortly after the first socket has requested stamps.
 TEST_F(HeartbeatSocketTest, SaysHowLongAHeartbeatHasWaited) {
   using namespace std::chrono_literals;
   std::chrono::nanoseconds waited{}, since_sent{};
@@ -104,7 +104,7 @@ TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   std::size_t heard = 0;
   other->take([&](const Heartbeat&, auto, auto) {
     ++heard;
-    one->send(heartbeat);  // so that another heartbeat always waits
+    one->send(heartbeat);  // ensures that another heartbeat always waits
   });
   EXPECT_EQ(heard, HeartbeatSocket::taken_at_once_max);
 }

@@ -1,4 +1,4 @@
-// A heartbeat is a datagram of a fixed form; any other datagram is refused.
+// A heartbeat is a datagram with a fixed format; any other datagram is refused.
 #include "core/discovery/heartbeat.h"
 
 #include <gmock/gmock.h>

@@ -13,8 +13,8 @@ TEST(OrderedDelivery, GivesItemsOfAllThreadsOneAtATimeInTheirOrder) {
   constexpr int threads = 4, items_each = 2000;
   Mutex mutex;
   OrderedDelivery<int> delivery;
-  int next = 0;                // under the mutex
-  std::vector<int> delivered;  // by one thread at a time
+  int next = 0;                // protected by the mutex
+  std::vector<int> delivered;  // used by one thread at a time
   std::atomic<int> inside{0};
   std::atomic<bool> overlapped{false};
   const auto work = [&] {
@@ -49,7 +49,7 @@ TEST(OrderedDelivery, HoldsNoLockWhileItGives) {
   delivery.deliver(lock, {1, 2}, [&](int item) {
     give(item);
     if (item != 1) return;
-    Lock again(mutex);  // the receiver may cause more items
+    Lock again(mutex);  // the receiver may add further items
     delivery.deliver(again, {3}, give);
   });
   EXPECT_EQ(delivered, (std::vector<int>{1, 2, 3}));

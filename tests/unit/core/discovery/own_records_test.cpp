@@ -1,4 +1,4 @@
-// A process numbers its records by slots, which it reuses, and sends a heartbeat when records have changed.
+// A process gives its records slots, which it reuses, and sends a heartbeat when records have changed.
 #include "core/discovery/own_records.h"
 
 #include <gmock/gmock.h>

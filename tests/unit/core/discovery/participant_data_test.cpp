@@ -1,4 +1,5 @@
-// The user data of a participant name the process that it belongs to. Other releases are reported.
+// The user data of a participant name the process of the participant. Participants of other releases are
+// reported.
 #include "core/discovery/participant_data.h"
 
 #include <gmock/gmock.h>

@@ -34,13 +34,13 @@ class PeersTest : public ::testing::Test {
     return std::make_shared<const std::vector<std::byte>>(first, first + text.size());
   }
   void found(LinkId link) { peers.participant_found(on(link), neighbour, now); }
-  /// The process writes a record, and the links `by` bring it.
+  /// The process writes a record, which arrives by the links `by`.
   void writes(std::uint32_t slot, const std::string& text, const std::vector<LinkId>& by) {
     const Record record{++revision, text.empty() ? nullptr : body(text)};
     own.put({slot, {}}, record);
     for (const LinkId link : by) peers.record_came(on(link), Role::writer, {slot, {}}, record, now);
   }
-  /// Somebody else writes in the name of the process's participant on that link.
+  /// Another process writes a record in the name of the process's participant on that link.
   void forges(LinkId link, std::uint32_t slot, const std::string& text, std::uint64_t as_revision = 1000) {
     peers.record_came(on(link), Role::writer, {slot, {}}, {as_revision, body(text)}, now);
   }
@@ -49,7 +49,7 @@ class PeersTest : public ::testing::Test {
       peers.heartbeat_came(link, {on(link).guid, neighbour, {own.digest(), 0}}, now);
     look();
   }
-  /// The process goes on sending heartbeats on the links `by`.
+  /// For the time `time` the process continues to send heartbeats on the links `by`.
   void goes_on(Time::duration time, const std::vector<LinkId>& by) {
     for (const Time end = now + time; now < end;) {
       now += std::chrono::milliseconds(500);
@@ -81,7 +81,7 @@ class PeersTest : public ::testing::Test {
     const auto* const text = reinterpret_cast<const char*>(changed.record.body->data());
     holds[changed.key.slot] = std::string(text, changed.record.body->size());
   }
-  /// Both links bring all records that there are.
+  /// The process is found on both links, and all its records arrive by both.
   void meet_on_both_links() {
     found(cable);
     found(wlan);

@@ -1,4 +1,4 @@
-// Which processes are alive, and which of their records are in force.
+// Tests which processes are considered alive, and which of their records are in force.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -65,7 +65,7 @@ TEST_F(PeersTest, MissesAProcessOnceNoLinkBringsHeartbeatsForALease) {
   EXPECT_THAT(renewed, IsEmpty());
 }
 
-/// Heartbeats are read once a second, so one may be old when it is read.
+/// Heartbeats are read once a second, so a heartbeat may be old when it is read.
 TEST_F(PeersTest, CountsTheLeaseFromWhenAHeartbeatWasReceivedUnlessThisProcessWasHeldUpMeanwhile) {
   const auto silent_after = [&](Time::duration age) {
     peers.heartbeat_came(cable, {on(cable).guid, neighbour, {own.digest(), 0}}, now, age);
@@ -120,7 +120,7 @@ TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
   EXPECT_EQ(renewals[0].from, elsewhere);
 }
 
-/// The second heartbeat may have arrived in a moment in which a link that is cut worked.
+/// The second heartbeat may have arrived while a link that is cut worked for a moment.
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
   writes(1, "b", {wlan});

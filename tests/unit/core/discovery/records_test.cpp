@@ -1,4 +1,4 @@
-// The digest of records shows if two processes have the same ones.
+// The digest of records shows if two processes have the same records.
 #include "core/discovery/records.h"
 
 #include <gtest/gtest.h>

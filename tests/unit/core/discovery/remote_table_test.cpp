@@ -1,4 +1,4 @@
-// A table is behind if two successive heartbeats count records that it had neither before nor after.
+// A table is behind if two successive heartbeats count records that the table had neither before nor after.
 #include "core/discovery/remote_table.h"
 
 #include <gtest/gtest.h>
@@ -8,12 +8,12 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// The owner has one record, which changes; only some of its changes arrive.
+/// The owner has one record, which changes. Only some of the changes arrive.
 class RemoteTableTest : public ::testing::Test {
  protected:
   static constexpr Time::duration apart = 250ms;
 
-  /// Returns the digest of the owner after that number of changes.
+  /// Returns the digest of the owner after `changes` changes.
   std::uint64_t digest(std::uint64_t changes) const {
     Records own;
     if (changes > 0) own.put({}, {changes, nullptr});

@@ -12,7 +12,7 @@ using Numbers = std::vector<std::uint64_t>;
 
 class AcceptedRequestsTest : public testing::Test {
  protected:
-  /// Returns a request that differs from all with other numbers.
+  /// Returns a request that differs from the requests for all other numbers.
   static Wanted wanted(std::uint32_t number) { return {.selection = {}, .min_period_us = number}; }
   static Numbers periods(const AcceptedRequests& requests) {
     Numbers periods;

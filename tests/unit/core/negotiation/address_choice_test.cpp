@@ -70,8 +70,8 @@ TEST(AddressChoice, IsNotAnAddressThatWeHaveOurselves) {
   EXPECT_EQ(choose({bridge}, {our_bridge}), bridge) << "there is no other";
 }
 
-/// Link-local addresses look alike on every link. Only if there is no other choice is it clear which link
-/// one belongs to.
+/// Link-local addresses are similar on every link. It is clear which link such an address belongs to only if
+/// there is no other choice.
 TEST(AddressChoice, IsLinkLocalOnlyForWantOfOthersAndThenByAnInterfaceOfOurs) {
   Link ours = link("fe80::4/64");
   ours.ip.scope = 3;

@@ -1,5 +1,4 @@
-// These tests check what the table of endpoints knows, and that it keeps nothing of an endpoint that has
-// gone.
+// Tests of the table of endpoints: its contents, and that nothing remains of an endpoint that has departed.
 #include "core/negotiation/endpoint_table.h"
 
 #include <gmock/gmock.h>

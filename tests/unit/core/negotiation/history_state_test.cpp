@@ -1,4 +1,4 @@
-// These tests check which retained samples are due to a reader, and when they are due again.
+// Tests which retained samples have to be sent to a reader, and when they have to be sent again.
 #include "core/negotiation/history_state.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// These tests check what is announced with our endpoints, and at which address readers are reached.
+// Tests what is announced with the endpoints of this node, and at which address readers are reached.
 #include "core/negotiation/local_host.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// A negotiation, and endpoints and requests of others that it is given. Our writer is 100, our reader 200.
+// A negotiation, and endpoints and requests of other nodes that it receives. The writer of this node is 100,
+// and its reader 200.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -11,7 +12,7 @@
 
 namespace sft::core {
 
-inline constexpr AnnouncerId honest = 1;  // announces what is true
+inline constexpr AnnouncerId honest = 1;  // an announcer of true endpoints
 
 class NegotiationTest : public ::testing::Test {
  protected:

@@ -1,4 +1,4 @@
-// Late readers: which of them get earlier samples, and when shared memory takes over.
+// Tests of late readers: which of them get earlier samples, and when they change over to shared memory.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"

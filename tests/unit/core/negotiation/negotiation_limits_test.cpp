@@ -1,4 +1,4 @@
-// A participant that announces endpoints without end costs all others little.
+// If a participant announces endpoints without end, this costs other participants little.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
@@ -102,7 +102,8 @@ TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
     Endpoint other = endpoint(Role::reader, id);
     other.announcer = id / 50;
     other.type_hash = id;
-    other.type_description = {std::byte{1}};  // is not a description, which only a comparison finds out
+    // The description is not valid, which only a comparison detects.
+    other.type_description = {std::byte{1}};
     negotiation.endpoint_seen(other);
     negotiation.tick(Time{});
     const std::uint64_t before = negotiation.definitions_compared();
@@ -140,7 +141,7 @@ TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
   EXPECT_FALSE(compare(1));
 }
 
-// The bytes of all comparisons together are far more than may be kept at a time.
+// The bytes of all comparisons together are far more than may be kept at the same time.
 TEST_F(Comparisons, WhatWasForgottenLeavesRoomForOthers) {
   constexpr std::uint64_t made = 20'000, known = 256;
   for (std::uint64_t n = 1; n <= made; ++n) compare(n);

@@ -1,5 +1,5 @@
-// These tests check which pairs of a writer and a reader match, by which paths, and what is reported of
-// pairs that do not match.
+// Tests which pairs of a writer and a reader match, by which paths, and what is reported about pairs that do
+// not match.
 #include <gtest/gtest.h>
 
 #include "sft/detail/type_description.h"

@@ -1,5 +1,5 @@
-// The negotiation as pure functions of events: what each of our writers serves, and what each of our
-// readers receives.
+// The negotiation as a pure function of events. Its results are the routes of each writer of this node, and
+// the connections of each of its readers.
 #include "core/negotiation/negotiation.h"
 
 #include <gtest/gtest.h>
@@ -191,7 +191,7 @@ TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
   EXPECT_EQ(negotiation.local(200)->addresses, before);
   negotiation.network_changed(after, {});
   EXPECT_EQ(negotiation.local(200)->addresses, after);
-  our_writer();  // made with the former addresses
+  our_writer();  // is made with the former addresses
   EXPECT_EQ(negotiation.local(100)->addresses, after);
 }
 
@@ -432,7 +432,7 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   EXPECT_EQ(small.ignored(), 2U);
 }
 
-// Endpoints and shared memory may come in any order. Once all have come, the outcome is the same.
+// Endpoints and shared memory may appear in any order. Once all have appeared, the outcome is the same.
 TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
   SCOPED_TRACE(test::how_to_repeat());
   test::Random random{test::test_seed()};

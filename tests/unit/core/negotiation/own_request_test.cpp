@@ -1,4 +1,4 @@
-// These tests check that each change of our requests makes a newer request, and that nothing else does.
+// Tests that each change of a request of this node makes a newer request, and that nothing else does.
 #include "core/negotiation/own_request.h"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ class OwnRequestTest : public ::testing::Test {
  protected:
   static constexpr EndpointId writer = 7;
   static FieldMask mask(std::uint64_t bits) { return FieldMask::from_words(8, std::vector{bits}); }
-  /// Returns by how much the sequence has grown since the last call.
+  /// Returns the growth of the sequence since the last call.
   std::uint64_t newer() { return request.sequence - std::exchange(seen_, request.sequence); }
 
   Request request{

@@ -1,4 +1,4 @@
-// These tests check that a selection that many readers request is decoded once.
+// Tests that a selection that many readers request is decoded once.
 #include "core/negotiation/requested_selections.h"
 
 #include <string>

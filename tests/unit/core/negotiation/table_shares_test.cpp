@@ -7,8 +7,8 @@ namespace {
 
 class TableSharesTest : public ::testing::Test {
  protected:
-  /// Enters the endpoints that are admitted, and removes those that give way. Returns how many were
-  /// entered.
+  /// Enters the endpoints that are admitted, and removes the endpoints that they replace. Returns the number
+  /// of endpoints that were entered.
   int announce(AnnouncerId announcer, int count, const std::string& topic = "") {
     int entered = 0;
     for (int i = 0; i < count; ++i) {

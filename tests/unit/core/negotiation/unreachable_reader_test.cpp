@@ -1,4 +1,4 @@
-// Readers that are attached in shared memory but cannot be woken there use another path, and learn why.
+// Readers that are attached in shared memory but cannot be woken there use another path, and get the reason.
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {

@@ -1,4 +1,4 @@
-// These tests check how long accounts reported by other nodes are kept, and how many fit.
+// Tests for how long accounts that other nodes have reported are kept, and how many accounts fit.
 #include "core/node/account_table.h"
 
 #include <gmock/gmock.h>

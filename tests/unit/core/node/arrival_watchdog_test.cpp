@@ -1,4 +1,5 @@
-// The watchdog of arrivals in simulated time. It restarts connections that receive nothing, and no others.
+// The watchdog of arrivals in simulated time. It restarts connections by which nothing arrives, and no other
+// connections.
 #include "core/node/arrival_watchdog.h"
 
 #include <gtest/gtest.h>
@@ -20,18 +21,19 @@ class ArrivalWatchdogTest : public test::RandomTest {
   struct Scene {
     std::chrono::microseconds period = 10ms;  ///< the time between samples, except between bursts
     std::uint64_t bytes = 1000;
-    double lost = 0;  ///< share of the samples that get lost
+    double lost = 0;  ///< the share of the samples that are lost
     double assertions_lost = 0;
     std::chrono::milliseconds transit = 1ms;
-    std::chrono::milliseconds jitter = 0ms;  ///< added to `transit`, at random up to this
-    std::uint64_t burst = 0;  ///< if not 0: the samples of a burst, which a pause of the same length follows
+    std::chrono::milliseconds jitter = 0ms;  ///< the longest random time that is added to `transit`
+    /// The number of samples in a burst, which a pause of the same length follows; 0: no bursts.
+    std::uint64_t burst = 0;
     ArrivalWatchdog::Pair pair{};
   };
 
   bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
 
-  /// Simulates what the reader's agent sees for the time `length`. The pair works as the scene says, or
-  /// receives nothing if `deaf`.
+  /// Simulates the events at the reader's agent for the time `length`. The pair works as the scene describes,
+  /// or the reader receives nothing if `deaf` is true.
   void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
     const Time end = now + length;
     Time publish_at = now, passes_at = now;
@@ -138,7 +140,7 @@ TEST_F(ArrivalWatchdogTest, AQuietPairIsLeftAlone) {
   EXPECT_TRUE(restarted_at.empty());
 }
 
-/// In each random scene the pair works, and must not be restarted.
+/// In each random scene the pair works, so it must not be restarted.
 TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedItIs) {
   const auto up_to = [this](std::int64_t most) {
     return std::uniform_int_distribution<std::int64_t>(0, most)(random);
@@ -152,7 +154,7 @@ TEST_F(ArrivalWatchdogTest, APairThatWorksIsLeftAloneHoweverSlowLossyOrLimitedIt
     scene.bytes = std::uint64_t{100} << up_to(16);
     scene.lost = scene.pair.reliable ? 0 : 0.2;
     scene.assertions_lost = up_to(1) == 0 ? 0 : 0.2;
-    // The link is the slowest that is allowed for.
+    // The link is as slow as the watchdog allows.
     scene.transit = milliseconds(scene.bytes * 1000 / ArrivalWatchdog::slowest_bytes_per_s + 1);
     scene.jitter = milliseconds(up_to(700));
     scene.burst = up_to(2) == 0 ? static_cast<std::uint64_t>(1 + up_to(100)) : 0;

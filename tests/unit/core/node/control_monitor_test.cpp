@@ -1,4 +1,4 @@
-// What the log says of endpoints that the table has no room for.
+// Tests of the log lines about endpoints that the table has no room for.
 #include "core/node/control_monitor.h"
 
 #include <gmock/gmock.h>
@@ -17,7 +17,7 @@ using ::testing::HasSubstr;
 /// The table has room for one endpoint.
 class ControlMonitorTest : public ::testing::Test {
  protected:
-  /// Announces so many endpoints on one topic, of which there are few at a time.
+  /// Announces `endpoints` endpoints on one topic, few of which exist at the same time.
   void announce(const std::string& node, int endpoints) {
     for (int i = 0; i < endpoints; ++i) {
       Endpoint one;

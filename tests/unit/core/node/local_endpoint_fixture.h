@@ -1,5 +1,5 @@
-// Single endpoints of a node, without its loop. The test provides the table of endpoints, the transports
-// and discovery.
+// A fixture for single endpoints of a node, without the loop of the node. The test provides the table of
+// endpoints, the transports and discovery.
 #pragma once
 
 #include "tests/unit/core/node/reconciler_fixture.h"

@@ -20,14 +20,14 @@ class LocalWriterTest : public LocalEndpointTest {
     negotiation.local_added(endpoint, type);
   }
   void open_in_memory() { open(here(Role::writer, 7)); }
-  /// Makes a reader attach to our writer in shared memory.
+  /// Makes a reader attach to the writer of this node in shared memory.
   void reader_attaches(EndpointId id) {
     Endpoint reader = here(Role::reader, id);
     reader.request.attached = {7};
     negotiation.endpoint_seen(reader);
     writer->reconcile();
   }
-  /// Makes a reader on another host listen to our writer.
+  /// Makes a reader on another host listen to the writer of this node.
   void reader_listens(EndpointId id) {
     Endpoint reader = over_network(Role::reader, id);
     reader.request.listening = {7};
@@ -49,7 +49,7 @@ class LocalWriterTest : public LocalEndpointTest {
 
   const std::shared_ptr<TestWriterPort> network_port = std::make_shared<TestWriterPort>();
   std::vector<Event> events;
-  int notifications = 0;  ///< how often the node's agent was notified of assertions
+  int notifications = 0;  ///< the number of times that the node's agent was notified of assertions
   std::shared_ptr<PublisherCore> core;
   std::optional<LocalWriter> writer;
 };
@@ -74,7 +74,7 @@ TEST_F(LocalWriterTest, APortThatCannotBeOpenedIsNotTriedAgainAtOnceButAfterAPau
   EXPECT_TRUE(writer->may_try_again(soon()));
 }
 
-// The daemon made the port, so that the reader attached to it, but the daemon answered too late.
+// The daemon has made the port, so that the reader has attached to it, but the daemon has answered too late.
 TEST_F(LocalWriterTest, AReaderThatIsAttachedIsNotServedInMemoryBeforeThePortIsOpen) {
   memory.is_full = true;
   open_in_memory();

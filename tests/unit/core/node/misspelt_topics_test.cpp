@@ -1,4 +1,4 @@
-// Which topics are considered misspelt, and when the log names them.
+// Tests which topics are considered misspelt, and when the log names them.
 #include "core/node/misspelt_topics.h"
 
 #include <gmock/gmock.h>

@@ -30,17 +30,19 @@ class TestWriterPort final : public IdleNetworkWriter {
   std::vector<Route> routes;
   bool history_left = true;
   int changes = 0;
-  mutable int looks = 0;  ///< how often the counters were read
+  mutable int looks = 0;  ///< the number of times that the counters were read
 };
 
-/// What a port was told: the writers that it takes datagrams from, and more.
+/// The state of a port: the writers that it is connected to, and the answers that the test sets.
 struct Connections {
   std::set<EndpointId> writers;
-  std::vector<Source> announced;  ///< sources of connected writers, as announced again
-  std::string refusal;            ///< why nothing can be connected at present
-  SampleHandle sample;            ///< the sample that take() returns next
+  /// The sources of connected writers, in the order in which they were announced again.
+  std::vector<Source> announced;
+  /// The reason why no connection is possible at present; empty: connections are possible.
+  std::string refusal;
+  SampleHandle sample;  ///< the sample that take() returns next
   int ports_gone = 0;
-  int looks = 0;  ///< how often the counters were read
+  int looks = 0;  ///< the number of times that the counters were read
 };
 
 class TestReaderPort final : public IdleNetworkReader {
@@ -78,7 +80,7 @@ class TestDiscovery final : public Discovery {
   Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;
   std::vector<Request> sent;
-  std::set<Inquiry> inquired;  ///< the last set that our node asked about
+  std::set<Inquiry> inquired;  ///< the last set of inquiries of this node
   Inquiries asked;
   std::vector<NodeReport> reports;
   Time next_look = Time::max();  ///< the time that look_after() returns

@@ -1,4 +1,4 @@
-// What the reconciler does when shared memory becomes available or is lost.
+// Tests of the reconciler when shared memory becomes available or is lost.
 #include "tests/unit/core/node/reconciler_fixture.h"
 #include "tests/unit/core/node/test_memory.h"
 
@@ -107,7 +107,7 @@ TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
   EXPECT_THAT(memory.connections, ElementsAre(8));
 }
 
-// The queue depends on whether the publisher waits for it. A best-effort publisher waits for no reader.
+// The queue is different if the publisher waits for it. A best-effort publisher waits for no reader.
 TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitAndIsReliable) {
   for (const auto kind : {Reliability::best_effort, Reliability::reliable}) {
     open_reader(kind == Reliability::reliable ? 201 : 200, kind);

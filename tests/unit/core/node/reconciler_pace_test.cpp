@@ -1,4 +1,4 @@
-// How often a node runs its periodic checks.
+// Tests how often a node runs its periodic checks.
 #include "tests/unit/core/node/reconciler_fixture.h"
 
 namespace sft::core {
@@ -14,10 +14,12 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
   EXPECT_EQ(reconciler.tick(now), TickPace::pause_when_quiet);
 }
 
-/// In a calm node the checks are so rare that a short deadline or lease would be noticed late.
+/// The usual checks of a quiet node are rare. With these alone, it would be detected late that a short
+/// deadline or lease was missed.
 TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
   using std::chrono::milliseconds;
-  constexpr milliseconds deadline{80}, lease{240}, requested{60};  // need more checks than all else
+  // These periods need more frequent checks than anything else.
+  constexpr milliseconds deadline{80}, lease{240}, requested{60};
   const auto quiet = [&](std::chrono::seconds after) {
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;
   };

@@ -22,7 +22,7 @@ TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
   EXPECT_EQ(discovery.sent[0].sequence, 2U);
 }
 
-// The writer may still exist, and only its announcements do not reach this node. It has to stop sending.
+// The writer may still exist, while its announcements do not reach this node. It must stop sending.
 TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
   our_reader(200);
   writer_seen(7);
@@ -100,7 +100,7 @@ TEST_F(ReconcilerTest, AReaderWhoseProcessIsLostIsServedNoMoreUntilItIsSeenAgain
   EXPECT_TRUE(is_served());
 }
 
-// Another writer may have the same short id until that writer goes.
+// Another writer may have the same short id until that writer is closed.
 TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainByItself) {
   connections.refusal = "the same short id";
   our_reader(200);
@@ -119,7 +119,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
   }));
 }
 
-// The request may say, for instance, that the reader listens to another writer, too.
+// For example, the request may list another writer to which the reader listens, too.
 TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
   const auto port = std::make_shared<TestWriterPort>();
   const auto core = our_writer(7, port);
@@ -146,7 +146,7 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   EXPECT_EQ(readers_changed, told + 1);
 }
 
-// A program that wants events causes no work while nothing happens.
+// A program that receives events causes no work while nothing happens.
 TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
   const auto port = std::make_shared<TestWriterPort>();
   our_writer(7, port);
@@ -170,7 +170,7 @@ TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) 
   EXPECT_EQ(looks_of_ten_ticks(), 0) << "that was told with its batch";
 }
 
-// Two threads may set the rate at once, and the first one's notice may be posted last.
+// Two threads may set the rate at the same time, and the notification of the first one may be posted last.
 TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheNewsCome) {
   const auto core = our_reader(200);
   const auto asked = [&] { return discovery.sent.back().min_period_us; };
@@ -183,7 +183,7 @@ TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheN
   EXPECT_EQ(discovery.sent.size(), 1U);
 }
 
-// The port would wait for the callback, and the agent would wait with it.
+// The port would wait for the callback, and so the agent would wait for it, too.
 TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   std::shared_ptr<SubscriberCore> core;
   int ports_gone_within = 0;
@@ -202,7 +202,8 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(connections.ports_gone, 1);
 }
 
-// Until the tick after the history has left, no other path may overtake the datagrams under way.
+// Until the tick after the history has left, samples by another path must not overtake the datagrams under
+// way.
 TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
   const auto port = std::make_shared<TestWriterPort>();
   PublisherCore::Spec spec{7, "points", &type, 1 << 16};
@@ -279,7 +280,7 @@ TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   EXPECT_THAT(logged,
               ElementsAre("node: topic 'points', node 'camera': it sends, but nothing arrives by udp; the "
                           "connection is set up anew (restart 1)"));
-  reconciler.tick();  // the pause is over by now
+  reconciler.tick();  // the pause is over by this tick
   EXPECT_THAT(connections.writers, ElementsAre(7));
   EXPECT_THAT(discovery.sent.back().listening, ElementsAre(7));
 }
@@ -326,7 +327,7 @@ TEST_F(ReconcilerTest, AReaderThatAsksForALeaseAsksForReportsAtOnce) {
   EXPECT_THAT(discovery.inquired, ElementsAre(Inquiry{.topic = "points"}));
 }
 
-/// A publisher of ours with a reader in another node and a reader in our own.
+/// A publisher of this node, with a reader on another node and a reader on this node.
 class ReportsTest : public ReconcilerTest {
  protected:
   ReportsTest() {

@@ -1,4 +1,4 @@
-// A remapping rule that matches nothing in a process is reported once.
+// A remapping rule that matches no name in a process is reported once.
 #include "core/node/rule_use.h"
 
 #include <gmock/gmock.h>

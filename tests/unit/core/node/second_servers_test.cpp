@@ -1,4 +1,4 @@
-// When the log names a second server of a service.
+// Tests when the log names a second server of a service.
 #include "core/node/control_monitor.h"
 
 #include <gmock/gmock.h>

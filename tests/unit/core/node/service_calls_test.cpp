@@ -1,5 +1,5 @@
-// The rules of services in simulated time: what a client does until its call is over, and which calls a
-// server executes.
+// The rules of services in simulated time: the steps of a client until its call is over, and the choice of
+// the calls that a server executes.
 #include "sft/detail/service_calls.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ class ClientCallTest : public ::testing::Test {
   static SeenServer server(std::uint64_t id, const std::string& node) {
     return {.id = id, .node = node, .matched = true, .connected = true, .reason = "another host"};
   }
-  /// Lets time pass up to `end`, and returns the ids of the servers to which the call is sent meanwhile.
+  /// Advances the time to `end`, and returns the ids of the servers to which the call is sent meanwhile.
   std::vector<std::uint64_t> sent_until(ServiceTime end) {
     std::vector<std::uint64_t> sent;
     for (;;) {

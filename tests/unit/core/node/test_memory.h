@@ -14,7 +14,7 @@
 
 namespace sft::core {
 
-/// Shared memory of a daemon. Counts its ports, and lets the test decide what they answer.
+/// Shared memory of a daemon. It counts its ports, and the test sets their answers.
 class TestMemory final : public IdleSharedMemory {
  public:
   class Writer final : public IdleLendingWriter {
@@ -68,14 +68,14 @@ class TestMemory final : public IdleSharedMemory {
   HistoryProgress progress = HistoryProgress::awaited;
   int writers = 0;
   int readers = 0;
-  bool samples_wait = false;          ///< in the queue of each reader
-  std::uint64_t arrivals = 0;         ///< the count that each writer port reports
-  int openings = 0;                   ///< attempts to open a writer port, refused ones included
-  std::vector<Route> routes;          ///< as set last on any writer port
-  std::string why_unreachable;        ///< what writer ports report of each reader
-  std::set<EndpointId> connections;   ///< the writers that readers are connected to
-  std::vector<EndpointId> asked_for;  ///< the writers that connections were asked for, in order
-  std::optional<Errc> refusal;        ///< why nothing can be connected at present
+  bool samples_wait = false;         ///< true: samples wait in the queue of each reader
+  std::uint64_t arrivals = 0;        ///< the count that each writer port reports
+  int openings = 0;                  ///< the number of attempts to open a writer port, including refused ones
+  std::vector<Route> routes;         ///< the routes that were set last, on any writer port
+  std::string why_unreachable;       ///< the reason that writer ports report for each reader
+  std::set<EndpointId> connections;  ///< the writers that readers are connected to
+  std::vector<EndpointId> asked_for;  ///< the writers to which connections were requested, in order
+  std::optional<Errc> refusal;        ///< the error of each attempt to connect; empty: attempts succeed
 };
 
 }  // namespace sft::core

@@ -1,4 +1,4 @@
-// A node notices changes in the states of its two transports, and writes them to the log.
+// A node detects changes in the states of its two transports, and writes them to the log.
 #include "core/node/transport_monitor.h"
 
 #include <gmock/gmock.h>
@@ -56,7 +56,7 @@ class TransportMonitorTest : public ::testing::Test {
     now += std::chrono::seconds(1);
     return monitor.look_at_network(now);
   }
-  /// Returns the lines that the log gets if shared memory is in that state now.
+  /// Returns the lines that the log gets if the shared memory now has the given state.
   std::vector<std::string> lines_if(Availability availability, const std::string& state) {
     memory.availability = availability;
     memory.state = state;

@@ -1,4 +1,4 @@
-// When a node has a participant for unmodified nodes of DDS.
+// Tests when a node has a participant for unmodified nodes of DDS.
 #include "core/node/vanilla_access.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ class VanillaAccessTest : public testing::Test {
     setup.program_speaks = [this](std::uint32_t) { return program_speaks; };
     access.emplace(std::move(setup), log);
   }
-  /// True if there is a participant after a look.
+  /// Returns true if there is a participant after a look.
   bool has_domain(bool has_publishers = true) {
     access->look(heard, has_publishers, now);
     return access->domain() != nullptr;
@@ -90,7 +90,7 @@ TEST_F(VanillaAccessTest, AProgramThatBeginsToSpeakDdsLosesIt) {
   node_comes();
   EXPECT_TRUE(has_domain());
   program_speaks = true;
-  node_comes();  // the program's own participant
+  node_comes();  // this participant is the program's own
   EXPECT_FALSE(has_domain());
 }
 

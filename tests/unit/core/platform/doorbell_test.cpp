@@ -74,7 +74,7 @@ TEST(DoorbellTest, AnUnknownPageIsAnErrorThatNamesTheFile) {
   EXPECT_NE(page.error().message.find("sft_bell_0000000000001234"), std::string::npos);
 }
 
-// Each ring of such a page would raise SIGBUS.
+// Each ring of a doorbell in such a page would raise SIGBUS.
 TEST(DoorbellTest, APageThatWasCutShortIsAnErrorThatNamesTheFile) {
   const auto page = DoorbellPage::create();
   if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";

@@ -1,4 +1,4 @@
-// The files of a system say if memory is in huge pages. A directory takes the place of /sys here.
+// The files of a system say if memory is in huge pages. In these tests a directory replaces /sys.
 #include "core/platform/huge_pages.h"
 
 #include <gmock/gmock.h>

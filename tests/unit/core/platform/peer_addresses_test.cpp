@@ -1,5 +1,5 @@
-// Peers given by name are looked up on threads of their own, so that no other thread waits for a silent
-// name server.
+// Names of peers are looked up on separate threads, so that no other thread waits for a name server that does
+// not answer.
 #include "core/platform/peer_addresses.h"
 
 #include <gmock/gmock.h>
@@ -86,7 +86,7 @@ class PeerAddressesTest : public ::testing::Test {
     addresses.used_on(IpFamily::ipv4);
     return addresses;
   }
-  /// Waits for the lookups under way, and returns what their answers have changed.
+  /// Waits for the lookups under way, and returns the changes by their answers.
   PeerAddresses::Look answered(PeerAddresses& addresses) {
     addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::hang_timeout);
     return addresses.look_after(now_);

@@ -1,4 +1,4 @@
-// Reads the files of the system that the tests run on. Some systems do not have them.
+// Reads the files of the system on which the tests run. Some systems do not have these files.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// The files of a system say how many threads may start. Directories take the place of /proc and /sys here.
+// The files of a system say how many threads may start. In these tests directories replace /proc and /sys.
 #include "core/platform/task_limits.h"
 
 #include <gtest/gtest.h>

@@ -125,7 +125,7 @@ TEST(ThreadTest, OfALibraryGetsItsPrefixOnceItHasTakenItsName) {
   EXPECT_NE(std::ranges::find(names, "a-long-prefix-r", &ThreadNames::value_type::second), names.end());
 }
 
-/// While this object exists, new threads ask for more stack than there is address space, and cannot start.
+/// While this object exists, new threads request more stack than there is address space, and cannot start.
 class NoRoomForThreads {
  public:
   NoRoomForThreads() {

@@ -19,7 +19,7 @@ namespace {
 class TrustedFileTest : public ::testing::Test {
  protected:
   void make_file() const { std::ofstream(path_) << "words"; }
-  /// Returns false if this account cannot give files away.
+  /// Makes a file of the given owner. Returns false if this account cannot give files to other accounts.
   bool make_file_of(uid_t user, gid_t group) const {
     make_file();
     return chown(path_.c_str(), user, group) == 0 && chmod(path_.c_str(), 0666) == 0;

@@ -1,4 +1,4 @@
-// Everybody gets a turn, however few fit in at once.
+// Every participant gets a turn, even if few fit in at once.
 #include "core/platform/turns.h"
 
 #include <gmock/gmock.h>

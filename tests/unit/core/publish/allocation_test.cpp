@@ -1,4 +1,4 @@
-// In steady state, neither shrinking a loan nor recording what is read allocates memory.
+// In steady state, neither shrinking a loan nor recording read accesses allocates memory.
 #include <gtest/gtest.h>
 
 #include <views.hpp>

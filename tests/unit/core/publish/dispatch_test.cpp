@@ -1,4 +1,4 @@
-// Tests where a sample is sent, and which readers count as having received it.
+// Tests to which ports a sample is sent, and which readers count as having received it.
 #include "core/publish/dispatch.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ class DispatchTest : public ::testing::Test {
     serving.network = {network_route(1, type)};
     serve(serving);
   }
-  /// Serves two readers in shared memory. The first one can be reached over the network, too.
+  /// Serves two readers in shared memory. The first one can also be reached over the network.
   void serve_two_in_memory() {
     Serving serving;
     serving.memory = {memory_route(1, type), memory_route(2, type)};

@@ -1,4 +1,4 @@
-// Tests which of the earlier samples readers get that come late.
+// Tests which of the earlier samples late readers get.
 #include "core/publish/late_readers.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Loans: memory is reserved, filled and given back in place, and nothing beyond the message is sent.
+// Loans. Memory is reserved, filled and given back in place, and no byte outside of the message is sent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -62,7 +62,7 @@ class LoanTest : public sft::test::RandomTest {
  protected:
   Loan<Recording> loan(const Sizes& sizes) { return publisher->loan({}, sizes).value(); }
 
-  /// Expects header, index, padding and body to be those of a fresh encoding of `message`.
+  /// Expects header, index, padding and body to equal those of a new encoding of `message`.
   void expect_sent(const Recording& message) {
     ASSERT_TRUE(publisher.has_sent());
     const Encoded expected(message);
@@ -102,7 +102,7 @@ TEST_F(LoanTest, AShrunkSequenceIsPublishedAsIfOnlyThatWereReserved) {
   for (std::size_t i = 0; i < 100; ++i) stamps[i] = static_cast<std::int64_t>(i);
   EXPECT_EQ(loan.shrink(F::stamps, 3), ShrinkStatus::ok);
   EXPECT_EQ(loan->stamps().size(), 3U);
-  stamps[99] = 5;  // in memory that the loan still has
+  stamps[99] = 5;  // this memory still belongs to the loan
   EXPECT_EQ(loan.shrink(F::left.ranges, 1), ShrinkStatus::ok);
   loan->left().ranges()[0] = 0.5;
   loan->weights()[2] = 2;
@@ -222,7 +222,8 @@ TEST_F(LoanTest, ForOverwriteLeavesElementsAsTheyAreAndNothingElse) {
 
 TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
   sft::test::RandomValues values(random);
-  // Reserves room for some sequences, at times more than they need. The prototype has other elements there.
+  // Reserves room for some sequences, sometimes more than they need. In the prototype these sequences have
+  // other elements.
   const auto reserve = [&](auto& size, auto& in_prototype, const auto& value, std::size_t most = 100'000) {
     if (random() % 3 == 0) return;
     const std::size_t more = random() % 2 == 0 ? 0 : random() % 5000;

@@ -15,7 +15,7 @@
 
 namespace sft::core::test {
 
-/// Records each call as a word.
+/// A port that records each call as a word.
 class NetworkLog final : public IdleNetworkWriter {
  public:
   SendStatus send(const SampleHandle&) noexcept override { return note("send", answer); }
@@ -51,7 +51,7 @@ class NetworkLog final : public IdleNetworkWriter {
   std::vector<std::string> calls_;
 };
 
-/// Lends memory from a pool, and keeps the samples that are sent.
+/// A port that lends memory from a pool, and keeps the samples that are sent.
 class MemoryLog final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override {
@@ -64,8 +64,8 @@ class MemoryLog final : public IdleLendingWriter {
     sent.push_back(sample);
     return answer;
   }
-  /// A late reader waits for its history. A sample is held back from it, and begin_with() fails, as often
-  /// as `interruptions` says.
+  /// Simulates a late reader that waits for its history. As many times as `interruptions` says, a sample is
+  /// held back from the reader and begin_with() fails.
   std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
     return given ? std::nullopt : std::optional(interruptions);
   }
@@ -89,7 +89,7 @@ class MemoryLog final : public IdleLendingWriter {
   const std::shared_ptr<BufferPool> memory_ = BufferPool::make(std::size_t{1} << 20);
 };
 
-/// Keeps the samples that it is given.
+/// A port that keeps the samples that it gets.
 class VanillaLog final : public VanillaPort {
  public:
   void send(const SampleHandle& sample) noexcept override { sent.push_back(sample); }
@@ -100,7 +100,7 @@ class VanillaLog final : public VanillaPort {
   std::optional<std::vector<SampleHandle>> retained;
 };
 
-/// Returns a whole sample of that type, with a small body.
+/// Returns a sample of that type with all fields and a small body.
 inline SampleHandle make_sample(BufferPool& pool, const TypeSupport& type, std::uint64_t sequence = 0) {
   constexpr std::uint32_t body_bytes = 8;
   const detail::SampleLayout layout(type.index_slots());

@@ -1,4 +1,4 @@
-// Tests how a publisher changes which paths serve its readers.
+// Tests how a publisher changes the paths that serve its readers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -60,7 +60,7 @@ class PublisherServingTest : public ::testing::Test {
     return bytes;
   }
 
-  /// Expects serve() with a greater mask to wait while the port holds the thread that runs `publish`.
+  /// Expects that serve() with a greater mask waits while the port blocks the thread that runs `publish`.
   template <class Publish>
   void expect_waited_for(Publish publish) {
     publisher.serve(to_one(FieldMask(F::height)), nullptr);
@@ -129,7 +129,7 @@ TEST_F(PublisherServingTest, AMessageThatIsTooLargeOrHasAFaultIsInvalidWhoeverLi
       EXPECT_EQ(span.published, 1U);
     }
   };
-  expect_refused();  // without a reader
+  expect_refused();  // there is no reader
   reporting.serve(to_one(FieldMask(F::height)), nullptr);
   expect_refused();
   reporting.serve(to_one(type.full()), nullptr);
@@ -179,13 +179,13 @@ TEST_F(PublisherServingDeathTest, ASecondThreadThatPublishesMeanwhileIsStoppedWi
   port->go_on.set_value();
 }
 
-/// A publisher that publishes a sample before and after each change of the routes of one of its ports.
-/// Notes which samples came to one of its readers, by either port.
+/// A publisher that publishes a sample before and after each change of the routes of one of its ports. The
+/// fixture records the samples that one of the readers gets, by either port.
 class ChangeOverTest : public ::testing::Test {
  protected:
   static constexpr EndpointId reader = 2;
 
-  /// Takes samples for the reader while it has a route to it.
+  /// A port that takes samples for the reader while it has a route to the reader.
   template <class Idle>
   class Port : public Idle {
    public:
@@ -223,7 +223,7 @@ class ChangeOverTest : public ::testing::Test {
   void publish() {
     if (is_open_) publisher_.publish(&cloud_);
   }
-  /// Serves the readers `here` in memory, and those `elsewhere` over the network.
+  /// Serves the readers `here` in memory, and the readers `elsewhere` over the network.
   void serve(std::vector<EndpointId> here, std::vector<EndpointId> elsewhere) {
     Serving serving;
     for (const EndpointId id : here) {
@@ -240,7 +240,7 @@ class ChangeOverTest : public ::testing::Test {
   const TypeSupport type_{TypeTable<PointCloud2>::type};
   const PointCloud2 cloud_{};
   std::set<std::uint64_t> came_;
-  bool is_open_ = false;  ///< the reader is served
+  bool is_open_ = false;  ///< true while the reader is served
   const std::shared_ptr<BufferPool> pool_ = BufferPool::make(1 << 20);
   const std::shared_ptr<Memory> memory_ = std::make_shared<Memory>(*this);
   PublisherCore publisher_{
@@ -259,14 +259,15 @@ TEST_F(ChangeOverTest, NoSampleFallsBetweenTheTwoPortsOfAReader) {
   EXPECT_EQ(came_.size(), publisher_.status().published);
 }
 
-/// Records the destinations to which it is told to send the history.
+/// A port that records the destinations to which it has to send the history.
 class HistoryPort final : public IdleNetworkWriter {
  public:
   void send_history(const Route& to, std::vector<SampleHandle> samples) override {
     given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
   }
 
-  std::vector<std::pair<int, std::size_t>> given;  ///< ports, each with the number of samples for it
+  /// The UDP ports, each with the number of samples that were sent to it.
+  std::vector<std::pair<int, std::size_t>> given;
 };
 
 TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasMoved) {
@@ -292,7 +293,7 @@ TEST_F(PublisherServingTest, ALateReaderIsGivenTheHistoryOnceAndAgainWhereItHasM
   EXPECT_EQ(network->given, (Given{{5000, 2}, {6000, 2}, {7000, 2}}));
 }
 
-/// Runs code of the test while routes change, which may publish.
+/// A port that runs a function of the test while routes change. The function may publish.
 class InterruptedPort final : public IdleNetworkWriter {
  public:
   void set_routes(std::vector<Route>) override {
@@ -302,7 +303,7 @@ class InterruptedPort final : public IdleNetworkWriter {
   std::function<void()> meanwhile;
 };
 
-/// Counts the samples that are sent.
+/// A port that counts the samples that are sent.
 class CountingMemory final : public IdleLendingWriter {
  public:
   SampleHandle loan(std::size_t bytes) noexcept override { return memory_->take(bytes); }
@@ -341,7 +342,7 @@ class LateInMemoryTest : public PublisherServingTest {
         {.reader = 2, .destination = DoorbellAddress{}, .selection = type.full(), .history = 2}};
     return serving;
   }
-  /// Returns the sequences that the reader was given. Expects these samples in the port's memory.
+  /// Returns the sequences of the samples that the reader got. Expects these samples in the port's memory.
   std::vector<std::uint64_t> given() const {
     std::vector<std::uint64_t> sequences;
     for (const SampleHandle& sample : memory->given.value()) {

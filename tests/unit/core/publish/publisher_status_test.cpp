@@ -1,4 +1,4 @@
-// Tests what a publisher's status says of samples that did not reach all readers.
+// Tests the status of a publisher after samples did not reach all readers.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +22,7 @@ class CountingPort final : public IdleNetworkWriter {
 
   SendStatus answer = SendStatus::sent;
   std::uint64_t dropped_later = 0;
-  std::size_t missed = 0;  ///< how many of the samples that are sent together the port drops
+  std::size_t missed = 0;  ///< the number of samples of a batch that the port drops
   int sent = 0;
 
  private:
@@ -70,7 +70,7 @@ TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken
 
 /// A reader with a maximum rate gets the first sample of each slot. A refused message does not count.
 TEST_F(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
-  constexpr std::uint32_t an_hour_us = 3'600'000'000;  // no slot begins in the course of the test
+  constexpr std::uint32_t an_hour_us = 3'600'000'000;  // so long that no slot begins during the test
   serve(an_hour_us);
   PointCloud2 not_text, too_large;
   not_text.header.frame_id = std::string("a\0b", 3);
@@ -102,7 +102,7 @@ TEST_F(PublisherStatusTest, SamplesPublishedTogetherThatDoNotLeaveAreDroppedAndT
   }
 }
 
-/// More than 1,024 are sent in several calls.
+/// More than 1,024 messages are sent in several calls.
 TEST_F(PublisherStatusTest, TheStatusOfALongSpanIsThatOfTheFirstMessageThatIsNotPublished) {
   serve();
   std::vector<PointCloud2> clouds(2000);
@@ -117,7 +117,8 @@ TEST_F(PublisherStatusTest, TheStatusOfALongSpanIsThatOfTheFirstMessageThatIsNot
   EXPECT_EQ(done.published, 0U);
 }
 
-/// Others compare the progress with what arrives: samples that could not arrive do not belong to it.
+/// Other nodes compare the progress with the samples that arrive. So samples that could not arrive must not
+/// count.
 TEST_F(PublisherStatusTest, TheProgressCountsNeitherWhatWasDroppedNorWhatLateReadersMissed) {
   const auto memory = std::make_shared<test::MemoryLog>();
   PublisherCore::Spec spec = spec_of(type);

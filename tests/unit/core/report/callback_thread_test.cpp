@@ -1,4 +1,4 @@
-// A limited number of calls may wait for the thread for callbacks of events, and their sources take turns.
+// A limited number of calls may wait for the callback thread, and the sources of the calls take turns.
 #include "core/report/callback_thread.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 class CallbackThreadTest : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(thread_.start()); }
-  /// Calls a callback of the source, which does not return until release().
+  /// Calls a callback of the source. The callback does not return until release().
   void hold(const char& source) {
     std::promise<void> begun;
     may_return_ = {};
@@ -32,7 +32,7 @@ class CallbackThreadTest : public testing::Test {
       ++called_;
     });
   }
-  /// Returns the names of the sources that were called, in that order.
+  /// Returns the names of the sources that were called, in the order of the calls.
   std::string all_calls() {
     thread_.stop();
     return calls_;

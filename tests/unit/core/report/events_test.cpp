@@ -1,4 +1,4 @@
-// Events are derived from the difference of two states.
+// Events are derived from the difference between two states.
 #include "core/report/events.h"
 
 #include <gmock/gmock.h>
@@ -225,7 +225,7 @@ TEST(EventsTest, LossesAreToldWithTheirNumber) {
   EXPECT_EQ(events[0].count, 3U);
 }
 
-/// A change of a status that had counts before, and the one event that it causes.
+/// A change of a status that already had counts, and the one event that the change causes.
 template <class Status>
 struct Change {
   Event::Kind kind;
@@ -250,7 +250,8 @@ void expect_one_event_for_each(const Status& base, const std::vector<Change<Stat
   }
 }
 
-/// Returns changes that publishers and subscribers report alike. `matches` is true while the peer matches.
+/// Returns the changes that publishers and subscribers report in the same way. `matches` is true while the
+/// peer matches.
 template <class Status, class Peer>
 std::vector<Change<Status>> changes_of_peer(std::vector<Peer> Status::*peers, bool Peer::*matches,
                                             TransportKind other_path) {

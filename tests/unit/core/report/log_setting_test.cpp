@@ -1,4 +1,4 @@
-// Where a node writes its log, and from which level on.
+// Tests where a node writes its log, and from which level on.
 #include "core/report/log_setting.h"
 
 #include <gtest/gtest.h>

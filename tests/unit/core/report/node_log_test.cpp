@@ -1,4 +1,4 @@
-// These tests check what reaches a program's log sink, and that repetitions are summed up.
+// Tests which lines reach a program's log sink, and that repetitions are summed up.
 #include "core/report/node_log.h"
 
 #include <gtest/gtest.h>
@@ -156,8 +156,9 @@ TEST_F(NodeLogTest, AWarningThatDidNotComeForALongTimeIsWrittenAtOnce) {
 
 TEST_F(NodeLogTest, ALineCountsThoseThatWereOmittedForThePauseAndThoseThatWereForTheBudget) {
   NodeLog log = log_from(LogLevel::info);
-  for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "again", now);  // two wait for the pause
-  const std::string others = "abcdefghijkl";  // the budget has room for nine of these twelve
+  // Two of these lines wait for the pause.
+  for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "again", now);
+  const std::string others = "abcdefghijkl";  // the budget has room for nine of these twelve lines
   for (const char other : others) log.write(LogLevel::warning, std::string(1, other), now);
   ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
   log.write(LogLevel::warning, "again", now + LineBudget::period);

@@ -37,7 +37,7 @@ TEST(BufferPoolTest, AReleasedBufferIsUsedAgain) {
 
 constexpr std::size_t large_bytes = 4'000'000;
 
-/// Returns true if the system has given memory for the whole buffer.
+/// Returns true if the system has provided memory for the whole buffer.
 bool is_resident(const SampleHandle& buffer) {
   const std::size_t page_bytes = test::page_bytes();
   const auto begin = reinterpret_cast<std::uintptr_t>(buffer->data) / page_bytes * page_bytes;
@@ -47,7 +47,7 @@ bool is_resident(const SampleHandle& buffer) {
 }
 
 TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyWhenTheyAreTaken) {
-  malloc_trim(0);  // what this process has freed before is resident, and would be given out again
+  malloc_trim(0);  // memory that this process has freed before is resident, and would be reused
   const auto pool = BufferPool::make(256 << 20);
   const SampleHandle unexpected = pool->take(large_bytes);
   ASSERT_TRUE(unexpected);
@@ -177,7 +177,7 @@ TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
   EXPECT_TRUE(first);
   EXPECT_FALSE(pool->take(1));
   first.reset();
-  EXPECT_TRUE(pool->take(1));  // the large buffer that was kept is freed for this one
+  EXPECT_TRUE(pool->take(1));  // the pool frees the large kept buffer for this one
 }
 
 TEST(BufferPoolTest, ARoundBodyWithItsHeaderAndIndexTakesLittleMoreThanItself) {

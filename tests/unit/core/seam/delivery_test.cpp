@@ -1,4 +1,4 @@
-// Counts of readers, while the readers that share a count change.
+// The counts of readers, while the set of readers that share a count changes.
 #include "core/seam/delivery.h"
 
 #include <gtest/gtest.h>
@@ -144,7 +144,7 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   EXPECT_EQ(book.total(), (Delivered{.sent = 4, .retained = 5, .bytes = 4, .bytes_saved = 4}));
 }
 
-// The agent enters pages, some of which the publisher never turns to. A third thread reads the counts.
+// The agent enters pages, and the publisher does not turn to each of them. A third thread reads the counts.
 TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCountedTwice) {
   test::Random random{test::test_seed()};
   SCOPED_TRACE(test::how_to_repeat());

@@ -1,5 +1,5 @@
-// Gates: which samples pass, under what numbers, and what is counted. Conditions have tests of their own.
-// Here they are combined with a rate, and with readers that begin.
+// Tests which samples pass gates, with which numbers, and with which counts. Other tests cover conditions
+// alone. Here they are combined with a rate, and with readers that begin.
 #include "core/seam/gate.h"
 
 #include <gtest/gtest.h>
@@ -26,12 +26,12 @@ using sensor_msgs::msg::BatteryState;
 using Condition = Selection::Condition;
 
 constexpr std::int64_t milliseconds = 1'000'000;
-// a slot of each period in these tests begins here
+// At this time a slot of each period in these tests begins.
 constexpr std::int64_t begin_ns = 1'700'000'000'000'000'000;
 
 detail::FieldSource source(const BatteryState& battery) { return detail::FieldSource::of_message(&battery); }
 
-/// The gate of a selection's text, in which the rate is the least period in microseconds.
+/// The gate for the text of a selection. A rate in the text gives the least period in microseconds.
 class Stream {
  public:
   explicit Stream(std::string_view text) : selection_(type().parse_selection(text).value()) {}
@@ -189,7 +189,7 @@ TEST(GateTest, AMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsComparedWit
   EXPECT_TRUE(stream.passes(1, begin_ns));
   BatteryState battery;
   battery.voltage = 2;
-  stream.gate().consider(source(battery), begin_ns);  // there was no memory for this message
+  stream.gate().consider(source(battery), begin_ns);  // then there was no memory for this message
   EXPECT_EQ(stream.gate().ordinal(), 2U) << "its readers see that one is missing";
   EXPECT_TRUE(stream.passes(2, begin_ns));
   EXPECT_FALSE(stream.passes(2, begin_ns));
@@ -202,7 +202,7 @@ TEST(GateTest, AFirstMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsTheFir
   stream.gate().reader_begins();
   BatteryState battery;
   battery.voltage = 1;
-  stream.gate().consider(source(battery), begin_ns);  // there was no memory for this message
+  stream.gate().consider(source(battery), begin_ns);  // then there was no memory for this message
   EXPECT_TRUE(stream.gate().passes());
   EXPECT_TRUE(stream.passes(1, begin_ns));
   EXPECT_FALSE(stream.passes(1, begin_ns));
@@ -253,8 +253,8 @@ TEST(GateTest, IsNamedByItsConditionsAndItsRate) {
 
 class GateLaw : public test::RandomTest {
  protected:
-  /// Returns true if a sample passes. The rate decides only about samples for which the conditions hold.
-  /// The first sample of a reader spends from the budget, even if nothing is left.
+  /// Returns true if a sample passes. The rate applies only to samples for which the conditions hold. The
+  /// first sample of a reader is subtracted from the budget, even if the budget is used up.
   static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
     if (!holds) return false;
     if (!begins) return budget.take(stamp_ns);
@@ -294,7 +294,7 @@ TEST_F(GateLaw, LetsThoseSamplesPassThatAPlainReadingNames) {
       gate.consider(source(battery), stamp_ns);
       gate.made(source(battery), stamp_ns);
       const bool passes = permits(holds, begins, budget, stamp_ns);
-      if (reference.was_close()) break;  // what follows may depend on rounding
+      if (reference.was_close()) break;  // the later results may depend on rounding
       ASSERT_EQ(gate.passes(), passes) << "sample " << i;
       passed += passes ? 1 : 0;
       ASSERT_EQ(gate.ordinal(), passed);

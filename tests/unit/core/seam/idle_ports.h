@@ -49,7 +49,7 @@ class IdleNetworkWriter : public NetworkWriter {
   std::size_t flush() noexcept override { return 0; }
 };
 
-/// What both kinds of readers have in common.
+/// The functions that both kinds of readers have in common.
 template <class Port>
 class IdleReader : public Port {
  public:
@@ -78,7 +78,7 @@ class IdleNetworkReader : public IdleReader<NetworkReader> {
   void accept(std::vector<Accepted>) override {}
 };
 
-/// What both kinds of transports have in common. It opens nothing.
+/// The functions that both kinds of transports have in common. This transport opens no ports.
 template <class Kind, class Writer, class Reader>
 class IdleTransport : public Kind {
  public:

@@ -53,11 +53,11 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
 
   std::uint64_t held_too_many() const noexcept override { return at_limit; }
 
-  std::uint64_t at_limit = 0;  ///< how often the limit was reached
-  bool is_at_limit = false;    ///< the subscriber holds as many samples as it may
+  std::uint64_t at_limit = 0;  ///< the number of times that the limit was reached
+  bool is_at_limit = false;    ///< true: the subscriber holds as many samples as it may
 };
 
-/// A port that another thread may fill while a thread takes from it.
+/// A port to which one thread may add samples while another thread takes samples from it.
 template <class Idle>
 class SharedQueueOf final : public Idle {
  public:

@@ -16,7 +16,7 @@ namespace {
 constexpr std::int64_t ms = 1'000'000;
 constexpr std::int64_t now_ns = 1'700'000'000'123'456'789;
 
-/// Returns how many samples pass in 10 s, of a source with that period and jitter, both in ms.
+/// Returns the number of samples that pass in 10 s. The source has the given period and jitter, both in ms.
 int passed_in_10_s(RateBudget budget, double source_ms, double jitter_ms, std::mt19937_64& random) {
   std::uniform_real_distribution<> jitter(-jitter_ms, jitter_ms);
   int passed = 0;
@@ -84,7 +84,8 @@ TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   EXPECT_TRUE(budget.take(now_ns - 3'600'000 * ms + 100 * ms));
 }
 
-// By this rule a reader in shared memory follows its writer although they exchange nothing about it.
+// By this rule a reader in shared memory takes what its writer lets pass, although the two exchange no
+// messages about it.
 TEST_F(RateBudgetTest, WhoSeesNoMoreThanTheWriterLetPassTakesAllOfIt) {
   for (int round = 0; round < 200; ++round) {
     RateBudget writer(10'000);
@@ -182,7 +183,7 @@ TEST_F(SequenceAccountTest, DoesNotBeginAnewForOneOldSampleOrForOnesThatAnotherP
   EXPECT_FALSE(is_new(by_memory(8))) << "the same sample again confirms nothing";
 }
 
-// Over UDP, lost and withheld samples are counted exactly, in spite of any losses and pauses.
+// Over UDP, lost and withheld samples are counted exactly, despite all losses and pauses.
 TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -190,7 +191,8 @@ TEST_F(SequenceAccountTest, OverUdpLostAndWithheldAreExact) {
     account = {};
     lost = withheld = 0;
     Gate gate(20'000);
-    std::uint64_t passed_lost = 0, gate_withheld = 0;  // between the first and the last sample that came
+    // Counts between the first and the last sample that arrived.
+    std::uint64_t passed_lost = 0, gate_withheld = 0;
     std::uint64_t lost_since = 0, withheld_since = 0;
     bool any = false;
     std::int64_t t = now_ns;
@@ -231,11 +233,13 @@ TEST_F(SequenceAccountTest, InSharedMemoryTheReaderSkipsAndCountsThatAsWithheld)
 
 TEST_F(SequenceAccountTest, BeginsWithOneSampleAndNotWithABurst) {
   account.ask(100'000);
-  for (std::uint64_t sequence = 1; sequence <= 9; ++sequence) enter(by_memory(sequence));  // within a period
+  // All of these samples are within one period.
+  for (std::uint64_t sequence = 1; sequence <= 9; ++sequence) enter(by_memory(sequence));
   EXPECT_EQ(delivered, 1U);
 }
 
-// The gate of the writer has spent what it began with, and so has the reader, by whichever path it came.
+// The gate of the writer has used up its initial budget, and so has the reader, whichever path the samples
+// took.
 TEST_F(SequenceAccountTest, APathThatChangesToSharedMemoryBringsNoMoreThanTheLimit) {
   account.ask(100'000);
   enter(over_network(1, 100'000, 1));
@@ -249,9 +253,9 @@ TEST_F(SequenceAccountTest, APathThatChangesToSharedMemoryBringsNoMoreThanTheLim
 TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEntitledToIt) {
   account.ask(100'000);
   for (std::uint64_t sequence = 1; sequence <= 30; ++sequence) enter(by_memory(sequence));
-  enter(by_memory(38));  // within the same period
+  enter(by_memory(38));  // within the same period as the samples before
   EXPECT_EQ(lost, 0U);
-  enter(by_memory(138));  // ten periods later, two of which the budget saves
+  enter(by_memory(138));  // ten periods later, two of which the budget has saved
   EXPECT_EQ(lost, 8U);
   EXPECT_EQ(delivered + lost + withheld, 138U);
 }
@@ -259,15 +263,15 @@ TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEnti
 TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlowerOne) {
   enter(over_network(1, 100'000, 1));
   enter(over_network(11, 100'000, 2));
-  enter(over_network(18));  // the limit is lifted
+  enter(over_network(18));  // from here on there is no limit
   enter(over_network(19));
   EXPECT_EQ(lost, 0U);
-  enter(over_network(25, 100'000, 9));  // the limit applies again
+  enter(over_network(25, 100'000, 9));  // from here on the limit applies again
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 20U);
 }
 
-// A saved period can still be used, so a sample that was pushed out in it is not lost.
+// A saved period can still be used, so a sample that the queue dropped in such a period is not lost.
 TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());

@@ -1,4 +1,4 @@
-// Which of a reader's requests a writer may have had in force between two samples.
+// Tests which of a reader's requests a writer may have had in force between two samples.
 #include "core/subscribe/asked_gates.h"
 
 #include <gmock/gmock.h>
@@ -71,7 +71,7 @@ TEST(AskedGatesTest, FindsTheFirstRequestWithoutConditions) {
   EXPECT_EQ(asked({near, far}).open_since(1), 1U) << "there is none";
 }
 
-// The memory of a sample may have no table that says if the sample has passed the first gates.
+// The memory of a sample may have no gate table. Then it is unknown if the sample has passed the first gates.
 TEST(AskedGatesTest, FindsNoRequestBehindGatesThatSamplesNeedNotName) {
   AskedGates gates;
   for (std::uint64_t gate = 1; gate <= 9; ++gate) gates.ask(gate);
@@ -82,7 +82,7 @@ TEST(AskedGatesTest, FindsNoRequestBehindGatesThatSamplesNeedNotName) {
   EXPECT_EQ(gates.open_since(1), 1U) << "it was forgotten";
 }
 
-// A rate without conditions has numbers of its own, but withholds samples that other gates let pass.
+// A rate without conditions has its own numbering, but withholds samples that pass other gates.
 TEST(AskedGatesTest, AMaximumRateBetweenConditionsCanHaveWithheldWhatPassedThem) {
   AskedGates gates = asked({near});
   gates.ask(0, true);

@@ -1,4 +1,4 @@
-// Which thread runs a subscriber's callback, and from when on no thread runs it.
+// Tests which thread runs a subscriber's callback, and from when on no thread runs the callback.
 #include "core/subscribe/callback_dispatch.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ class CallbackDispatchTest : public ::testing::Test {
   static void take_long() { now += std::chrono::milliseconds(1); }
   static Time read_now() { return now; }
 
-  static inline Time now{};  ///< advances only if a test says so
+  static inline Time now{};  ///< a test must advance this time itself
 
   Samples samples;
   int calls = 0;
@@ -89,7 +89,8 @@ TEST_F(CallbackDispatchTest, ASampleThatArrivesWithinACallbackIsCalledBackForAft
   EXPECT_EQ(calls, 2);
 }
 
-// A thread that finds a sample while the last callback ends leaves it to the thread that dispatches.
+// If a thread finds a sample while the last callback ends, it leaves the sample to the thread that
+// dispatches.
 TEST_F(CallbackDispatchTest, ASampleThatArrivesJustAfterTheLastCallbackIsNotForgotten) {
   samples.on_look = [&] { ++samples.count; };
   EXPECT_TRUE(dispatch(Caller::transport));

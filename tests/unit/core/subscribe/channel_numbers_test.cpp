@@ -25,7 +25,7 @@ class ChannelNumbersTest : public ::testing::Test {
   static const TypeSupport& type() { return type_support<PointCloud2>(); }
   static std::vector<ChannelNumbers::Cloud> clouds() { return ChannelNumbers::clouds_of(type().type()); }
 
-  /// Records one sample from which these leaves and channels are read.
+  /// Records one sample. The given leaves and channels are read from it.
   void sample(std::initializer_list<std::size_t> read, std::initializer_list<std::string_view> channels) {
     RecordedSample* s = recorder->begin();
     for (const std::size_t leaf : read) s->log().touch(leaf, true);

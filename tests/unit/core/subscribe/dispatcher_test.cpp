@@ -51,7 +51,8 @@ TEST(DispatcherTest, EverySampleIsCalledBackForOnceWhileCallbacksMoveBetweenThre
     port->put(std::move(sample));
     subscriber->arrived();
   };
-  receive(1);  // before the dispatcher runs: it might keep up with all others if it got the first sample
+  // Before the dispatcher starts, because the dispatcher might handle all samples if it got the first one.
+  receive(1);
   ASSERT_TRUE(dispatcher.start());
   dispatcher.add(subscriber);
   std::thread receiver([&] {

@@ -1,5 +1,5 @@
-// A sample, or a field of it, that is read although it is not there: the program ends with a sentence, in
-// every build. Tests also what an empty sample may be asked.
+// If a program reads an empty sample, or a field that a sample lacks, it ends with a message, in every build.
+// Also tests the functions that may be called on an empty sample.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>

@@ -1,4 +1,4 @@
-// A fixture for the intake of a subscriber behind two queues, without ports, clocks or threads.
+// A fixture for the intake of a subscriber with two queues, without ports, clocks or threads.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -35,7 +35,8 @@ class IntakeTest : public sft::test::RandomTest {
   void in_memory(const Sent& sent) { memory.push_back(sample(sent)); }
   void over_network(const Sent& sent) { network.push_back(sample(sent)); }
 
-  /// Returns one decision about the samples that have come, without answering its question.
+  /// Returns one decision about the samples that have arrived, without answering the question of the
+  /// decision.
   Decision decide() {
     fill();
     LazyRealtime now(now_ns);
@@ -49,7 +50,8 @@ class IntakeTest : public sft::test::RandomTest {
     LazyRealtime now(now_ns);
     return intake->overtaken(std::move(found), now);
   }
-  /// Answers questions until a sample can be taken, and returns it; empty if none can be taken.
+  /// Answers questions until a sample can be taken, and returns that sample, or an empty one if none can be
+  /// taken.
   Taken take() {
     Decision decision = decide();
     for (;; decision = follow_up(decision)) {
@@ -98,7 +100,7 @@ class IntakeTest : public sft::test::RandomTest {
   static constexpr Intake::Options usual{.timeout = std::chrono::nanoseconds(timeout_ns)};
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
   std::deque<SampleHandle> memory, network;
-  bool is_connected = true;  ///< by UDP to all writers
+  bool is_connected = true;  ///< true: the subscriber is connected by UDP to all writers
   std::int64_t now_ns = 0;
   std::optional<Intake> intake{std::in_place, usual};
 

@@ -13,7 +13,8 @@ class GatedIntakeTest : public IntakeTest {
  protected:
   static constexpr std::uint64_t conditions = 77;
 
-  /// Returns a sample that names its number among those that passed the gate; `ordinal` 0: it names none.
+  /// Returns a sample that names its number among the samples that passed the gate. If `ordinal` is 0, it
+  /// names no number.
   SampleHandle passed(const Sent& sent, std::uint32_t ordinal, std::uint64_t of_conditions = conditions) {
     const auto gate = std::make_shared<Gate>(0, detail::Conditions(), of_conditions);
     SampleHandle made = sample(sent);
@@ -104,7 +105,7 @@ TEST_F(GatedIntakeTest, ASampleThatNamesTwoOfTheSubscribersGatesHasNoNumber) {
   EXPECT_EQ(status().lost, 0U) << "nobody knows which gate has withheld the others";
 }
 
-// In between the reader asked for other conditions, under which no sample came.
+// Between the two samples the reader asked for other conditions, for which no sample arrived.
 TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOneGateIsNotLost) {
   ask(conditions);
   memory.push_back(passed({.sequence = 1}, 1));
@@ -122,7 +123,7 @@ TEST_F(GatedIntakeTest, WhatOtherConditionsCanHaveWithheldBetweenTwoSamplesOfOne
   EXPECT_EQ(status().lost, 1U) << "number 6";
 }
 
-// The request reaches the writer late: the first two samples were sent before.
+// The request reaches the writer late: the first two samples were sent before that.
 TEST_F(GatedIntakeTest, ConditionsThatAreTakenBackBeforeAnythingComesUnderThemLoseNothing) {
   ask(0);
   in_memory({.sequence = 1});
@@ -154,8 +155,8 @@ TEST_F(GatedIntakeTest, WhatHasPassedTheFirstConditionsIsLostWhetherTheyWereInFo
   EXPECT_EQ(status().withheld, 2U);
 }
 
-// Samples that passed the reader's former conditions reach it even if they are sent for another reader of
-// the process.
+// Samples that passed the reader's former conditions arrive at the reader even if they are sent for another
+// reader of the process.
 TEST_F(GatedIntakeTest, WhoAsksForAllLosesWhatIsMissingBetweenSamplesThatPassedTheConditionsOfOthers) {
   ask(conditions);
   ask(0);
@@ -189,7 +190,7 @@ TEST_F(GatedIntakeTest, FormerConditionsAreForgottenOnceNoSampleOfThemIsUnderWay
   EXPECT_THAT(taken(), ElementsAre(1));
   ask(0);
   settle();
-  memory.push_back(passed({.sequence = 2}, 2));  // passed the same gate, which other readers have
+  memory.push_back(passed({.sequence = 2}, 2));  // this sample passed the same gate, which other readers have
   memory.push_back(passed({.sequence = 5}, 3));
   EXPECT_THAT(taken(), ElementsAre(2, 5));
   EXPECT_EQ(status().lost, 2U);
@@ -228,7 +229,7 @@ TEST_F(GatedIntakeTest, RetainedSamplesPassNoGateAndHaveNoNumbers) {
   EXPECT_EQ(status().withheld, 2U + 1U);
 }
 
-/// Retained samples have no numbers that would show if one was lost or withheld.
+/// Retained samples have no numbers that would show if a sample was lost or withheld.
 TEST_F(GatedIntakeTest, ARetainedSampleThatIsMissingMayHaveBeenWithheldByConditions) {
   ask(conditions);
   for (const std::uint64_t retained : {4U, 6U}) {

@@ -1,4 +1,5 @@
-// The order between the two paths of a subscriber, and its losses, without ports, clocks or threads.
+// The order of samples between the two paths of a subscriber, and the losses, without ports, clocks or
+// threads.
 #include "core/subscribe/intake.h"
 
 #include <gmock/gmock.h>
@@ -72,7 +73,7 @@ TEST_F(IntakeTest, EveryDropOfASampleIsADecisionAfterWhichTheInletsAreFilledAnew
   EXPECT_EQ(decide(), Decision::deliver);
 }
 
-/// The first sample came in shared memory. The third one is there, too, and names the second one as
+/// The first sample came in shared memory. The third one has arrived, too, and names the second one as
 /// diverted.
 class DivertedTest : public IntakeTest {
  protected:
@@ -158,7 +159,8 @@ TEST_F(IntakeTest, ADivertedSampleThatTheMaximumRateDoesNotAllowIsNotWaitedFor) 
   EXPECT_THAT(taken(), ElementsAre(1, 4)) << "nothing is saved at first";
 }
 
-// A writer that also serves others in shared memory does not name a sample that went by UDP to us alone.
+// A writer that also serves other readers in shared memory does not name a sample that went by UDP to this
+// subscriber alone.
 TEST_F(IntakeTest, AfterASampleThatCameByUdpAGapInSharedMemoryIsWaitedForToo) {
   over_network({1});
   EXPECT_THAT(taken(), ElementsAre(1));
@@ -414,8 +416,8 @@ TEST_F(IntakeTest, ThatAWriterKeepsItsPromisesIsNewsOnlyIfSomethingDiffers) {
   EXPECT_EQ(writer.reason, "no sign of life within its lease");
 }
 
-/// Each writer sends each sample by a random path. In shared memory a sample arrives at once. By UDP
-/// samples arrive later, in the order of their writer, or get lost.
+/// Each writer sends each sample by a random path. In shared memory a sample arrives at once. By UDP samples
+/// arrive later, in the order of their writer, or are lost.
 class RandomPathsTest : public IntakeTest {
  protected:
   struct Writer {
@@ -473,7 +475,7 @@ class RandomPathsTest : public IntakeTest {
 };
 
 TEST_F(RandomPathsTest, EverySampleIsDeliveredOnceAndInOrderIfNoneGetsLost) {
-  constexpr int steps = 300;  // within the time that the intake waits
+  constexpr int steps = 300;  // these steps end within the time that the intake waits
   for (std::uint64_t round = sft::test::test_rounds(200); round > 0 && !HasFailure(); --round) {
     reopen(usual);
     now_ns = 0;

@@ -65,7 +65,7 @@ class PartReaderTest : public sft::test::RandomTest {
   std::shared_ptr<RemoteCopy> copier() const {
     return RemoteCopy::make(type_support<T>(), pool);
   }
-  /// Returns a selection of a part of that field and of random other fields.
+  /// Returns a selection of a part of the given field and of random other fields.
   template <class T>
   Selection selection(std::string_view field, std::uint32_t rows, std::uint32_t columns, bool has_channels) {
     const TypeSupport& type = type_support<T>();
@@ -79,7 +79,8 @@ class PartReaderTest : public sft::test::RandomTest {
   static std::vector<std::byte> body(const detail::SampleState& state) {
     return {state.body, state.body + state.body_bytes};
   }
-  /// Expects that getters read the part in place as they read a copy, and that both have the same encoding.
+  /// Expects that getters return the same for the part in place and for a copy, and that both have the same
+  /// encoding.
   template <class T>
   void expect_same(const T& message, const Selection& wanted) {
     SCOPED_TRACE(type_support<T>().format_selection(wanted));
@@ -122,7 +123,7 @@ std::vector<std::byte> bytes(const Span& span) {
   return {raw.begin(), raw.end()};
 }
 
-/// Returns the bytes of all cells. Expects that all ways to iterate give the same ones.
+/// Returns the bytes of all cells. Expects that all ways to iterate return the same cells.
 template <class Cell>
 std::vector<std::byte> bytes_of_cells(const Cells<Cell>& cells) {
   std::vector<Cell> each(cells.begin(), cells.end());
@@ -154,8 +155,8 @@ void expect_same_cells(const Result<Cells<Cell>>& seen, const Result<Cells<Cell>
   }
 }
 
-/// Expects cells in place to equal those of the copy, with and without the compiled type. Returns the
-/// latter.
+/// Expects that the cells in place equal those of the copy, with and without the compiled type. Returns the
+/// cells that were read without the compiled type.
 template <class Cell, class T>
 Result<Cells<Cell>> expect_same_data(const detail::SampleState& state, const detail::SampleState& expected) {
   const Result<Cells<Cell>> right = view<T>(expected).template data<Cell>();
@@ -334,8 +335,8 @@ TEST_F(PartReaderTest, ASampleOutlivesWhatMadeIt) {
   EXPECT_EQ(view<LaserScan>(some.state).ranges()[3], 12.F);
 }
 
-/// A sample with every second beam of a scan, and another field. The memory does not suffice for a copy of
-/// these.
+/// A sample with every second beam of a scan, and another field. There is not enough memory for a copy of
+/// them.
 class WithoutMemory : public PartReaderTest {
  protected:
   static LaserScan long_scan() {
@@ -442,7 +443,8 @@ TEST_F(PartReaderTest, AHeaderThatChangesAfterwardsLeadsNowhereElse) {
       *at = static_cast<std::byte>(random());
     if (some.around.parts == nullptr) continue;
     const auto seen = view<PointCloud2>(some.state);
-    for (const auto byte : seen.data()) asm volatile("" : : "r"(byte));  // a sanitizer sees what is read
+    // Makes a sanitizer see the bytes that are read.
+    for (const auto byte : seen.data()) asm volatile("" : : "r"(byte));
     if (const auto points = view<PointCloud2>(some.state).points<float>("x")) {
       for (const auto& [x] : *points) asm volatile("" : : "m"(x));
     }
@@ -463,7 +465,7 @@ TEST_F(PartReaderTest, CellsStayWithinTheSampleAlsoIfItsHeaderChangesAfterwards)
     for (const auto& cells : {pixels, view<Image>(some.state).data<std::uint16_t>()}) {
       if (!cells) continue;
       for (const std::uint16_t pixel : *cells)
-        asm volatile("" : : "r"(pixel));  // so that a sanitizer notices the read
+        asm volatile("" : : "r"(pixel));  // makes a sanitizer notice the read
       for (std::size_t row = 0; row < cells->rows(); ++row) {
         const auto span = cells->row(row);
         if (span && !span->empty()) asm volatile("" : : "r"(span->back()));

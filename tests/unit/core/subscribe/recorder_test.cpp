@@ -21,7 +21,7 @@ Leaves leaves_of(const FieldMask& mask) { return {mask.begin(), mask.end()}; }
 
 class RecorderTest : public ::testing::Test {
  protected:
-  /// Records one sample from which these leaves are read. All of them are present.
+  /// Records one sample in which all leaves are present. The given leaves are read from it.
   void sample(std::initializer_list<std::size_t> leaves) {
     RecordedSample* s = recorder->begin();
     for (const std::size_t leaf : leaves) s->log().touch(leaf, true);
@@ -208,7 +208,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
     while (started == 0) std::this_thread::yield();
     recorder->detach();
     gone->store(true);
-    gone.reset();  // so that the sanitizers notice a later notification
+    gone.reset();  // lets the sanitizers notice a later notification
     a.join();
     b.join();
   }
@@ -216,7 +216,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
 
 // ---- any pattern of reads ----
 
-/// The rules of the recorder in their simplest form, which computes all leaves each time.
+/// The rules of the recorder in their simplest form, which computes all leaves for each sample.
 class Promise {
  public:
   Promise(std::size_t leaves, const SubscriberOptions::Recording& settings)

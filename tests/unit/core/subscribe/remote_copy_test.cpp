@@ -1,4 +1,4 @@
-// A reader with as_remote gets samples in shared memory as it would get them on another host.
+// A reader with as_remote gets the same samples in shared memory as it would get on another host.
 #include "core/subscribe/remote_copy.h"
 
 #include <gtest/gtest.h>
@@ -162,7 +162,7 @@ TEST_F(AsRemoteSubscriberTest, MayTakeOnSeveralThreadsAtOnce) {
   EXPECT_EQ(subscriber.feed().status().received, samples);
 }
 
-/// A subscriber on another host than its publishers, which gets what they send to that host.
+/// A subscriber on another host than its publishers. It gets the samples that they send to that host.
 class PartSubscriberTest : public RemoteCopyTest {
  protected:
   PartSubscriberTest() { subscriber.ports().set_network(port); }
@@ -193,7 +193,7 @@ class PartSubscriberTest : public RemoteCopyTest {
     arrives(text);
     port->samples.back()->merged = true;
   }
-  /// Expects the next sample to be that selection of the cloud.
+  /// Expects the next sample to have the given selection of the cloud.
   void expect_next(const char* text) {
     const untyped::Sample sample = subscriber.take();
     ASSERT_TRUE(sample);

@@ -1,5 +1,5 @@
-// A subscriber with its two ports, its waiting threads and its callback. intake_test.cpp tests the order
-// between the ports.
+// A subscriber with its two ports, its waiting threads and its callback. The order of samples between the
+// ports is tested by intake_test.cpp.
 #include "core/subscribe/subscriber_core.h"
 
 #include <gtest/gtest.h>
@@ -51,7 +51,7 @@ class SubscriberCoreTest : public ::testing::Test {
     port.samples.push_back(std::move(sample));
   }
 
-  /// Delivers a sample through shared memory, after one that went by UDP.
+  /// Delivers a sample through shared memory. The sample names an earlier one that went by UDP.
   void arrives_after_diverted(std::uint64_t sequence, std::uint64_t diverted, std::int64_t diverted_at_ns) {
     arrives(*memory, sequence);
     memory->samples.back()->diverted_sequence = diverted;
@@ -67,7 +67,7 @@ class SubscriberCoreTest : public ::testing::Test {
   static Time read_callback_time() { return callback_time; }
 
   using Sequences = std::vector<std::uint64_t>;
-  static inline Time callback_time{};  ///< advances only if a test says so
+  static inline Time callback_time{};  ///< a test must advance this time itself
   const TypeSupport type{TypeTable<PointCloud2>::type};
   const std::unique_ptr<DoorbellPage> bells = DoorbellPage::create();
   const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
@@ -322,7 +322,7 @@ TEST_F(SubscriberCoreTest, AClosedSubscriberCallsNobody) {
   EXPECT_EQ(calls, 1);
 }
 
-// The transport's thread must not be delayed again.
+// The transport's thread must not be delayed a second time.
 TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWereQuick) {
   int calls = 0;
   reopen([&](untyped::Sample&&) {
@@ -344,8 +344,8 @@ TEST_F(SubscriberCoreTest, AfterASlowCallbackTheDispatcherCallsBackUntilManyWere
 // A subscriber with two selections.
 class TwoFeedsTest : public SubscriberCoreTest {
  protected:
-  using Came =
-      std::vector<std::pair<std::uint32_t, std::uint64_t>>;  ///< the number of a selection, and a sequence
+  /// The number of a selection, and a sequence.
+  using Came = std::vector<std::pair<std::uint32_t, std::uint64_t>>;
 
   TwoFeedsTest() {
     subscriber = std::make_unique<SubscriberCore>(

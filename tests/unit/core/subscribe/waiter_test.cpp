@@ -1,4 +1,4 @@
-// How a thread waits for samples, and when a subscriber's file descriptor is readable.
+// Tests how a thread waits for samples, and when a subscriber's file descriptor is readable.
 #include "core/subscribe/waiter.h"
 
 #include <gtest/gtest.h>

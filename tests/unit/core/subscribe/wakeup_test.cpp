@@ -1,5 +1,5 @@
 // No wake-up is ever lost. In each round one side publishes while the other side begins to wait, at random
-// moments. A thread that is not woken waits until a deadline that only a lost wake-up reaches.
+// times. A thread that is not woken waits until a deadline that only a lost wake-up reaches.
 #include <gtest/gtest.h>
 #include <poll.h>
 #include <sys/wait.h>
@@ -33,12 +33,12 @@ constexpr auto much_later = 10s;
 #ifndef SFT_TEST_SHARE
 #define SFT_TEST_SHARE 1
 #endif
-/// Returns the rounds to run: under the sanitizers only a share of the usual number.
+/// Returns the number of rounds to run. Under the sanitizers it is only a part of the usual number.
 std::uint64_t rounds_of(std::uint64_t usual) { return test::test_rounds(usual / SFT_TEST_SHARE); }
 
 class WakeUp : public test::RandomTest {};
 
-/// Waits for the round. Returns false if no ring has woken this thread for it in time.
+/// Waits for a sample of the round. Returns false if no ring has woken this thread in time.
 bool is_woken_for(Doorbell& bell, const std::atomic<std::uint32_t>& published, std::uint32_t round) {
   while (published < round) {
     const auto begun = Clock::now();
@@ -80,7 +80,8 @@ TEST_F(WakeUp, ByAnotherProcessIsNeverLost) {
   if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";
   const auto rounds = static_cast<std::uint32_t>(rounds_of(10'000));
   Doorbell& bell = page->at(0);
-  std::atomic<std::uint32_t>& published = page->at(1).rings;  // any words that both processes can access
+  // Any word that both processes can access is suitable.
+  std::atomic<std::uint32_t>& published = page->at(1).rings;
   std::atomic<std::uint32_t>& woken = page->at(2).rings;
   const pid_t child = fork();
   if (child == 0) {
@@ -105,7 +106,7 @@ TEST_F(WakeUp, ByAnotherProcessIsNeverLost) {
   EXPECT_EQ(status, 0);
 }
 
-/// A whole subscriber, which gets samples by both transports as in use.
+/// A whole subscriber, which gets samples by both transports as in a program.
 class SubscriberWakeUp : public WakeUp {
  protected:
   void open(std::chrono::nanoseconds spin, std::unique_ptr<PollHandle> poll_handle = nullptr) {
@@ -119,7 +120,7 @@ class SubscriberWakeUp : public WakeUp {
     subscriber_->ports().set_network(network_);
   }
 
-  /// Publishes one sample a round on another thread, while `receive` takes the samples on this one.
+  /// Publishes one sample per round on another thread, while `receive` takes the samples on this thread.
   template <class Receive>
   void exchange(std::uint64_t rounds, Receive receive) {
     std::thread publisher([&] {
@@ -193,12 +194,12 @@ TEST_F(SubscriberWakeUp, ByFileDescriptorIsNeverLostAndItIsReadableOnlyWhileTher
   };
   exchange(rounds_of(10'000), [&] {
     while (becomes_readable(much_later)) {
-      end_round();  // so that the next sample comes while this one is taken and the descriptor is updated
+      end_round();  // lets the next sample arrive while this one is taken and the descriptor is updated
       if (subscriber().take()) return true;
     }
     return false;
   });
-  poller.reset();  // may still make the descriptor readable for that sample; then take() finds none
+  poller.reset();  // may still make the descriptor readable for that sample; take() then finds no sample
   EXPECT_FALSE(subscriber().take());
   EXPECT_FALSE(becomes_readable(0ms));
 }

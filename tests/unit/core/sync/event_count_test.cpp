@@ -1,4 +1,4 @@
-// Waiting for events that happen on other threads.
+// Tests of waiting for events that happen on other threads.
 #include "core/sync/event_count.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tests that a callback is not called any more after it was removed, whichever threads call and remove it.
+// Tests that a callback is not called any more after it was cleared, whichever threads call and clear it.
 #include "core/sync/guarded_call.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@
 namespace sft::core {
 namespace {
 
-/// Waits until another thread has set the flag. The test hangs, and fails by its time limit, if none does.
+/// Waits until another thread has set the flag. If no thread sets it, the test hangs, and its time limit ends
+/// it.
 void wait_for(const std::atomic<bool>& flag) { flag.wait(false); }
 void set(std::atomic<bool>& flag) {
   flag = true;
@@ -73,7 +74,7 @@ TEST(GuardedCallTest, ACallThatThrowsIsOver) {
   call.clear();
 }
 
-/// A call that another thread is executing. It ends only after release(), and late enough that a clear()
+/// A call that another thread is executing. The call ends only after release(), and so late that a clear()
 /// that does not wait would return before.
 class GuardedCallOfAnotherThread : public testing::Test {
  protected:
@@ -83,7 +84,7 @@ class GuardedCallOfAnotherThread : public testing::Test {
   void release() { set(released_); }
 
   std::function<void()> on_this_thread = [] {};
-  bool ended = false;  // not atomic: clear() must order the threads
+  bool ended = false;  // not atomic, because clear() must order the threads
   const std::thread::id this_thread_ = std::this_thread::get_id();
   GuardedCall<> call{[this] {
     if (std::this_thread::get_id() == this_thread_) return on_this_thread();
@@ -201,7 +202,7 @@ TEST_F(GuardedCallOfAnotherThread, KeepsOneThatClearsItFromWithinAndThatOneIsWai
 TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
   constexpr int callers = 4;
   for (int round = 0; round < 50; ++round) {
-    // so that the sanitizers notice a use that comes too late
+    // The callback uses memory that is freed later, so that the sanitizers notice a use that is too late.
     auto used = std::make_unique<std::array<int, callers>>();
     GuardedCall<std::size_t> call([used = used.get()](std::size_t who) { ++(*used)[who]; });
     std::latch begun(callers);

@@ -1,4 +1,4 @@
-// Mutexes, their locks, and waiting for a condition. Clang itself checks accesses without a lock where it
+// Mutexes, their locks, and waiting for a condition. Accesses without a lock are checked by Clang when it
 // compiles the project.
 #include "core/sync/mutex.h"
 
@@ -59,7 +59,7 @@ TEST(ConditionTest, AWaitTellsThatTheTimeIsOverAndHoldsTheMutexAgain) {
   EXPECT_FALSE(is_free(mutex));
 }
 
-/// A number that one thread increments and another one waits for.
+/// A number. One thread increments it, and another one waits for a value.
 class Count {
  public:
   void raise() {

@@ -1,4 +1,4 @@
-// A value that one thread replaces while another one reads it, and the wait for readers of the former
+// A value that one thread replaces while another thread reads it, and the wait for readers of the former
 // value.
 #include "core/sync/published.h"
 
@@ -56,14 +56,14 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
   Published<int> value;
   value.replace(std::make_shared<int>(1));
   std::atomic<bool> reads{false}, replaced{false};
-  bool ended = false;  // not atomic: wait_for_reader() must order the threads
+  bool ended = false;  // not atomic, because wait_for_reader() must order the threads
   std::thread reader([&] {
     const Published<int>::Reading reading(value);
     const int* former = value.load();
     reads = true;
     reads.notify_all();
     replaced.wait(false);
-    // gives the other thread time to return too early
+    // The loop gives the other thread time to return too early.
     for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     EXPECT_EQ(*former, 1);
     ended = true;
@@ -78,7 +78,7 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
 }
 
 // The waiting thread cannot report when it has begun to wait. So this thread begins a new reading again and
-// again, and one is always open. A thread that waited for the new ones, too, would wait for ever.
+// again, and at least one is always open. A thread that also waited for the new readings would wait for ever.
 TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   Published<int> value;
   std::optional<Published<int>::Reading> reading(std::in_place, value);
@@ -91,8 +91,8 @@ TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   reading.reset();
 }
 
-// A Reading must be visible before the value is loaded. Threads rarely meet the wrong order, so this test
-// may miss it; tests/model/routes.pml finds it (announced_late).
+// A Reading must be visible before the value is loaded. If the order were wrong, threads would rarely meet
+// the fault, so this test may miss it. tests/model/routes.pml finds the fault (announced_late).
 TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
   using Alive = std::atomic<bool>;
   Published<Alive> latest;
@@ -119,7 +119,7 @@ TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
 }
 
 TEST(PublishedTest, SeveralThreadsMayReplaceItAndEachWaitsUntilItsFormerValueIsNotUsed) {
-  using Plain = std::unique_ptr<int>;  // so that the sanitizers notice a use that comes too late
+  using Plain = std::unique_ptr<int>;  // lets the sanitizers notice a use that is too late
   Published<Plain> latest;
   latest.replace(std::make_shared<Plain>(std::make_unique<int>(0)));
   std::atomic<bool> stop{false};

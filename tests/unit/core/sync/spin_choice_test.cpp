@@ -1,4 +1,4 @@
-// These tests check when a thread that waits for samples spins before it sleeps.
+// Tests when a thread that waits for samples spins before it sleeps.
 #include "core/sync/spin_choice.h"
 
 #include <gtest/gtest.h>

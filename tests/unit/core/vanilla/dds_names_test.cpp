@@ -1,4 +1,4 @@
-// Topics and types have the names in DDS that nodes of ROS 2 give them.
+// Topics and types have the same names in DDS as those of nodes of ROS 2.
 #include "core/vanilla/dds_names.h"
 
 #include <gtest/gtest.h>

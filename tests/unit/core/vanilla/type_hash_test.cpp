@@ -1,5 +1,5 @@
-// Hashes of types are those that nodes of ROS 2 announce. The values are published: in keys of rmw_zenoh and
-// zenoh-plugin-ros2dds, and in recordings.
+// The hashes of types equal those that nodes of ROS 2 announce. The expected values are published: in keys of
+// rmw_zenoh and zenoh-plugin-ros2dds, and in recordings.
 #include "core/vanilla/type_hash.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A reader of plain DDS that is not served is told apart by each policy, in words.
+// For a reader of plain DDS that is not served, the policy that does not fit is named in words.
 #include "core/vanilla/vanilla_matching.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Samples for DDS readers wait in a few places for the thread that writes them.
+// A few samples for DDS readers can wait for the thread that writes them.
 #include "core/vanilla/vanilla_outlet.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,8 @@ class VanillaOutletTest : public testing::Test {
   }
   void send(std::uint64_t sequence, std::size_t bytes = 100) { outlet.send(sample(sequence, bytes)); }
   void start() { ASSERT_TRUE(outlet.start("test")); }
-  /// Returns once the thread writes the first sample, which takes until let_write().
+  /// Starts the thread, and returns while the thread writes the first sample. That write ends only after
+  /// let_write().
   void start_and_write(std::uint64_t sequence) {
     is_held_up = true;
     start();
@@ -35,7 +36,7 @@ class VanillaOutletTest : public testing::Test {
   void let_write() {
     if (std::exchange(is_held_up, false)) may_go_on.set_value();
   }
-  /// Waits until that number of samples was written, and returns their sequences.
+  /// Waits until `count` samples were written, and returns their sequences.
   std::vector<std::uint64_t> written(std::size_t count) {
     EXPECT_TRUE(test::eventually([&] {
       const Lock lock(mutex);
@@ -48,7 +49,7 @@ class VanillaOutletTest : public testing::Test {
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);
   bool is_held_up = false;
   std::promise<void> begun, may_go_on;
-  int written_before = 0;  ///< the outlet's thread
+  int written_before = 0;  ///< used by the outlet's thread
   Mutex mutex;
   std::vector<std::uint64_t> sequences SFT_GUARDED_BY(mutex);
   VanillaOutlet outlet{[this](const SampleHandle& one) {
@@ -65,7 +66,7 @@ class VanillaOutletTest : public testing::Test {
 };
 
 TEST_F(VanillaOutletTest, WhatIsRetainedIsWrittenFirstAndNothingTwice) {
-  send(3);  // before the thread begins, and retained as well
+  send(3);  // sent before the thread begins, and retained as well
   send(4);
   outlet.begin_with({sample(1), sample(2), sample(3)});
   start();
