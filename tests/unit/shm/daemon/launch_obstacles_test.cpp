@@ -20,6 +20,7 @@ class LaunchObstaclesTest : public ::testing::Test {
  protected:
   ~LaunchObstaclesTest() override { fs::remove_all(directory_); }
 
+  const std::string& directory() const { return directory_; }
   std::string path(const std::string& name) const { return directory_ + "/" + name; }
   void make_file(const std::string& name) const { std::ofstream(path(name)) << "text"; }
   void make_fifo(const std::string& name) const { ASSERT_EQ(mkfifo(path(name).c_str(), 0600), 0); }
@@ -27,8 +28,6 @@ class LaunchObstaclesTest : public ::testing::Test {
   LaunchObstacles look() const {
     LaunchObstacles found =
         LaunchObstacles::look({path("a"), path("b")}, directory_.c_str(), directory_.c_str());
-    EXPECT_GT(found.shm.bytes, 0U);
-    EXPECT_EQ(found.shm, found.tmp);
     found.shm = found.tmp = {};
     return found;
   }
@@ -39,6 +38,16 @@ class LaunchObstaclesTest : public ::testing::Test {
     return std::string(mkdtemp(name.data()));
   }();
 };
+
+TEST_F(LaunchObstaclesTest, FreeSpaceIsThatOfEachDirectory) {
+  const char* const without_space = "/proc";
+  const LaunchObstacles in_shm = LaunchObstacles::look({}, directory().c_str(), without_space);
+  EXPECT_GT(in_shm.shm.bytes, 0U);
+  EXPECT_EQ(in_shm.tmp, LaunchObstacles::Space());
+  const LaunchObstacles in_tmp = LaunchObstacles::look({}, without_space, directory().c_str());
+  EXPECT_EQ(in_tmp.shm, LaunchObstacles::Space());
+  EXPECT_GT(in_tmp.tmp.bytes, 0U);
+}
 
 TEST_F(LaunchObstaclesTest, ThereAreNoObstaclesIfTheNamesAreFree) {
   const LaunchObstacles found = look();
