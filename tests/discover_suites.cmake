@@ -1,10 +1,10 @@
 # cmake -D PROGRAM=file -D LABELS=label [-D LEFT_OUT=file] -D OUTPUT=file -P discover_suites.cmake
-# Writes, for CTest, one test for each suite of a GoogleTest program, since most tests take less time than the start of
-# a process. A skipped test fails its suite, because a suite cannot report that it was skipped. Each line of LEFT_OUT
-# that is no comment names a test that the suites leave out.
+# Writes, for CTest, one test for each suite of a GoogleTest program, because most tests take less time than the start
+# of a process. A skipped test fails its suite, because a suite cannot report that the test was skipped. Each line of
+# LEFT_OUT that is no comment names a test that the suites omit.
 cmake_minimum_required(VERSION 3.22)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
-string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # their tests are indented
+string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # the tests of a suite are indented
 
 set(left_out)
 if(LEFT_OUT)

@@ -6,8 +6,8 @@ find_program(SFT_SPIN spin)
 find_program(SFT_DOXYGEN doxygen)
 find_program(SFT_GIT git)
 
-# ROS 2's own compiler of messages, and the messages with which ROS 2 tests it. Types of tests and benchmarks are made
-# with both.
+# ROS 2's own compiler of messages, and the messages with which ROS 2 tests it. The types of tests and benchmarks are
+# made with this compiler and these messages.
 set(SFT_ROSIDL OFF)
 if(SFT_PYTHON AND EXISTS /usr/share/test_interface_files/msg)
   execute_process(COMMAND ${SFT_PYTHON} -c "import rosidl_adapter.parser, em"
@@ -39,16 +39,16 @@ function(sft_tool_test name)
   add_test(NAME ${name} COMMAND ${arg_COMMAND} WORKING_DIRECTORY ${arg_WORKING_DIRECTORY})
 endfunction()
 
-# sft_skipped_test(NAME WORD...): adds a skipped test in place of a test, or of a program's tests. WORD... says what
-# these need.
+# sft_skipped_test(NAME WORD...): adds a skipped test in place of a test, or of a program's tests. WORD... names what
+# the skipped tests need.
 function(sft_skipped_test name)
   list(JOIN ARGN " " needs)
   add_test(NAME ${name} COMMAND sh -c "echo 'skipped: needs ${needs}'; exit 77")
   set_tests_properties(${name} PROPERTIES SKIP_RETURN_CODE 77)
 endfunction()
 
-# sft_skip_without_rosidl(PROGRAM...): adds skipped tests in place of the tests of programs that are not built without
-# SFT_ROSIDL.
+# sft_skip_without_rosidl(PROGRAM...): adds skipped tests in place of the tests of the programs, which are not built
+# without SFT_ROSIDL.
 function(sft_skip_without_rosidl)
   foreach(program IN LISTS ARGN)
     sft_skipped_test(${program} python3-rosidl and ros2-test-interface-files)

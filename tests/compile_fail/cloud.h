@@ -1,4 +1,4 @@
-// The snippets of this folder use these declarations.
+// Declarations for the snippets of this folder.
 #pragma once
 
 #include <sft/sft.h>

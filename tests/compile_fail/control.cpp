@@ -1,4 +1,4 @@
-// Compiles: does right what the other snippets do wrong.
+// Must compile: correct uses of what the other snippets misuse.
 #include "tests/compile_fail/cloud.h"
 
 std::uint32_t width(sft::Subscriber<PointCloud2, F::width | F::header.stamp>& subscriber) {

@@ -1,4 +1,5 @@
-// The public headers and all generated ones compile after the macros of Qt, X11, Windows and of -D options.
+// All public and generated headers compile after the macros of Qt, X11, Windows and common -D options were
+// defined.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -20,13 +21,13 @@
 #include <variant>
 #include <vector>
 
-// Qt
+// macros of Qt
 #define slots
 #define signals public
 #define emit
 #define foreach for
 #define forever for (;;)
-// X11
+// macros of X11
 #define Above 0
 #define Always 2
 #define Below 1
@@ -45,7 +46,7 @@
 #define Success 0
 #define True 1
 #define Unsorted 0
-// Windows
+// macros of Windows
 #define CONST const
 #define CreateEvent CreateEventA
 #define DELETE 0x10000L
@@ -67,7 +68,7 @@
 #define min(a, b) (((a) < (b)) ? (a) : (b))
 #define near
 #define small char
-// -D
+// macros of common -D options
 #define DEBUG 1
 #define FATAL 1
 #define INFO 1
@@ -99,6 +100,6 @@
 #include <visualization_msgs/msg/InteractiveMarkerUpdate.hpp>
 #include <visualization_msgs/msg/Marker.hpp>
 
-// Behind each header the macros are defined again.
+// The macros have their former values again behind each header.
 static_assert(DEBUG == 1 && TRUE == 1 && UNKNOWN == 0);
 Bool is_defined = True;

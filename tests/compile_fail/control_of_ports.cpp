@@ -1,4 +1,4 @@
-// Compiles: does right what the snippets about transmissions and batches do wrong.
+// Must compile: correct uses of the transmissions and batches that other snippets misuse.
 #include "tests/compile_fail/ports.h"
 
 using namespace sft::core;

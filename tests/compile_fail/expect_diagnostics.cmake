@@ -1,6 +1,6 @@
 # cmake -D SNIPPET=file "-D COMMAND=compiler;argument..." -P expect_diagnostics.cmake
-# Each `// expect: REGEX` of the snippet has to match the output of the compiler, and the first one its first error. A
-# snippet without expectations has to compile.
+# Each `// expect: REGEX` of the snippet has to match the output of the compiler. The first one has to match the
+# compiler's first error. A snippet without expectations has to compile.
 file(STRINGS ${SNIPPET} expectations REGEX "^// expect: ")
 set(ENV{LC_ALL} C)
 execute_process(COMMAND ${COMMAND} RESULT_VARIABLE status OUTPUT_VARIABLE said ERROR_VARIABLE said)

@@ -1,4 +1,4 @@
-// The snippets about ports and locks use these declarations.
+// Declarations for the snippets about ports and locks.
 #pragma once
 
 #include <utility>

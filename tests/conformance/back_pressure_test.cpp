@@ -1,6 +1,6 @@
-// A writer that may wait for its reliable readers, on any medium. While it waits, these readers lose
-// nothing. It waits for no other readers, and never longer than it may. If the writer does not wait, a
-// reader knows what it lost.
+// A writer that may wait for its reliable readers, on any medium. While the writer waits, these readers lose
+// nothing. The writer waits for no other readers, and no longer than its limit. If the writer does not wait,
+// each reader knows which samples it lost.
 #include <utility>
 
 #include "tests/conformance/conformance.h"
@@ -13,11 +13,11 @@ using core::SendStatus;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t bounded_depth = 8;
-/// More samples than any medium keeps under way (udp::ResendLimits: 4096).
+/// More samples than any medium buffers (udp::ResendLimits: 4096).
 constexpr std::uint64_t burst_samples = 6'000;
 constexpr std::chrono::seconds for_good{60};
 
-/// Publishes that number of samples, on a thread of its own.
+/// Publishes `samples` samples on a thread of its own.
 class Publishing {
  public:
   Publishing(Writer& writer, std::uint64_t samples)
@@ -31,7 +31,7 @@ class Publishing {
   std::jthread thread_;
 };
 
-/// Counts of the samples that a reader took, and of the gaps between them.
+/// The number of samples that a reader took, and the number of samples that are missing between them.
 struct Taken {
   std::uint64_t last = 0, count = 0, missed = 0;
   bool in_order = true;

@@ -14,7 +14,7 @@ using core::SendStatus;
 namespace {
 using Clock = std::chrono::steady_clock;
 
-/// Returns the part of the image that the selection names, taken index by index.
+/// Returns the part of the image that the selection names. Computes it index by index.
 Image part_of(Image image, const Selection& wanted) {
   const std::size_t leaf = *fields<Image>("data").begin();
   const Selection::Part* const part = wanted.part(leaf);

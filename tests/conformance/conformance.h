@@ -1,5 +1,5 @@
-// The helpers of the conformance suite: a writer on one node, and readers on another, which sleep until
-// their transport wakes them. Nothing here polls for samples, so a lost wake-up fails a test.
+// The helpers of the conformance suite: a writer on one node, and readers on another node, which sleep until
+// their transport wakes them. These helpers never poll for samples, so a lost wake-up fails a test.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -41,9 +41,11 @@ struct Stage {
 };
 
 struct ReaderOptions {
-  std::vector<std::string> masks{"*"};  ///< the selections that the reader accepts; it asks for the first
+  /// The selections that the reader accepts; the first one is requested.
+  std::vector<std::string> masks{"*"};
   std::uint32_t depth = 250;
-  bool best_effort = false;  ///< best-effort, even if the medium's readers are usually reliable
+  /// Whether the reader is best-effort even if the medium's readers are usually reliable.
+  bool best_effort = false;
   const TypeSupport* type = &udp::test::type_support<Image>();
 };
 
@@ -60,21 +62,21 @@ class Reader final : private core::ArrivalListener {
   core::Route route() const { return route_; }
   core::Route route(const std::string& mask) const;
   core::Route route(const Selection& asked) const;
-  /// Takes samples under these selections from now on. Only for networks.
+  /// Makes the reader take samples under these selections from now on. Only for networks.
   void accept(std::vector<core::Accepted> accepted);
 
   core::SampleHandle take();
-  /// Waits for the next sample and returns it; empty after `hang_timeout`.
+  /// Waits for the next sample and returns it. Returns an empty handle after `hang_timeout`.
   core::SampleHandle next();
-  /// Waits for that number of samples, and returns their sequences; fewer if some do not come.
+  /// Waits for that number of samples, and returns their sequences. Returns fewer if samples do not arrive.
   std::vector<std::uint64_t> next_sequences(std::size_t count);
-  /// Takes all samples that have come, and returns their sequences.
+  /// Takes all samples that have arrived, and returns their sequences.
   std::vector<std::uint64_t> take_sequences();
 
   core::ReaderPort& port() { return *port_; }
   std::uint64_t discarded() const { return port_->counters().discarded; }
   std::uint64_t lost_unnoticed() const { return port_->counters().lost_unnoticed; }
-  /// Returns how often this reader's doorbell has been rung so far.
+  /// Returns the number of times that this reader's doorbell was rung.
   std::uint32_t rings() const { return bell_.rings; }
   void destroy_port() { port_.reset(); }
 
@@ -85,13 +87,14 @@ class Reader final : private core::ArrivalListener {
   const TypeSupport& type_;
   const bool reliable_;
   core::Route route_;
-  AnyReader port_;  // destroyed first, after which it does not call arrived()
+  AnyReader port_;  // destroyed first; after that the port does not call arrived()
 };
 
-/// A writer. Its sample number n is an image made from the seed n, unless make_of() gets another message.
+/// A writer of images. Sample number n is an image made from the seed n, unless make_of() gets another
+/// message.
 class Writer {
  public:
-  /// `max_blocking`: how long the writer may wait for reliable readers.
+  /// `max_blocking` is the time that the writer may wait for reliable readers.
   explicit Writer(Stage& stage, core::EndpointId id = 1, std::chrono::nanoseconds max_blocking = {},
                   const TypeSupport& type = udp::test::type_support<Image>());
 
@@ -99,11 +102,11 @@ class Writer {
   std::uint64_t sequence() const { return sequence_; }
   bool waits() const { return waits_; }
   void serve(std::vector<core::Route> routes) { port_->set_routes(std::move(routes)); }
-  /// Connects the reader to this writer, and serves it and no other reader.
+  /// Connects the reader to this writer, and makes the writer serve this reader alone.
   void serve(Reader& reader);
 
-  /// Makes the next sample without sending it. Empty if there is no memory for it and for `bytes_behind`
-  /// bytes behind its body.
+  /// Makes the next sample without sending it. Returns an empty handle if there is no memory for the sample
+  /// and for `bytes_behind` bytes behind its body.
   core::SampleHandle make(std::size_t data_bytes, std::size_t bytes_behind = 0);
   /// Makes the next sample from a message of the writer's type.
   template <class Message>
@@ -118,10 +121,11 @@ class Writer {
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
-  /// Return the port by its own type, for media of shared memory and networks respectively.
+  /// Each function returns the port as a port of that kind. REQUIRES: the medium is shared memory, or a
+  /// network, respectively.
   core::LendingWriter& lending_port() { return *port_.memory(); }
   core::NetworkWriter& network_port() { return *port_.network(); }
-  /// Returns the bytes sent over a network; 0 for shared memory.
+  /// Returns the bytes that were sent over the network; 0 for shared memory.
   std::uint64_t bytes_sent() const {
     return port_.network() == nullptr ? 0 : port_.network()->counters().bytes_sent;
   }
@@ -154,9 +158,9 @@ std::vector<std::uint64_t> numbers(std::uint64_t first, std::uint64_t last);
 
 /// Returns the closed selection that `text` names (selection.md).
 Selection selection(const std::string& text, const TypeSupport& type = udp::test::type_support<Image>());
-/// Succeeds if the sample has exactly the fields of the writer's image that its mask names.
+/// Succeeds if the sample has exactly the fields of the writer's image that the sample's mask names.
 testing::AssertionResult is_image(const core::SampleHandle& sample, std::size_t data_bytes);
-/// Succeeds if the sample is exactly the part that the selection takes from the writer's image.
+/// Succeeds if the sample is exactly the part of the writer's image that the selection takes.
 testing::AssertionResult is_part(const core::SampleHandle& sample, std::size_t data_bytes,
                                  const Selection& wanted);
 
@@ -170,13 +174,13 @@ class Conformance : public testing::TestWithParam<MediumChoice> {
   Stage stage{GetParam().make()};
 };
 
-/// Tests for media whose readers ask for reliability.
+/// Tests for media whose readers request reliable delivery.
 class BackPressure : public Conformance {};
 
-/// Tests for transports that can send samples to one reader only.
+/// Tests for transports that can send a sample to one reader only.
 class LateReaders : public Conformance {};
 
-/// Tests for transports that send each reader only its fields.
+/// Tests for transports that send each reader only the fields that it requested.
 class Projection : public Conformance {};
 
 /// Tests for networks.

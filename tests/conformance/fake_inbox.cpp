@@ -16,7 +16,7 @@ FakeInbox::FakeInbox(const core::ReaderSpec& spec)
       }) {}
 
 bool FakeInbox::put(SampleHandle sample) {
-  std::vector<SampleHandle> surplus;  // released after the mutex
+  std::vector<SampleHandle> surplus;  // destroyed after the lock of the mutex is released
   const std::scoped_lock lock(mutex_);
   Writer* writer = find(sample->writer);
   if (writer == nullptr || !writer->connected || !wants(*sample)) return false;
@@ -40,8 +40,8 @@ bool FakeInbox::wants(const SampleBuffer& sample) const {
   });
 }
 
-/// Removes the oldest samples until the depth allows the rest. Only samples of writers for which
-/// `is_counted` holds are counted and removed.
+/// Removes the oldest counted samples until `depth` of them are left. A sample counts if `is_counted` is true
+/// for its writer.
 template <class Condition>
 void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& surplus) {
   const auto counted = [&](const SampleHandle& sample) { return is_counted(*find(sample->writer)); };
@@ -55,8 +55,8 @@ void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& sur
   }
 }
 
-/// Removes disconnected writers that have no samples left. Samples of theirs that were dropped after the
-/// last taken one count as lost unnoticed, because no gap will show them.
+/// Removes disconnected writers that have no samples left. Samples of such a writer that were dropped after
+/// the last taken one count as lost unnoticed, because no gap will show their loss.
 void FakeInbox::forget_the_finished() {
   std::erase_if(writers_, [this](const Writer& writer) {
     const auto is_its = [&](const SampleHandle& sample) { return sample->writer == writer.id; };
@@ -87,7 +87,7 @@ void FakeInbox::connect(const core::Source& source) {
 }
 
 void FakeInbox::disconnect(EndpointId id) {
-  std::vector<SampleHandle> surplus;  // released after the mutex
+  std::vector<SampleHandle> surplus;  // destroyed after the lock of the mutex is released
   const std::scoped_lock lock(mutex_);
   Writer* writer = find(id);
   if (writer == nullptr) return;

@@ -1,5 +1,5 @@
-// The queue of samples that have arrived for one reader of the fake transport, and the counts of samples
-// that were pushed out.
+// The queue of the samples that have arrived for one reader of the fake transport, and the counts of
+// displaced samples.
 #pragma once
 
 #include <cstdint>
@@ -12,17 +12,17 @@
 
 namespace sft::test {
 
-/// Any thread. No lock is held while the listener is called.
+/// Any thread may call any function. No lock is held while the listener is called.
 class FakeInbox {
  public:
   explicit FakeInbox(const core::ReaderSpec& spec);
 
-  /// Queues the sample. Returns false if it is not for this reader.
+  /// Queues the sample. Returns false if the sample is not for this reader.
   bool put(core::SampleHandle sample);
   /// Calls the listener.
   void announce() noexcept { notify_listener_(); }
-  /// After it returns, the listener is not called any more, and no other thread is still in a call of it.
-  /// The listener may call detach() itself.
+  /// After detach() returns, no thread calls the listener or is still in such a call. The listener may call
+  /// detach() itself.
   void detach() noexcept { notify_listener_.clear(); }
 
   core::SampleHandle take();
@@ -40,11 +40,11 @@ class FakeInbox {
   struct Writer {
     core::EndpointId id;
     bool connected = true;
-    bool history_first = false;  ///< history still to come, see core::Source
-    std::uint64_t newest = 0;    ///< greatest sequence that has arrived
+    bool history_first = false;  ///< whether the writer's history is still to come; see core::Source
+    std::uint64_t newest = 0;    ///< the greatest sequence that has arrived
     std::uint64_t arrivals = 0;
-    bool begun = false;         ///< a sample was taken, so that gaps show what is missing
-    std::uint64_t dropped = 0;  ///< samples dropped since the last taken one
+    bool begun = false;         ///< whether a sample was taken, so that gaps show missing samples
+    std::uint64_t dropped = 0;  ///< the number of samples dropped since the last taken one
   };
   const Writer* find(core::EndpointId id) const;
   Writer* find(core::EndpointId id);

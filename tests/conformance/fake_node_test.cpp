@@ -100,7 +100,7 @@ TEST_F(FakeNodes, GiveALateSubscriberTheRetainedSamplesFirst) {
   }
 }
 
-/// A transport that does nothing, with counters that the test chooses.
+/// A transport that does nothing but return counters that the test sets.
 template <class Idle>
 class Counting final : public Idle {
  public:

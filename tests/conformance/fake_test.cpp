@@ -1,5 +1,5 @@
-// The suite on the fake transport. It shows that the fake behaves as transports do, so that other tests may
-// rely on it.
+// The suite on the fake transport. The suite shows that the fake behaves like other transports, so that tests
+// may rely on it.
 #include "tests/conformance/conformance.h"
 #include "tests/conformance/fake_transport.h"
 

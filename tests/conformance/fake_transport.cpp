@@ -60,7 +60,7 @@ struct FakeNode {
   std::atomic<std::uint64_t> over_limit{0};
 };
 
-/// The path to one reader. The newest routes and those of the present sample may share a Line.
+/// The path to one reader. The newest routes and the routes of the present sample may share a Line.
 struct Line {
   core::Route route;
   std::shared_ptr<const ProjectionPlan> plan;
@@ -85,7 +85,8 @@ class FakeWriter final : public core::NetworkWriter {
     begin_sample();
     return send_begun(sample, Reach::usual_routes);
   }
-  void set_timeout(std::chrono::nanoseconds) noexcept override {}  // this writer never waits
+  // The writer of a fake transport never waits.
+  void set_timeout(std::chrono::nanoseconds) noexcept override {}
   bool takes_postponed() const noexcept override { return false; }
 
   // Called by the agent's thread.
@@ -122,8 +123,8 @@ class FakeWriter final : public core::NetworkWriter {
   std::string path_trouble(EndpointId) const override { return {}; }
 
  private:
-  /// The destructor calls the listeners. A lock that is taken after this object was made is released before
-  /// that.
+  /// Its destructor calls the listeners. Make the object before the lock is taken, so that the lock is
+  /// released before the calls.
   struct Arrivals {
     std::vector<std::shared_ptr<FakeInbox>> inboxes{};
     ~Arrivals() {
@@ -168,7 +169,7 @@ class FakeWriter final : public core::NetworkWriter {
     }
   }
 
-  // Samples of a batch leave at once, because holding them back would save nothing here.
+  // The samples of a batch are sent at once, because holding them back would save nothing in this transport.
   void hold(core::BatchTimeout) noexcept override {}
   std::size_t flush() noexcept override { return 0; }
 
@@ -177,16 +178,16 @@ class FakeWriter final : public core::NetworkWriter {
     return line.route.gate == nullptr || line.route.gate->passes();
   }
 
-  /// Returns the entry of a line in the delivery book. A fallback route has no gate there: what a gate
-  /// withholds is counted by the route that usually serves the reader.
+  /// Returns the entry of a line in the delivery book. The entry of a fallback route has no gate, because the
+  /// samples that the gate withholds are counted by the route that usually serves the reader.
   static std::pair<EndpointId, core::DeliveryMeter> entry_of(const Line& line) {
     const bool fallback = line.route.fallback;
     return {line.route.reader,
             {.tally = line.tally, .gate = fallback ? nullptr : line.route.gate, .diverted = fallback}};
   }
 
-  /// Returns the line for a route. A reader that is still late keeps its line, so that it continues where it
-  /// was.
+  /// Returns the line for a route. If the reader still awaits its history, this is the reader's existing
+  /// line, so that its state is kept.
   std::shared_ptr<Line> line_for(core::Route route) const {
     auto plan = std::make_shared<const ProjectionPlan>(type_, route.selection);
     const auto goes_on = [&](const auto& known) {
@@ -199,8 +200,8 @@ class FakeWriter final : public core::NetworkWriter {
     return *known;
   }
 
-  /// Delivers a copy of the sample. Returns false if there is no memory for it. A reader that has left
-  /// counts as served.
+  /// Delivers a copy of the sample. Returns false if there is no memory for the copy. A reader that no longer
+  /// exists counts as served.
   bool deliver(const Line& line, const core::SampleBuffer& sample, Arrivals& arrivals) noexcept {
     std::shared_ptr<FakeInbox> inbox = node_->network->find(line.route.reader);
     if (inbox == nullptr) return true;
@@ -226,7 +227,7 @@ class FakeWriter final : public core::NetworkWriter {
     return true;
   }
 
-  /// Copies the sample into memory for the reader, because the writer may use its memory again.
+  /// Copies the sample into memory for the reader, because the writer may reuse its own memory.
   SampleHandle copy_of(const core::SampleBuffer& sample) noexcept {
     const std::size_t bytes = sample.header().body_offset + sample.header().body_bytes;
     SampleHandle copy = node_->pool->take(bytes);
@@ -244,10 +245,11 @@ class FakeWriter final : public core::NetworkWriter {
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null if deliveries are not counted
   std::atomic<std::uint64_t> bytes_sent_{0};
 
-  std::mutex mutex_;  // guards the following members; not held while listeners are called, which may send
+  // Guards the following members. Not held while listeners are called, because listeners may send.
+  std::mutex mutex_;
   const std::shared_ptr<core::RemoteCopy> copier_;
   Lines newest_;
-  Lines begun_;  ///< the routes of the present sample
+  Lines begun_;  ///< the lines of the present sample
 };
 
 class FakeReader final : public core::NetworkReader {
@@ -274,7 +276,7 @@ class FakeReader final : public core::NetworkReader {
   void accept(std::vector<core::Accepted> accepted) override { inbox_->accept(std::move(accepted)); }
   void announced(const Source&) override {}
 
-  // There is nothing to receive, because the sending thread delivers.
+  // Does nothing, because the sending thread delivers.
   bool receive(const core::Waiting&) noexcept override { return false; }
   void share_reader() override {}
 
@@ -303,8 +305,8 @@ class FakeTransport final : public core::Network {
     return std::make_unique<FakeReader>(spec, node_);
   }
 
-  // A node must announce an address, without which its readers are not served. FakeNetwork ignores it, and
-  // no interface comes or goes.
+  // Returns a placeholder, because the readers of a node without an address are not served. FakeNetwork
+  // ignores addresses. No interface appears or disappears.
   std::vector<core::UdpAddress> addresses() const override {
     return {{.ip = core::loopback_ipv4, .port = 1}};
   }

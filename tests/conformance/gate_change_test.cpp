@@ -1,6 +1,6 @@
-// A reader asks for one selection after the other, with parts of fields and with conditions, while its
-// writer publishes. Each sample that comes has passed the conditions of the selection that it names, and has
-// exactly the part that this selection takes.
+// A reader requests one selection after the other, with parts of fields and with conditions, while its writer
+// publishes. Each sample that arrives names a selection. The sample has passed the conditions of that
+// selection, and has exactly the part that the selection takes.
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -21,7 +21,7 @@ namespace {
 
 using core::SampleHandle;
 
-/// The height of an image is its sequence.
+/// The height of an image equals the sample's sequence.
 const std::vector<std::string> texts{"data[::3] @ every 2nd",
                                      "* @ every 3rd",
                                      "height, data[5:9] @ changed(height) 4",
@@ -31,7 +31,7 @@ const std::vector<std::string> texts{"data[::3] @ every 2nd",
                                      "data[0:0] @ changed(height) 2",
                                      "data[::3] @ every 5th"};
 
-/// A selection that the reader asks for, with the decision of its gate on each sample.
+/// A selection that the reader requests, and the decisions of its gate on all samples.
 struct Choice {
   explicit Choice(const std::string& text) : wanted(selection(text)) {
     const TypeSupport& type = udp::test::type_support<Image>();
@@ -47,10 +47,11 @@ struct Choice {
 
   Selection wanted;
   std::shared_ptr<core::Gate> gate;
-  std::vector<std::uint32_t> ordinals{0};  ///< the sample's ordinal in the gate, by sequence; 0: withheld
+  /// The ordinals of the samples in the gate, by sequence; 0 for a withheld sample.
+  std::vector<std::uint32_t> ordinals{0};
 };
 
-/// The first and the last change whose routes may have been in force while a sample was sent.
+/// The numbers of the first and the last change whose routes may have been in force while a sample was sent.
 struct Span {
   std::size_t first = 0, last = 0;
 };
@@ -60,8 +61,8 @@ class GateChanges {
  public:
   static constexpr std::size_t changes = 1000, bytes = 40'000;
 
-  /// The selections follow each other in random order. In a fixed order, "every 2nd" might meet the same
-  /// half of the samples each time.
+  /// The selections follow each other in random order. In a fixed order, "every 2nd" might pass only samples
+  /// that are sent while the selection has the same neighbours.
   GateChanges(Stage& given, test::Random random) : stage(given) {
     for (std::size_t& text : order) text = random() % texts.size();
     std::vector<std::string> all = texts;
@@ -82,7 +83,7 @@ class GateChanges {
     choice(change).gate->reader_begins();
     done = change;
   }
-  /// Publishes the next sample, and notes which routes may have been in force.
+  /// Publishes the next sample, and records the changes whose routes may have been in force.
   void publish() {
     const std::size_t slots = udp::test::type_support<Image>().index_slots();
     Span span{.first = done};
@@ -107,7 +108,7 @@ class GateChanges {
     }
     one_more.notify_one();
   }
-  /// Return true if the sample has passed some (all) of the gates that may have been in force.
+  /// Returns true if the sample has passed some (or all) of the gates that may have been in force.
   bool some_passed(std::uint64_t sequence) {
     bool some = false;
     for (std::size_t i = spans[sequence].first; i <= spans[sequence].last; ++i)
@@ -128,7 +129,7 @@ class GateChanges {
   void expect_right(const SampleHandle& sample) {
     projects() ? expect_as_named(sample) : expect_whole_with_table(sample);
   }
-  /// Checks a sample that names its mask, its parts and its gate.
+  /// Checks a sample that names its mask, its part and its gate.
   void expect_as_named(const SampleHandle& sample) {
     const auto named = std::ranges::find_if(choices, [&](const Choice& one) {
       return one.wanted.mask() == sample->mask && one.wanted.parts_hash() == sample->parts &&
@@ -151,8 +152,8 @@ class GateChanges {
       if (ordinal) came.insert(&one);
     }
   }
-  /// Takes and checks the samples that have come. If the sample with that sequence has to come, waits for
-  /// it.
+  /// Takes and checks the samples that have arrived. If the sample with that sequence must arrive, waits for
+  /// the sample.
   void take_and_compare(std::uint64_t sequence) {
     const bool has_to_come = all_passed(sequence);
     may_be_under_way |= some_passed(sequence);
@@ -168,24 +169,24 @@ class GateChanges {
   }
 
   Stage& stage;
-  std::array<std::size_t, changes + 1> order{};  ///< for each change the index of its text
+  std::array<std::size_t, changes + 1> order{};  ///< the index of the text of each change
   Writer writer{stage};
   std::optional<Reader> reader;
-  Reader other{stage, {.masks = {"height, width"}}};  // a mask that `reader` does not accept
+  Reader other{stage, {.masks = {"height, width"}}};  // its mask is one that `reader` does not accept
   std::vector<Choice> choices;
-  std::vector<Span> spans{1};  ///< the span of each sample, by sequence
+  std::vector<Span> spans{1};  ///< the changes that may have been in force for each sample, by sequence
   std::mutex mutex;
   std::condition_variable_any one_more;  ///< notified after each published sample
-  std::size_t published = 0;  ///< sequence of the last published sample; written with the mutex held
-  /// Numbers of the last change that has begun, and of the last one that is done.
+  std::size_t published = 0;  ///< the sequence of the last published sample; written with the mutex held
+  /// The numbers of the last change that has begun, and of the last change that is complete.
   std::atomic<std::size_t> begun{0}, done{0};
-  std::uint64_t last = 0;         ///< sequence of the last sample that came
-  bool may_be_under_way = false;  ///< a sample may be under way, which the next one may displace
-  std::uint64_t displaced = 0;    ///< number of samples that newer ones have displaced
-  std::set<const Choice*> came;   ///< selections under which samples came
+  std::uint64_t last = 0;         ///< the sequence of the last sample that arrived
+  bool may_be_under_way = false;  ///< whether a sample may be under way, which the next one may displace
+  std::uint64_t displaced = 0;    ///< the number of samples that newer ones have displaced
+  std::set<const Choice*> came;   ///< the selections under which samples arrived
 };
 
-/// Changes the routes `times` times, each time after at least one more sample was published.
+/// Changes the routes `times` times. Before each change at least one more sample is published.
 std::jthread change_routes(GateChanges& world, std::size_t times) {
   return std::jthread([&world, times](const std::stop_token& stop) {
     std::size_t seen = 0;

@@ -1,4 +1,5 @@
-// Samples outlive the ports and transports that they came from. Ports come and go while samples flow.
+// Samples outlive the ports and transports that delivered them. Ports are opened and closed while samples
+// flow.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {

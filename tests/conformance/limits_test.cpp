@@ -1,4 +1,4 @@
-// Sizes, depths and numbers of samples, at their limits and beyond.
+// Sizes of samples, depths of queues and numbers of samples, at their limits and beyond.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {
@@ -7,7 +7,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-/// The size of an image without data. All other fields precede the data.
+/// The bytes of an encoded image without data. All other fields precede the data.
 const std::size_t empty_image_bytes = encoded_body(make_image(0), fields<Image>("*")).size();
 
 TEST_P(Conformance, CarriesSamplesOfEverySize) {
@@ -22,7 +22,7 @@ TEST_P(Conformance, CarriesSamplesOfEverySize) {
   }
 }
 
-/// Over UDP the sample may get lost if the kernel gives a socket little memory.
+/// Over UDP the sample may be lost if the kernel gives a socket little memory.
 TEST_P(Conformance, CarriesTheLargestSample) {
   Writer writer(stage);
   Reader reader(stage);

@@ -1,5 +1,5 @@
-// A reader knows exactly what it missed. Each sample that came is taken, or it is counted as discarded. A
-// discarded sample leaves a gap in the sequences, or is counted as lost without a gap.
+// A reader knows exactly which samples it missed. Each sample that arrived is taken, or it counts as
+// discarded. A discarded sample leaves a gap in the sequences, or counts as lost without a gap.
 #include "tests/conformance/conformance.h"
 #include "tests/support/test_seed.h"
 
@@ -9,7 +9,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-/// Counts taken and missing samples of one writer, as a subscriber does.
+/// Counts the taken samples and the missing samples of one writer, as a subscriber does.
 class Account {
  public:
   void enter(const SampleHandle& sample) {
@@ -20,7 +20,7 @@ class Account {
   }
   std::uint64_t last() const { return last_; }
   std::uint64_t taken() const { return taken_; }
-  std::uint64_t missed() const { return missed_; }  ///< samples missing between taken ones
+  std::uint64_t missed() const { return missed_; }  ///< the number of samples missing between taken ones
 
  private:
   std::uint64_t last_ = 0;
@@ -89,7 +89,7 @@ TEST_P(Conformance, KnowsWhatAReaderMissedThatTakesNowAndThen) {
   EXPECT_EQ(reader.discarded(), account.missed());
 }
 
-/// The writer sometimes waits until all samples have arrived, so that none is lost on the way.
+/// The writer waits after each burst until all samples have arrived, so that the transport loses none.
 TEST_P(Conformance, KnowsWhatAReaderMissedThatTakesWhileSamplesCome) {
   constexpr std::uint64_t samples = 20'000, burst = 32;
   test::Random random{test::test_seed()};

@@ -1,4 +1,4 @@
-// A medium on which the conformance suite runs. It carries samples between two nodes of this process.
+// A medium on which the conformance suite runs. The medium carries samples between two nodes of this process.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,14 +13,15 @@
 
 namespace sft::conformance {
 
-/// The differences between transports that one test may meet (conformance.md gives the reasons).
+/// The differences between transports that tests have to allow for (conformance.md gives the reasons).
 struct Traits {
-  bool projects = true;                   ///< a reader gets only its fields; if false, the whole sample
-  bool counts_before_first_taken = true;  ///< counts samples pushed out before the first take
-  bool reliable = false;                  ///< readers ask for reliability
+  bool projects = true;  ///< whether a reader gets only its fields; if false, it gets the whole sample
+  /// Whether the transport counts samples that were displaced before the first take.
+  bool counts_before_first_taken = true;
+  bool reliable = false;  ///< whether readers request reliable delivery
 };
 
-/// Owns an object of shared memory or of a network, and gives access to the interface that both have in
+/// Owns an object of shared memory or of a network, and gives access to the interface that both kinds have in
 /// common.
 template <class Common, class OfMemory, class OfNetwork>
 class Either {
@@ -33,7 +34,7 @@ class Either {
 
   Common& operator*() const { return *common_; }
   Common* operator->() const { return common_.get(); }
-  /// Return null if the object is of the other kind.
+  /// Each returns null if the object is of the other kind.
   OfMemory* memory() const { return memory_; }
   OfNetwork* network() const { return network_; }
   void reset() { *this = Either(); }
@@ -51,11 +52,11 @@ using AnyReader = Either<core::ReaderPort, core::BorrowingReader, core::NetworkR
 class Medium {
  public:
   virtual ~Medium() = default;
-  /// Returns why the medium is not available here; empty if it is.
+  /// Returns the reason why the medium is not available here, or "" if it is available.
   virtual std::string refusal() { return {}; }
   virtual Traits traits() const { return {}; }
 
-  /// Opens a node's transport, which is ready. REQUIRES: refusal() is empty.
+  /// Opens a node's transport and waits until it is ready. REQUIRES: refusal() is empty.
   virtual AnyTransport open() = 0;
   /// Returns the address of a reader of `node` that waits at the doorbell `bell`.
   virtual core::Locator locator(const AnyTransport& node, const core::DoorbellAddress& bell) = 0;

@@ -1,4 +1,4 @@
-// Samples of one writer come in the order in which they were sent, and each comes once.
+// Samples of one writer arrive in the order in which they were sent, and each arrives once.
 #include <map>
 
 #include "tests/conformance/conformance.h"

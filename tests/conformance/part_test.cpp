@@ -1,4 +1,4 @@
-// Over networks each reader gets the parts of fields that it asked for, also while it changes its request.
+// Over networks each reader gets the parts of fields that it requested, even while it changes its request.
 // Readers that share the memory of a sample get the whole sample.
 #include "core/seam/gate.h"
 #include "tests/conformance/conformance.h"

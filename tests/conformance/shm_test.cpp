@@ -27,7 +27,8 @@ class ShmMedium final : public Medium {
   AnyTransport open() override {
     shm::ShmOptions options = test::own_daemon();
     options.port_wait = options.port_deadline =
-        hang_timeout;  // a daemon may get the CPU late; a node would ask again
+        // The daemon may get the CPU late. A node would repeat its request instead of waiting longer.
+        hang_timeout;
     auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
       return transport->poll(std::chrono::steady_clock::now()) == core::Availability::ready;
@@ -38,7 +39,7 @@ class ShmMedium final : public Medium {
   core::Locator locator(const AnyTransport&, const core::DoorbellAddress& bell) override { return bell; }
 
  private:
-  static constexpr unsigned shm_mebibytes = 1600;  // enough for the largest samples
+  static constexpr unsigned shm_mebibytes = 1600;  // enough memory for the largest samples
   const bool reliable_;
   std::optional<test::ShmOfSize> shm_;
 };
@@ -50,7 +51,7 @@ const auto reliable_iceoryx =
 INSTANTIATE_TEST_SUITE_P(Shm, Conformance, iceoryx, name_of);
 INSTANTIATE_TEST_SUITE_P(Shm, BackPressure, reliable_iceoryx, name_of);
 
-// All readers of a writer share one whole sample, so that these tests do not apply.
+// All readers of a writer share one whole sample, so the following suites do not apply.
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(LateReaders);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Projection);
 GTEST_ALLOW_UNINSTANTIATED_PARAMETERIZED_TEST(Transmissions);
@@ -152,7 +153,7 @@ TEST_P(ShmSamples, ComeToALateReaderThatDoesNotWaitForWhatWasRetained) {
   EXPECT_EQ(late.port().history(writer.id()), core::HistoryProgress::came) << "it awaits none";
 }
 
-/// Returns a gate that lets every sample pass, or none.
+/// Returns a gate that passes every sample, or none.
 std::shared_ptr<core::Gate> gate(bool is_open) {
   const TypeSupport& type = udp::test::type_support<Image>();
   const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
@@ -165,8 +166,8 @@ std::shared_ptr<core::Gate> gate(bool is_open) {
 class ShmWaiting : public Conformance {};
 INSTANTIATE_TEST_SUITE_P(Shm, ShmWaiting, reliable_iceoryx, name_of);
 
-/// The writer chooses which readers to wake; then the reader changes its conditions; then the writer puts
-/// the sample into the reader's queue.
+/// The order of events: the writer chooses the readers to wake, the reader changes its conditions, and the
+/// writer puts the sample into the reader's queue.
 TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
   using namespace std::chrono_literals;
   constexpr std::uint32_t depth = 8;

@@ -1,5 +1,5 @@
-// The promises of a network about single transmissions and batches. Fallback routes carry only samples that
-// are meant for them, and all samples of a batch leave at its end.
+// The guarantees of a network for single transmissions and batches. Fallback routes carry only samples that
+// are meant for them. All samples of a batch have been sent when the batch ends.
 #include <utility>
 
 #include "tests/conformance/conformance.h"
@@ -12,7 +12,8 @@ using core::SendStatus;
 
 TEST_P(Transmissions, ReachAReaderWithAFallbackRouteOnlyIfTheyAreMeantForIt) {
   Writer writer(stage);
-  Reader usual(stage), elsewhere(stage, {.masks = {"name"}});  // otherwise one datagram could serve both
+  // With equal masks, one datagram could serve both readers.
+  Reader usual(stage), elsewhere(stage, {.masks = {"name"}});
   usual.hear(writer);
   elsewhere.hear(writer);
   core::Route fallback = elsewhere.route();
@@ -43,7 +44,7 @@ TEST_P(Transmissions, OfABatchHaveAllLeftAtItsEnd) {
   for (std::uint64_t first = 1; first <= 21; first += 10) {
     core::Batch batch = writer.network_port().batch(core::BatchTimeout::fresh);
     for (int i = 0; i < 10; ++i) ASSERT_EQ(writer.publish(10), SendStatus::sent);
-    if (first == 21) break;  // a batch also leaves when it is destroyed
+    if (first == 21) break;  // the batch is destroyed, which also sends its samples
     ASSERT_EQ(std::move(batch).flush(), 0U);
   }
   EXPECT_EQ(reader.next_sequences(30), numbers(1, 30));

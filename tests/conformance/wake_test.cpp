@@ -1,4 +1,4 @@
-// Every arrival wakes a reader that sleeps, and is visible in the port's count of arrivals.
+// Each sample that arrives wakes a sleeping reader, and increases the port's count of arrivals.
 #include "tests/conformance/conformance.h"
 #include "tests/support/test_seed.h"
 
@@ -8,7 +8,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-/// The writer sends at a random moment after it was asked to, while its reader is about to sleep or asleep.
+/// The writer sends at a random moment after each request, while its reader falls asleep or sleeps.
 TEST_P(Conformance, WakesItsReaderForEveryArrival) {
   constexpr std::uint64_t rounds = 5000;
   test::Random random{test::test_seed()};

@@ -1,8 +1,7 @@
-// A reader asks for one window of an image or a cloud after the other, while its writer publishes. A layout
+// A reader requests one window of an image or a cloud after the other, while its writer publishes. A layout
 // rule of the message type says how the data consists of rows and columns, and which other fields a part
-// changes. Each sample that comes equals the part that it names, as a reference cuts it, and names a window
-// that may have been in force when it was sent. If readers share the whole sample, they take the part
-// themselves.
+// changes. Each sample names a window that may have been in force when the sample was sent, and equals the
+// part that a reference cuts for that window. Readers that share the whole sample cut the part themselves.
 #include <atomic>
 #include <sensor_msgs/msg/Image.hpp>
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -24,8 +23,7 @@ using Picture = sensor_msgs::msg::Image;
 
 constexpr std::uint32_t rows_most = 24, columns_most = 32;
 
-/// Returns an image in which each byte depends on its place and on the number. There is padding behind the
-/// rows.
+/// Returns an image in which each byte depends on its place and on `number`. Each row ends with padding.
 Picture message_of(std::uint32_t number, const Picture&) {
   Picture picture;
   picture.header.stamp.sec = static_cast<std::int32_t>(number);
@@ -39,7 +37,7 @@ Picture message_of(std::uint32_t number, const Picture&) {
   return picture;
 }
 
-/// Returns such a cloud, which also has gaps between the channels.
+/// Returns a cloud of the same kind, which also has gaps between the channels.
 PointCloud2 message_of(std::uint32_t number, const PointCloud2&) {
   using sensor_msgs::msg::PointField;
   PointCloud2 cloud;
@@ -57,7 +55,8 @@ PointCloud2 message_of(std::uint32_t number, const PointCloud2&) {
   return cloud;
 }
 
-/// Returns a random range for a message with up to `most` rows or columns. It may reach beyond the edge.
+/// Returns a random range for a message with up to `most` rows or columns. The range may reach beyond the
+/// edge.
 std::string any_range(test::Random& random, std::uint32_t most) {
   const std::uint64_t begin = random() % most, end = begin + 1 + random() % most;
   return std::to_string(begin) + ":" + std::to_string(end) + ":" + std::to_string(1 + random() % 3);
@@ -92,7 +91,7 @@ class MovingWindow {
     writer_.serve({reader_.route(asked_[0])});
   }
 
-  /// Moves the window again and again. Between two moves at least one sample is sent.
+  /// Moves the window repeatedly. At least one sample is sent between two moves.
   void move(const std::stop_token& stop) {
     for (std::size_t change = 1; change <= changes; ++change) {
       const std::size_t sent = published_;
@@ -106,7 +105,7 @@ class MovingWindow {
       done_ = change;
     }
   }
-  /// Publishes and compares samples until all changes are done, and two samples more.
+  /// Publishes and compares samples until all changes are complete, and then two more samples.
   void publish_and_compare() {
     for (std::size_t left = 2; left > 0; left -= done_ == changes ? 1 : 0) {
       ASSERT_NO_FATAL_FAILURE(publish());
@@ -131,11 +130,11 @@ class MovingWindow {
   static Message message(std::uint64_t sequence) {
     return message_of(static_cast<std::uint32_t>(sequence), Message());
   }
-  /// Returns how many samples may be under way at a time. Best-effort samples must not, because samples
-  /// under another selection may overtake them.
+  /// Returns the number of samples that may be under way at a time. For best-effort readers this number is 0,
+  /// because samples under another selection may overtake earlier ones.
   std::uint64_t in_flight() const { return stage_.medium->traits().reliable ? 8 : 0; }
 
-  /// Publishes a sample, but only a few between two changes.
+  /// Publishes a sample. Waits for the next change if four samples were published since the last one.
   void publish() {
     while (published_ >= still_since_ + 4 && done_ < changes) std::this_thread::yield();
     Span span{.first = done_};
@@ -146,7 +145,7 @@ class MovingWindow {
     spans_.push_back(span);
     ++published_;
   }
-  /// Takes and checks samples until at most `under_way` of the published ones are outstanding.
+  /// Takes and checks samples until at most `under_way` published samples are still to come.
   void take_and_compare(std::uint64_t under_way) {
     while (taken_ + under_way < published_) {
       const SampleHandle sample = reader_.next();
@@ -165,7 +164,7 @@ class MovingWindow {
     }
     FAIL() << "sample " << sample.sequence << " names a window that was not in force";
   }
-  /// Checks a sample that all readers share. This reader takes the part that it asks for.
+  /// Checks a whole sample that all readers share. The test then cuts the part that the reader requests.
   void expect_part_of_whole(const core::SampleBuffer& sample) {
     const Selection& asked = asked_[spans_[sample.sequence].last];
     ASSERT_EQ(sample.parts, 0U);
@@ -181,17 +180,17 @@ class MovingWindow {
   }
 
   Stage& stage_;
-  std::vector<Selection> asked_;  ///< in the order in which the reader asks for them
+  std::vector<Selection> asked_;  ///< in the order of the reader's requests
   Writer writer_{stage_, 1, {}, type()};
   Reader reader_{stage_, {.type = &type()}};
   core::AcceptedRequests requests_;
-  std::vector<Span> spans_{1};  ///< the span of each sample, by sequence
+  std::vector<Span> spans_{1};  ///< the windows that may have been in force for each sample, by sequence
   std::atomic<std::size_t> published_{0};
-  std::atomic<std::size_t> still_since_{0};  ///< number of samples published before the last change
-  /// Numbers of the last change that has begun, and of the last one that is done.
+  std::atomic<std::size_t> still_since_{0};  ///< the number of samples published before the last change
+  /// The numbers of the last change that has begun, and of the last change that is complete.
   std::atomic<std::size_t> begun_{0}, done_{0};
   std::uint64_t taken_ = 0;
-  std::set<std::uint64_t> came_;  ///< hashes of the selections under which samples came
+  std::set<std::uint64_t> came_;  ///< the hashes of the selections under which samples arrived
 };
 
 template <class Message>

@@ -91,7 +91,7 @@ def words_of_sources(root, *more):
 
 
 def check_limits(root):
-    """Checks the names in the last column of each table, which say what enforces the limit."""
+    """Checks the names in the last column of each table. They name the code that enforces the limit."""
     known = words_of_sources(root)
     for number, line in enumerate(without_code((root / "docs/limits.md").read_text()), 1):
         cells = line.strip("|").split("|")
@@ -110,7 +110,7 @@ def tests_of_sources(root):
 
 
 def check_names(root, file, files, tests, words):
-    """Checks what a document has as `code`, if it looks like a file, a test, or a member of a class."""
+    """Checks a text that a document has as `code`, if the text looks like a file, a test, or a member of a class."""
     where = file.relative_to(root)
     for number, line in enumerate(without_code(file.read_text()), 1):
         for code in CODE.findall(line):

@@ -16,7 +16,8 @@ constexpr std::size_t input_bytes_max = 400;
 
 std::size_t distance(std::size_t a, std::size_t b) { return a > b ? a - b : b - a; }
 
-/// Returns that of many random inputs whose size is closest to the wanted one: small, but not empty.
+/// Makes many random inputs. Returns the one whose size is closest to the wanted size, which is small but not
+/// 0.
 template <class RandomInput>
 std::vector<std::byte> small_input(RandomInput random_input) {
   std::vector<std::byte> best;

@@ -1,8 +1,9 @@
 // The bytes of an input of fuzz_type_description are:
 //
-//   u16 bytes of the description (little-endian) | the description | and, if that is one, a mask | a body
+//   u16 bytes of the description (little-endian) | the description | a mask | a body
 //
-// The mask is a bit set with as many bytes as the type's leaves need. It need not be closed.
+// If the description is invalid, the mask and the body do not count. The mask is a bit set with as many
+// bytes as the type's leaves need, and need not be closed.
 #pragma once
 
 #include <cstddef>
@@ -21,7 +22,8 @@ struct DescriptionInput {
 /// Parses the input. A description that is too short ends with the input.
 DescriptionInput parse_description_input(std::span<const std::byte> input);
 
-/// Reads a mask from the beginning of `rest`, and removes its bytes there. Missing bytes are zero.
+/// Returns the mask at the beginning of `rest`, and removes the mask's bytes from `rest`. Missing bytes count
+/// as zero.
 FieldMask take_mask(std::span<const std::byte>& rest, std::size_t leaves);
 
 std::vector<std::byte> make_description_input(std::span<const std::byte> description, const FieldMask& mask,

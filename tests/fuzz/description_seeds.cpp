@@ -16,7 +16,8 @@ using namespace detail;
 
 constexpr std::size_t input_bytes_max = 1000;
 
-/// Returns the smallest input from some random messages that are not empty everywhere.
+/// Returns the smallest of many random inputs. Each has a message of at least 100 bytes, so that few fields
+/// are empty.
 std::vector<std::byte> small_input(const MessageType& type, Random& random) {
   RandomValues values(random);
   const std::vector<std::byte> description = describe(type.type());

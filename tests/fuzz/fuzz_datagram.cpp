@@ -1,8 +1,9 @@
-// Hostile datagrams go into the parser and the reassembly. Samples that come out are decoded as a
-// subscriber does. Then the same datagrams are sent to honest streams, which have to flow again within a
+// Hostile datagrams are parsed and reassembled. The samples that result are decoded as a subscriber decodes
+// them. Then the same datagrams are sent to honest streams, which have to deliver samples again within a
 // second of simulated time.
 //
-// Input: datagrams. Three bytes precede each: the action, and the datagram's length (u16, little-endian).
+// The input consists of datagrams. Three bytes precede each: the action, and the datagram's length (u16,
+// little-endian).
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
@@ -31,7 +32,7 @@ using udp::test::Wide;
 constexpr core::EndpointId image_writer = 0x1'0000'0001;
 constexpr core::EndpointId wide_writer = 0x1'0000'0002;
 
-/// Returns a selection whose samples have the bytes of a shorter image.
+/// Returns a selection whose bodies have the same form as those of a whole image.
 Selection every_third_byte() {
   const TypeSupport& type = type_support<Image>();
   return type.closed(type.parse_selection("name, data[::3]").value());
@@ -46,14 +47,14 @@ std::vector<udp::Stream> streams() {
           {wide_writer, &type_support<Wide>(), 400, {fields<Wide>("*"), fields<Wide>("first, seventh")}}};
 }
 
-/// Bits of the byte before each datagram. Its upper half is the time that passes. change_streams: together
-/// with of_wide_writer, the first stream turns reliable or best-effort; alone, all streams are removed for
-/// a moment.
+/// The bits of the action, which precedes each datagram. The upper four bits are the time that passes.
+/// change_streams together with of_wide_writer changes the first stream between reliable and best-effort.
+/// change_streams alone removes all streams for a moment.
 constexpr std::uint8_t plausible = 1, first = 2, of_wide_writer = 4, change_streams = 8, time_shift = 4;
 
 constexpr std::uint32_t channels = 8;
 
-/// Returns one of a few ordinals, which datagrams have in common, or one of the largest possible.
+/// Returns one of a few ordinals, so that datagrams share ordinals, or one of the largest possible ordinals.
 std::uint64_t ordinal_of(std::uint8_t number, std::uint8_t which) {
   return which % 4 == 3 ? udp::ordinal_max - number % 64U : 1U + number % 64U;
 }
@@ -65,10 +66,11 @@ std::vector<std::byte> to_bytes(std::span<const std::uint8_t> bytes) {
   return d;
 }
 
-/// Makes a packed datagram of some samples, with all bytes of `d`.
+/// Turns `d` into a packed datagram of some samples. All bytes of `d` are used.
 void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::size_t>(d[i]); };
-  const bool forbidden = byte(14) % 16 == 0;  // packed datagrams must not go to groups
+  // Packed datagrams must not be sent to groups, so some of these are malformed.
+  const bool forbidden = byte(14) % 16 == 0;
   header.flags &= udp::mask_words_follow | udp::channel_follows |
                   (forbidden ? udp::group_follows | udp::merged_masks : 0);
   const bool words = (header.flags & udp::mask_words_follow) != 0;
@@ -87,7 +89,7 @@ void make_packed(udp::FirstHeader header, const FieldMask& mask, std::vector<std
     udp::store_word(mask.word(i), &d[header.bytes() + 8 * i]);
 }
 
-/// Makes a control datagram. It has one of a few channels and groups.
+/// Turns the bytes into a control datagram of one of a few channels and groups.
 bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
@@ -122,7 +124,7 @@ bool make_plausible_control(std::uint32_t writer, std::vector<std::byte>& d) {
   }
 }
 
-/// Puts the sample into a channel, into a group, or into neither.
+/// Puts the sample into a channel, into a group, or into neither of them.
 void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   if (byte(1) >= 128) {
@@ -134,13 +136,13 @@ void put_in_place(udp::FirstHeader& header, const std::vector<std::byte>& d) {
   }
 }
 
-/// Turns the bytes at the place of the header into the header of one of a few samples, so that datagrams
-/// belong together.
+/// Turns the bytes at the place of the header into the header of one of a few samples. So several datagrams
+/// belong to the same sample.
 void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::vector<udp::Stream>& wanted) {
   const auto byte = [&](std::size_t i) { return std::to_integer<std::uint8_t>(d[i]); };
   const udp::Stream& stream = wanted[(action & of_wide_writer) != 0 ? 1 : 0];
   const udp::SampleLabel label{static_cast<std::uint32_t>(stream.writer), byte(8) % 8U,
-                               // 0 or a far variant
+                               // the variant 0 or a far variant
                                static_cast<std::uint16_t>(byte(2) % 2 * udp::near_variants_end)};
   const std::uint32_t number = (byte(12) | byte(13) << 8) % 1024U;
   if ((action & first) != 0 && make_plausible_control(label.writer, d)) return;
@@ -166,7 +168,7 @@ void make_plausible(std::uint8_t action, std::vector<std::byte>& d, const std::v
   header.total = whole ? static_cast<std::uint32_t>(d.size() - head) : number;
   if (whole && byte(13) % 2 == 0 && udp::fits_in_single(header)) {
     udp::encode_in_single(header, d.data());
-    d.resize(d.size() - (header.bytes() - header.bytes_in_single()));  // keeps the total
+    d.resize(d.size() - (header.bytes() - header.bytes_in_single()));  // the total stays that of the header
     return;
   }
   const bool in_short = byte(13) % 2 == 0 && udp::fits_in_short(header);
@@ -187,10 +189,12 @@ void decode_all(const core::SampleBuffer& sample) {
   state.index = sample.index();
   state.mask = &sample.mask;
   T value;
-  if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();  // it was validated before
+  // The body was validated before.
+  if (decode(state, TypeTable<T>::type, &value) != WalkStatus::ok) std::abort();
 }
 
-/// Reads as two readers of the first stream do. The second reader takes samples under one mask only.
+/// Takes samples as two readers of the first stream do. The second reader takes only samples under the full
+/// mask.
 void read_in_order(udp::ArrivalWindow& window) {
   window.set_readers({1, 2});
   const FieldMask all = fields<Image>("*");
@@ -216,7 +220,7 @@ void answer(udp::Reassembly& reassembly, udp::Reassembly::Time now) {
   });
 }
 
-/// Both ends of a flow. The sender always sends as much as it may.
+/// Both ends of a flow. The sender sends as much as it may whenever a datagram arrives.
 class Flow {
  public:
   void meet(std::span<const std::byte> datagram, udp::FlowWindow::Time now) {
@@ -235,7 +239,7 @@ class Flow {
   udp::ReceiveShares shares_{212'992};
 };
 
-/// Checks that all streams deliver again within a second after these datagrams.
+/// Checks that all streams deliver samples again within a second after the last of these datagrams.
 void check_that_streams_work_again(const std::vector<std::vector<std::byte>>& datagrams) {
   udp::test::LiveStreams streams;
   const auto pass = [&](int milliseconds) {
@@ -253,7 +257,7 @@ void check_that_streams_work_again(const std::vector<std::vector<std::byte>>& da
   }
 }
 
-/// Returns true for some inputs: the simulated second after an input takes too long for all of them.
+/// Returns true for one in 16 inputs. Simulating a second after each input would take too long.
 bool is_chosen(std::span<const std::uint8_t> input) {
   unsigned sum = 0;
   for (const std::uint8_t byte : input) sum += byte;

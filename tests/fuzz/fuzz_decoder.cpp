@@ -1,5 +1,5 @@
 // Hostile bodies of any type under any mask. Nothing is read outside of a body. A body that passes the
-// validating walk decodes to the values in it, shows the same through a dynamic view, and obeys the
+// validating walk decodes to its values, shows the same values through a dynamic view, and obeys the
 // projection law. A body that does not pass does no harm.
 #include <algorithm>
 #include <cstring>
@@ -30,10 +30,11 @@ namespace {
 using namespace detail;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
-/// A body in memory of exactly its size, so that the address sanitizer notices the first byte beyond it.
+/// A body in memory of exactly the body's size, so that the address sanitizer notices the first byte beyond
+/// it.
 class Body {
  public:
   Body(const MessageType& type, FieldMask mask, std::span<const std::byte> bytes)
@@ -54,7 +55,8 @@ class Body {
 
   WalkStatus decode_to(OwnedValue& value) const { return decode(state_, type_.type(), value.get()); }
 
-  /// Decodes a body that passed the walk. Empty if a sequence of structs has a huge length and no elements.
+  /// Decodes a body that passed the walk. Returns nothing if a sequence of structs has a huge length although
+  /// its elements have no bytes.
   std::optional<OwnedValue> decoded() const {
     OwnedValue value = type_.make();
     const WalkStatus status = decode_to(value);
@@ -78,7 +80,8 @@ class Body {
   std::uint32_t end_ = 0;
 };
 
-/// Returns the type as a program knows it that was not compiled with the type.
+/// Returns the type as parsed from its description. A program that was not compiled with the type has it in
+/// this form.
 const StructType& parsed(const MessageType& type) {
   static std::map<const TypeSupport*, DynamicType> types;
   const auto known = types.find(type.support);
@@ -126,7 +129,7 @@ void check_projection(const Body& body, const OwnedValue& value, const FieldMask
   require(reference::is_cdr_of(*bytes, value, mask), "the projection is the CDR of the projected type");
 }
 
-/// Walks to every member as views do, in a body that the validating walk need not have accepted.
+/// Walks to every member as views do. The body need not have passed the validating walk.
 void skip_through(const SampleState& s, const StructType& type, std::size_t leaf, std::uint64_t offset,
                   int depth) {
   for (std::size_t i = 0; i < type.members.size(); ++i) {
@@ -157,8 +160,8 @@ std::size_t sum(std::span<const E> block) {
   return block.size() + static_cast<std::size_t>(ends == E{});
 }
 
-/// Visits elements of ranges, some of them out of order, but no more than a fixed number: elements without
-/// bytes may have any count.
+/// Visits elements of ranges, some of them out of order. Visits at most a fixed number, because elements
+/// without bytes may have any count.
 class Visits {
  public:
   template <class Range, class Visit>
@@ -204,7 +207,7 @@ std::size_t read_all(const SampleState& s, const proof::Scene*) {
   return seen + view.tail().value_or(0);
 }
 
-/// Calls the getters of views, for types that together have all kinds of getters.
+/// Calls the getters of views of a few types, which together have all kinds of getters.
 void read_views(const Body& body) {
   volatile std::size_t seen = 0;
   if (&body.type().type() == &TypeTable<sensor_msgs::msg::PointCloud2>::type) {
@@ -215,7 +218,7 @@ void read_views(const Body& body) {
   static_cast<void>(seen);
 }
 
-/// Simulates another process that writes to the chunk after body and index were checked.
+/// Simulates another process that writes to the chunk after the body and the index were checked.
 void survive_anything(Body& body, const FieldMask& narrower) {
   const std::span<const std::byte> bytes(body.state().body, body.state().body_bytes);
   for (std::size_t slot = 0; slot < body.index().size() && !bytes.empty(); ++slot) {
@@ -243,13 +246,13 @@ std::optional<std::vector<std::byte>> converted(const StructType& type, std::spa
   return std::vector(body.get(), body.get() + size.bytes);
 }
 
-/// Treats the same bytes as a body in each foreign encoding.
+/// Converts the same bytes from each foreign encoding.
 void convert_all(const MessageType& type, std::span<const std::byte> bytes) {
   for (const ForeignEncoding& encoding : foreign_encodings().subspan(1, 3)) {
     const auto converted_bytes = converted(type.type(), foreign_payload(bytes, encoding));
     if (!converted_bytes) continue;
     Body body(type, type.support->full(), *converted_bytes);
-    if (!body.walk()) continue;  // for instance, a boolean has another value than 0 or 1
+    if (!body.walk()) continue;  // the body may be invalid; for instance, a boolean may be neither 0 nor 1
     require(body.walked().size() == converted_bytes->size(), "nothing is left over");
     const std::optional<OwnedValue> value = body.decoded();
     if (!value) continue;
@@ -261,7 +264,7 @@ void convert_all(const MessageType& type, std::span<const std::byte> bytes) {
 }
 
 void run(const DecoderInput& input) {
-  // with the input's own encapsulation, if it has one
+  // uses the input's own encapsulation, if it has one
   static_cast<void>(converted(input.type->type(), input.body));
   convert_all(*input.type, input.body);
   Body body(*input.type, input.mask, input.body);

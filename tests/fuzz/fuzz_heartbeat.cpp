@@ -1,5 +1,5 @@
-// Arbitrary bytes as heartbeats and as the user data of participants. What is accepted is written again as
-// the same bytes or values.
+// Arbitrary bytes as heartbeats and as the user data of participants. Accepted bytes are written again as the
+// same bytes or values.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -15,7 +15,7 @@ namespace sft::core {
 namespace {
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 void check_heartbeat(const std::vector<std::byte>& datagram) {
@@ -25,7 +25,7 @@ void check_heartbeat(const std::vector<std::byte>& datagram) {
   require(std::vector(written.begin(), written.end()) == datagram, "it is written in the same way");
 }
 
-/// The text may contain letters without meaning, so only what was read is compared.
+/// The text may contain letters without meaning, so only the values that were read are compared.
 void check_user_data(const std::string& text) {
   const auto data = parse_participant_data(text);
   const auto release = other_release(text);

@@ -1,5 +1,5 @@
-// Arbitrary JSON as messages: u8 number of the type (modulo their count), then the text. A text that is
-// accepted gives a valid message, which is the same again when it is printed and read back.
+// Arbitrary JSON as messages. The input is u8 number of the type (modulo their count), then the text. An
+// accepted text gives a valid message. Printing that message and reading it back gives the same message.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -17,7 +17,7 @@ using namespace detail;
 constexpr std::size_t bytes_max = 100'000, encapsulation = 4;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 std::string printed(const TypeSupport& type, const std::vector<std::byte>& cdr) {

@@ -1,5 +1,5 @@
-// Arbitrary text as masks: u8 number of the type (modulo their count), then the text. A mask that is
-// accepted is formatted, and read back as the same mask.
+// Arbitrary text as masks. The input is u8 number of the type (modulo their count), then the text. An
+// accepted mask is formatted, and read back as the same mask.
 #include <cstdint>
 #include <stdexcept>
 #include <string>
@@ -13,7 +13,7 @@ namespace {
 using namespace detail;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 void check_mask(const TypeSupport& type, std::string_view text) {
@@ -28,7 +28,7 @@ void check_mask(const TypeSupport& type, std::string_view text) {
   require(closed && closed->contains(*mask), "closing takes nothing away");
 }
 
-/// Checks the same text as the path of one field, in a sample without any fields.
+/// Checks the text as the path of one field, in a sample without any fields.
 void check_path(const TypeSupport& type, std::string_view text) {
   const FieldMask none = type.none();
   const SampleState empty{.mask = &none};

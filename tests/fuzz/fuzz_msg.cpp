@@ -1,5 +1,5 @@
-// The parser of .msg and .srv files. It refuses a text with problems that a terminal can show, or returns a
-// definition, which is printed and parsed again as the same one.
+// The parser of .msg and .srv files. For a wrong text it reports problems that a terminal can show. For any
+// other text it returns a definition, which is printed, and parsed again as the same definition.
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>

@@ -1,5 +1,5 @@
-// Arbitrary .msg text as types, followed by the definitions of nested messages. A type that is accepted is
-// written as text from which the same type is made. An error has words that a terminal can show.
+// Arbitrary .msg text as types, with the definitions of nested messages behind it. An accepted type is
+// written as text, and the same type is made from that text. An error has words that a terminal can show.
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>
@@ -10,7 +10,7 @@
 namespace {
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 bool is_printable(std::string_view text) {

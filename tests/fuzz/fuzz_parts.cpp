@@ -1,7 +1,7 @@
-// Hostile messages of the types that have parts, under any selection: u8 number of the type (modulo their
-// count), u8 length of a selection as text, the text, and the body of a whole message. Nothing is read
-// outside of the body. If the message passes the validating walk, the part taken from it is a message, too.
-// Points and cells are read from both, and conditions are evaluated.
+// Hostile messages of the types that have parts, under any selection. The input is u8 number of the type
+// (modulo their count), u8 length of a selection as text, the text, and the body of a whole message. Nothing
+// is read outside of the body. If the message passes the validating walk, the part taken from it is a
+// message, too. Points and cells are read from both, and conditions are evaluated.
 #include <algorithm>
 #include <array>
 #include <cstdint>
@@ -32,10 +32,11 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
-/// A body in memory of exactly its size, so that the address sanitizer notices the first byte beyond it.
+/// A body in memory of exactly the body's size, so that the address sanitizer notices the first byte beyond
+/// it.
 class Body {
  public:
   Body(const TypeSupport& type, FieldMask mask, std::size_t bytes)
@@ -50,7 +51,7 @@ class Body {
               .mask = &mask_};
   }
   std::byte* data() { return body_.get(); }
-  /// Returns the end of the message; nothing if the bytes are no message.
+  /// Returns the end of the message, in bytes; nothing if the bytes are no message.
   std::optional<std::uint32_t> walk() {
     std::uint32_t end = 0;
     if (detail::build_index(state_, type_.type(), index_, &end) != detail::WalkStatus::ok)
@@ -69,7 +70,7 @@ class Body {
   detail::SampleState state_{};
 };
 
-/// Evaluates the conditions twice, since the second time there may be a former sample to compare with.
+/// Evaluates the conditions twice. The second time there may be a former sample to compare with.
 void ask(const Selection& selection, const TypeSupport& type, const detail::SampleState& sample) {
   if (selection.gate().conditions.empty()) return;
   const Result<void> sound = detail::Conditions::check(type.type(), selection.gate().conditions);

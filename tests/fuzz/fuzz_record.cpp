@@ -1,5 +1,6 @@
 // Arbitrary bytes as bodies of records and reports, after one octet that names the kind. Nothing is read
-// beyond the end. What is accepted is within the limits, and is written again as the same.
+// beyond the end. An accepted record or report is within the limits, and is written again with the same
+// values.
 #include <cstddef>
 #include <cstdint>
 #include <span>
@@ -14,7 +15,7 @@ namespace {
 using Bytes = std::vector<std::byte>;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 template <class What>
@@ -25,7 +26,7 @@ bool is_refused(const Result<What>& read) {
   return true;
 }
 
-/// The decoder drops useless addresses and corrects names, so only what was read is compared.
+/// The decoder drops useless addresses and corrects names, so only the values that were read are compared.
 void check_endpoint(const Bytes& bytes) {
   const Result<Endpoint> read = endpoint_in(bytes);
   if (is_refused(read)) return;

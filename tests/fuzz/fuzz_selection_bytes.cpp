@@ -1,6 +1,6 @@
-// Arbitrary bytes as selections: u8 leaves of the type, u16 bytes of a selection (little-endian), this
-// selection, and another one. A selection that is accepted is written as the same bytes, and obeys the laws
-// of joining.
+// Arbitrary bytes as selections. The input is u8 leaves of the type, u16 bytes of a selection
+// (little-endian), this selection, and another one. An accepted selection is written as the same bytes, and
+// obeys the laws of union.
 #include <algorithm>
 #include <cstdint>
 #include <span>
@@ -13,10 +13,11 @@ namespace sft {
 namespace {
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
-/// Reads from memory of exactly that size, so that the address sanitizer notices the first byte beyond it.
+/// Reads a selection from memory of exactly the size of `bytes`, so that the address sanitizer notices the
+/// first byte beyond it.
 Result<Selection> checked(std::span<const std::byte> bytes, std::size_t leaves) {
   const std::vector<std::byte> copy(bytes.begin(), bytes.end());
   Result<Selection> selection = Selection::from_bytes(copy, leaves);

@@ -1,5 +1,5 @@
-// Arbitrary text as selections: u8 number of the type (modulo their count), then the text. A selection that
-// is accepted is formatted, and read back as the same selection. An error names a column of the text.
+// Arbitrary text as selections. The input is u8 number of the type (modulo their count), then the text. An
+// accepted selection is formatted, and read back as the same selection. An error names a column of the text.
 #include <charconv>
 #include <cstdint>
 #include <stdexcept>
@@ -13,7 +13,7 @@ namespace sft::test {
 namespace {
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
 void check_error(const Error& error, std::size_t text_bytes) {

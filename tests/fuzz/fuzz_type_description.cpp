@@ -1,6 +1,6 @@
-// Hostile type descriptions, and hostile bodies of the types that they describe. A description that is
-// accepted is the only one of its type. Bodies that pass the validating walk can be read, printed and
-// projected. Other bodies do no harm.
+// Hostile type descriptions, and hostile bodies of the types that they describe. An accepted description is
+// the only description of its type. Bodies that pass the validating walk can be read, printed and projected.
+// Other bodies do no harm.
 #include <cstring>
 #include <memory>
 #include <stdexcept>
@@ -22,10 +22,11 @@ using namespace detail;
 constexpr std::size_t text_bytes_max = 100'000;
 
 void require(bool condition, const char* what) {
-  if (!condition) throw std::logic_error(what);  // libFuzzer reports it as a crash
+  if (!condition) throw std::logic_error(what);  // libFuzzer reports the exception as a crash
 }
 
-/// A body in memory of exactly its size, so that the address sanitizer notices the first byte beyond it.
+/// A body in memory of exactly the body's size, so that the address sanitizer notices the first byte beyond
+/// it.
 class Body {
  public:
   Body(const TypeSupport& type, FieldMask mask, std::span<const std::byte> bytes)
@@ -58,7 +59,8 @@ bool is_printed(const Result<std::string>& text) {
   return text.has_value() || text.error().code == Errc::limit_exceeded;
 }
 
-/// Prints with and without the index. Returns true if both succeed and give the same texts.
+/// Prints `view`, which has an index, and `walked`, which has none. Returns true if both succeed and give the
+/// same texts.
 bool print(const DynamicView& view, const DynamicView& walked) {
   const YamlOptions yaml{.elements_max = 10, .units = true, .output_bytes_max = text_bytes_max};
   const JsonOptions json{.elements_max = 10, .bytes_as_base64 = false, .output_bytes_max = text_bytes_max};
@@ -81,7 +83,7 @@ void check_type(const DynamicType& type, std::span<const std::byte> description)
   require(first_difference(type.type(), DynamicType::parse(again)->type()).empty(), "and is like itself");
 }
 
-/// Checks the projection to every second leaf of the mask.
+/// Checks the projection to those leaves of the mask that have even numbers.
 void check_projection(const DynamicType& type, const Body& body) {
   FieldMask narrower(body.mask().leaves());
   for (std::size_t leaf = 0; leaf < narrower.leaves(); leaf += 2) {
@@ -97,7 +99,7 @@ void check_projection(const DynamicType& type, const Body& body) {
           "and is valid then");
 }
 
-/// Checks a part of each field that has a layout.
+/// Checks that a part of each field with a layout can be taken.
 void check_parts(const DynamicType& type, const Body& body) {
   const TypeSupport& support = type.support();
   for (const std::size_t leaf : body.mask()) {
@@ -131,7 +133,7 @@ void run(std::span<const std::byte> input) {
     check_projection(*type, body);
     check_parts(*type, body);
   }
-  for (std::size_t slot = 0; slot < body.index().size(); ++slot) {  // an index with wrong offsets
+  for (std::size_t slot = 0; slot < body.index().size(); ++slot) {  // makes an index with wrong offsets
     const std::size_t at = slot * 7 % (rest.size() + 1);
     body.index()[slot] =
         static_cast<std::uint32_t>(at < rest.size() && rest[at] == std::byte{0xff} ? no_offset - 1 : at);

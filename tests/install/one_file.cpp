@@ -1,5 +1,5 @@
-// A program of one file that a compiler and pkg-config can build. It publishes a string and subscribes to
-// it.
+// A program of one file, which can be built with a compiler and pkg-config. It publishes a string and
+// subscribes to it.
 #include <sft/sft.h>
 
 #include <chrono>

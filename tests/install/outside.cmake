@@ -1,15 +1,16 @@
 # cmake -D SOURCE=tree -D BUILD=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -D ISOLATE=program -P
 # outside.cmake
 # Installs SFT from its build into a folder, and moves that folder. Builds a project and a program of one file with the
-# SFT in it, and runs them on an isolated host. "Five minutes" of docs/guide.md does the same there, as it is printed.
+# SFT in the moved folder, and runs both on an isolated host. "Five minutes" of docs/guide.md is executed there, too, as
+# it is printed.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 set(prefix ${WORK}/prefix)
 
 run(${CMAKE_COMMAND} --install ${BUILD} --prefix ${WORK}/installed --strip)
 file(RENAME ${WORK}/installed ${prefix})
-# No installed text file may name these folders. Programs may: they have the paths of sources in their messages, and the
-# daemon's path as one of several.
+# No installed text file may contain the paths of these folders. Programs may contain them: the paths of sources are in
+# their messages, and the path of the daemon is one of several.
 foreach(place IN ITEMS ${WORK}/installed ${BUILD} ${SOURCE})
   execute_process(COMMAND grep --recursive --files-with-matches --binary-files=without-match --fixed-strings
       ${place} ${prefix} OUTPUT_VARIABLE output)
@@ -41,7 +42,7 @@ file(MAKE_DIRECTORY ${five_minutes})
 run(awk -v "heading=Five minutes" -v folder=${five_minutes}
     -f ${SOURCE}/tests/documents/code_blocks.awk ${SOURCE}/docs/guide.md)
 
-# On the isolated host, the folder of this program stays visible, even if it is below /tmp.
+# The isolated host hides /tmp, but not the folder of this program, even if that folder is below /tmp.
 file(COPY ${ISOLATE} ${CMAKE_CURRENT_LIST_DIR}/run_outside.sh DESTINATION ${WORK})
 cmake_path(GET ISOLATE FILENAME isolate)
 run(${CMAKE_COMMAND} -E env CXX=${CXX} CMAKE_GENERATOR=${GENERATOR}

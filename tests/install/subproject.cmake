@@ -1,6 +1,6 @@
 # cmake -D SOURCE=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -P subproject.cmake
-# Configures a project that SFT is a part of. The variables of that project must not change, and only what it needs may
-# be built.
+# Configures a project that contains SFT. The variables of that project must not change, and only targets that the
+# project needs may be built.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 
@@ -45,7 +45,7 @@ cmake_path(GET CMAKE_COMMAND PARENT_PATH programs)
 run(${programs}/ctest --test-dir ${WORK}/build --show-only)
 expect("${output}" MATCHES "Total Tests: 0")
 
-# A build of the program builds the daemon, too, and the program knows the daemon's path.
+# A build of the program also builds the daemon, and the program knows the daemon's path.
 if(GENERATOR STREQUAL Ninja)
   file(STRINGS ${WORK}/build/CMakeCache.txt ninja REGEX "^CMAKE_MAKE_PROGRAM:")
   string(REGEX REPLACE "^[^=]*=" "" ninja "${ninja}")

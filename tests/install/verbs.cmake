@@ -13,7 +13,7 @@ function(run)
   set(errors "${errors}" PARENT_SCOPE)
 endfunction()
 
-# Fails unless the condition holds, which is given as if() takes it.
+# Fails unless the condition, written as for if(), is true.
 function(expect left comparison right)
   if(NOT "${left}" ${comparison} "${right}")
     message(FATAL_ERROR "expected: ${comparison} ${right}\ngot: ${left}")

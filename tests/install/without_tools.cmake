@@ -1,6 +1,6 @@
 # cmake -D SOURCE=tree -D WORK=folder -D GENERATOR=name -D CXX=compiler -P without_tools.cmake
 # Configures the tests as if the system had none of the programs that only some tests need. Each of these tests must be
-# skipped under its own name, with what it needs as the reason, and all other tests must exist.
+# skipped under its own name, and the reason must name the missing program. All other tests must exist.
 cmake_minimum_required(VERSION 3.22)
 include(${CMAKE_CURRENT_LIST_DIR}/verbs.cmake)
 

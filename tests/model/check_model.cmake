@@ -22,11 +22,11 @@ endfunction()
 
 set(level -O1)
 if(FINDS)
-  set(level -O0) # a mistake is found soon
+  set(level -O0) # a deliberate mistake is found soon, so optimising the checker does not pay
 endif()
 if(LIVENESS IN_LIST DEFINES)
-  set(compile_options -DNFAIR=4) # up to 18 processes
-  set(search_options -a -f -A)   # acceptance cycles, weak fairness, and only these: no assertions
+  set(compile_options -DNFAIR=4) # for models of up to 18 processes
+  set(search_options -a -f -A)   # searches acceptance cycles under weak fairness, and checks no assertions
 else()
   set(compile_options -DSAFETY)
 endif()
@@ -50,7 +50,7 @@ if(NOT output MATCHES "errors: 0\n")
   execute_process(COMMAND ${SPIN} -p -g -k ${trails} ${spin_options} ${MODEL} WORKING_DIRECTORY ${WORK})
   message(FATAL_ERROR "a property does not hold; the steps that lead there are above")
 endif()
-string(REGEX REPLACE "unreached in claim.*" "" statements "${output}") # the claim comes last
+string(REGEX REPLACE "unreached in claim.*" "" statements "${output}") # spin prints the claim last
 string(REGEX MATCHALL "[^\n]*\\.pml:[0-9]+, state [0-9]+, [^\n]*" unreached "${statements}")
 list(FILTER unreached EXCLUDE REGEX "-end-")
 if(unreached)

@@ -1,5 +1,5 @@
-// The events of all rows of negotiation.md in random order. Whatever happened before, in the end both sides
-// agree, and all samples are accounted for.
+// The events of all rows of negotiation.md in random order. After any events, both sides agree in the end,
+// and all samples are accounted for.
 #include <array>
 #include <functional>
 #include <memory>
@@ -14,7 +14,8 @@ class AnyOrder : public NegotiationTest, public testing::WithParamInterface<int>
  protected:
   using Event = std::function<void()>;
 
-  /// Runs a publisher on this host and a reader on `host_of_reader`, with random ones of these events.
+  /// Runs a publisher on this host and a reader on `host_of_reader`, and makes random events of the list
+  /// happen.
   void run(const Host& host_of_reader, const std::vector<Event>& events) {
     host_of_reader_ = &host_of_reader;
     start_publisher();

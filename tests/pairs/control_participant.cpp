@@ -32,7 +32,7 @@ struct QosDeleter {
 };
 using Qos = std::unique_ptr<dds_qos_t, QosDeleter>;
 
-/// Returns the QoS that matches that of nodes (core/discovery/discovery.md).
+/// Returns the QoS that nodes use for records (core/discovery/discovery.md).
 Qos qos_of_records() {
   Qos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_SECS(1));

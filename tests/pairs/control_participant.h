@@ -1,5 +1,5 @@
-// A participant of the control topics that any program can make with Cyclone DDS alone. It may announce
-// anything about itself, reads the records of others, and writes records with any fields.
+// A participant of the control topics that any program can make with Cyclone DDS alone. The participant can
+// announce anything about itself, read the records of other participants, and write records with any fields.
 #pragma once
 
 #include <dds/dds.h>
@@ -19,8 +19,9 @@ namespace sft::test {
 
 class ControlParticipant {
  public:
-  /// Joins `domain`, a number within this process for domain 0 on the network. Heartbeats go by `interface`.
-  /// If `process` is 0, the participant has no user data. Throws if Cyclone DDS or the system refuses.
+  /// Joins `domain`, which is a number within this process and stands for domain 0 on the network. Heartbeats
+  /// are sent and received on `interface`. If `process` is 0, the participant has no user data. Throws if
+  /// Cyclone DDS or the system refuses.
   ControlParticipant(dds_domainid_t domain, const std::string& interface, core::ProcessId process);
   ~ControlParticipant();
   ControlParticipant(const ControlParticipant&) = delete;
@@ -34,26 +35,25 @@ class ControlParticipant {
     core::RecordKey key{};
     core::Record record{};
   };
-  /// Calls `use(came)` for each record that has come since the last call.
+  /// Calls `use(came)` for each record that has arrived since the last call.
   void take(const std::function<void(const Came&)>& use);
 
-  /// Writes a record of its own, which its heartbeats count.
+  /// Writes a record of this participant. Its heartbeats count the record.
   void write(core::Role role, const core::RecordKey& key, core::Record record);
-  /// Write the sample as it is, or dispose of its key.
+  /// Writes the sample unchanged, or disposes of its key.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
-  /// Sends a heartbeat with the digests of its own records.
+  /// Sends a heartbeat with the digests of this participant's records.
   void give_heartbeat();
 
-  /// Sends a report to the nodes that inquire. The report may get lost.
+  /// Sends a report to the nodes that inquire. The report may be lost.
   void report(const core::NodeReport& report);
-  /// Sends a heartbeat in the name of any participant, also to programs on its own host.
+  /// Sends a heartbeat in the name of any participant. Programs on this host receive the heartbeat, too.
   void send(const core::Heartbeat& heartbeat);
-  /// Returns the heartbeats of others that have come by UDP since the last call. Those that it has sent
-  /// itself do not count.
+  /// Returns the heartbeats of other participants that have arrived by UDP since the last call.
   std::vector<core::Heartbeat> overheard();
 
-  /// Another participant, as it announces itself.
+  /// The announcement of another participant.
   struct Other {
     dds_guid_t guid{};
     std::string user_data{};
@@ -67,7 +67,8 @@ class ControlParticipant {
   core::ProcessId process() const { return process_; }
 
  private:
-  dds_entity_t participant_ = 0, participants_ = 0;  ///< this participant, and a reader of others
+  /// This participant, and its reader of the other participants.
+  dds_entity_t participant_ = 0, participants_ = 0;
   const core::ProcessId process_;
   core::ParticipantGuid guid_{};
   core::PerRole<dds_entity_t> readers_{}, writers_{};
@@ -77,7 +78,8 @@ class ControlParticipant {
   std::set<core::HeartbeatDatagram> sent_;
 };
 
-/// Returns a sample with these fields. Its body is that of the record, which must outlive the sample.
+/// Returns a sample with these fields. The sample refers to the body of `record`, which must outlive the
+/// sample.
 sft_control_Record to_sample(const core::ParticipantGuid& participant, const core::RecordKey& key,
                              const core::Record& record);
 

@@ -13,7 +13,7 @@
 namespace sft::test {
 namespace {
 
-/// Returns how often the threads of a process have slept so far.
+/// Returns the number of times that threads of the process have gone to sleep so far.
 std::uint64_t wakes_of(pid_t process) {
   std::uint64_t wakes = 0;
   const std::string threads = "/proc/" + std::to_string(process) + "/task";
@@ -42,7 +42,8 @@ class Crowd : public NegotiationTest {
   Peer& publisher() { return *publisher_; }
   Peer& reader(std::size_t i) { return *readers_[i]; }
 
-  /// Starts these readers at once, so that none waits for another.
+  /// Starts the readers from number `from` to before `to`. All processes are started before the first one is
+  /// awaited.
   void start(std::size_t from, std::size_t to) {
     static constexpr std::array masks{"data", "height, width", "*"};
     for (std::size_t i = from; i < to; ++i)
@@ -59,10 +60,10 @@ class Crowd : public NegotiationTest {
   bool all_are_served() {
     return std::ranges::all_of(readers_, [&](const auto& reader) { return is_served(publisher(), *reader); });
   }
-  /// Publishes as many samples as may wait for one destination, and returns when the first `count` readers
-  /// have taken them. So none of these samples is dropped for a newer one, however slow the machine is.
+  /// Publishes as many samples as may wait for one destination. Returns when the first `count` readers have
+  /// taken these samples. So none of the samples is dropped for a newer one, even on a slow machine.
   testing::AssertionResult get_a_few(std::size_t count) {
-    static constexpr std::uint64_t lane_depth = 4;  // send_queue_depth
+    static constexpr std::uint64_t lane_depth = 4;  // the default of send_queue_depth
     publisher().publish(lane_depth);
     published_ += lane_depth;
     for (std::size_t i = 0; i < count; ++i) {
@@ -76,8 +77,8 @@ class Crowd : public NegotiationTest {
     }
     return testing::AssertionSuccess();
   }
-  /// Publishes until the queues to all readers after the first `survivors`, which were killed, are full. The
-  /// survivors get all samples meanwhile.
+  /// Publishes until the queues to all readers after the first `survivors` are full. Those readers were
+  /// killed. The survivors get all samples meanwhile.
   testing::AssertionResult get_all_while_others_hang(std::size_t survivors) {
     testing::AssertionResult got = testing::AssertionSuccess();
     const auto is_stuck = [&](const auto& killed) {
@@ -103,8 +104,8 @@ class Crowd : public NegotiationTest {
     return static_cast<std::size_t>(
         std::ranges::count_if(readers, [](const json& reader) { return reader["served"].get<bool>(); }));
   }
-  /// Waits for a second in which the network carries at most `frames_most` frames, and threads of the
-  /// publisher's process are woken at most `wakes_most` times.
+  /// Waits for a second in which the network carries at most `frames_most` frames, and the threads of the
+  /// publisher's process wake up at most `wakes_most` times.
   testing::AssertionResult has_a_quiet_second(std::uint64_t frames_most, std::uint64_t wakes_most) {
     auto begin = std::chrono::steady_clock::now();
     std::uint64_t frames = network().frames(), wakes = wakes_of(publisher().pid());
@@ -143,8 +144,8 @@ TEST_F(Crowd, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
   expect_all_accounted();
 }
 
-/// The survivors get best-effort samples, so that a lost sample is not repaired. The publisher waits for
-/// them, because otherwise it would drop samples on a slow machine.
+/// The survivors get best-effort samples, so a lost sample is not repaired. The test publishes only as fast
+/// as the survivors take, because the publisher would otherwise drop samples on a slow machine.
 TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothing) {
   start(0, size);
   ASSERT_TRUE(are_served());
@@ -164,7 +165,7 @@ TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothi
   EXPECT_TRUE(comes_true([&] { return served() == size; })) << "the killed ones are still served";
 }
 
-/// Each node sends one sign of life per second. Those of other nodes wake no thread of a node.
+/// Each node sends one heartbeat per second. The heartbeats of other nodes wake no thread of a node.
 TEST_F(Crowd, ThatIsAsleepSaysLittleAndWakesNobody) {
   start(0, size);
   ASSERT_TRUE(are_served());

@@ -22,7 +22,7 @@ core::Endpoint marker_like(const core::Endpoint& model) {
   core::Endpoint marker = model;
   marker.role = core::Role::reader;
   marker.node = "echo";
-  marker.addresses.clear();  // no publisher can send samples to it
+  marker.addresses.clear();  // without addresses, no publisher can send samples to this reader
   marker.request = marker_request(1);
   marker.id = marker.request.reader;
   return marker;

@@ -1,5 +1,5 @@
-// Receives what nodes write on the control topics, and writes it all again. Networks and caches may repeat
-// old messages in this way, though not as much.
+// Receives the messages that nodes write on the control topics, and writes all of them again. Networks and
+// caches may also repeat old messages, though not so many.
 #pragma once
 
 #include <memory>
@@ -14,9 +14,9 @@ class Echo final : private core::DiscoveryListener {
  public:
   Echo();
 
-  /// Repeats all announcements and requests that have come so far, the oldest last. After them it writes an
-  /// announcement and the second request of a reader called "echo", by which others see that they have
-  /// received all.
+  /// Repeats all announcements and requests that have arrived so far, the oldest last. Then writes an
+  /// announcement and the second request of a reader named "echo", which show other nodes that they have
+  /// received all repeated messages.
   void repeat();
 
  private:

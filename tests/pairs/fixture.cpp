@@ -92,7 +92,8 @@ AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber) {
           status = subscriber.status();
           const json taken = taken_in(status, publisher);
           return !taken.is_null() && taken["last"] == published &&
-                 taken["received"] == writer_in(status, publisher)["received"];  // read one after the other
+                 // The two counts are read one after the other.
+                 taken["received"] == writer_in(status, publisher)["received"];
         },
         500ms);
   });

@@ -1,4 +1,4 @@
-// Hosts on a network, and checks of what has to be true of a publisher and a subscriber in the end.
+// Hosts on a network, and checks of the final state of a publisher and a subscriber.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,7 +18,7 @@ namespace sft::test {
 
 using namespace std::chrono_literals;
 
-/// The lease of nodes whose end has to be noticed soon. Other nodes have the default, 10 s.
+/// The lease of nodes whose death has to be noticed soon. Other nodes have the default of 10 s.
 inline constexpr std::chrono::milliseconds short_lease = 2s;
 json with_short_lease(json options = json::object());
 
@@ -36,35 +36,36 @@ class NegotiationTest : public RandomTest {
   std::optional<Host> there_;
 };
 
-/// Checks the condition only a hundred times a second, because each check sends a command to a peer.
+/// Waits for the condition. Checks the condition only a hundred times a second, because each check sends a
+/// command to a peer.
 template <class Condition>
 bool comes_true(Condition condition, std::chrono::milliseconds within = hang_timeout) {
   return eventually(condition, within, 10ms);
 }
 
-/// Returns the publisher's entry of the subscriber; null if there is none.
+/// Returns the entry of the subscriber in the publisher's status, or null if there is none.
 json reader_of(Peer& publisher, const Peer& subscriber);
-/// Returns the subscriber's entry of the publisher; null if there is none.
+/// Returns the entry of the publisher in the subscriber's status, or null if there is none.
 json writer_of(const Peer& publisher, Peer& subscriber);
-/// Returns the subscriber's account of the samples that it has taken from this publisher.
+/// Returns the subscriber's account of the samples that it has taken from the publisher.
 json taken_of(const Peer& publisher, Peer& subscriber);
 
 bool is_served(Peer& publisher, const Peer& subscriber);
 bool is_served_by(Peer& publisher, const Peer& subscriber, const std::string& transport);
 bool is_served_with(Peer& publisher, const Peer& subscriber, const std::string& mask);
 
-/// Waits until both peers report the same path, mask and request of each other.
+/// Waits until both peers report the same path, mask and request for each other.
 testing::AssertionResult agree(Peer& publisher, Peer& subscriber);
 
-/// Lets the publisher publish until its newest sample has come. Succeeds if every sample since the first
-/// that came is counted as received, lost, withheld or expired, and if the received ones are right and in
-/// order.
+/// Makes the publisher publish until its newest sample has arrived. Succeeds if each sample since the first
+/// one that arrived counts as received, lost, withheld or expired, and if the received samples are right and
+/// in order.
 testing::AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber);
 
-/// Returns true if an event of that kind came whose text contains `text`.
+/// Returns true if an event of that kind arrived whose text contains `text`.
 bool was_told(const json& events, const std::string& kind, const std::string& text = "");
-/// Waits until the peer has got such an event. `side` is "offered" or "requested". Events come later than
-/// the changes that they report, because a separate thread delivers them.
+/// Waits until the peer has got such an event. `side` is "offered" or "requested". An event arrives later
+/// than the change that it reports, because a separate thread delivers events.
 testing::AssertionResult gets_event(Peer& peer, const std::string& side, const std::string& kind,
                                     const std::string& text = "");
 

@@ -34,7 +34,7 @@ void read_all(dds_entity_t reader, Use use) {
   if (count > 0) dds_return_loan(reader, samples.data(), count);
 }
 
-/// Returns a request of that reader that lists no writers, so that nothing is sent.
+/// Returns a request of the reader that lists no writers, so that no samples are sent.
 core::RecordBody request_of_nothing(const core::Request& request, std::uint64_t ahead) {
   core::Request nothing;
   nothing.reader = request.reader;

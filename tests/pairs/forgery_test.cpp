@@ -1,6 +1,6 @@
-// A program on the network writes in the names of others: with Cyclone DDS alone, by heartbeats, and by
-// datagrams of RTPS. If a forgery cannot be distinguished from a true message, a link that is made anew
-// repairs its effect.
+// A program on the network writes in the names of other participants: with Cyclone DDS alone, by heartbeats,
+// and by RTPS datagrams. If a forgery cannot be distinguished from a true message, a link that is made anew
+// repairs the effect.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -16,7 +16,7 @@ class Forgeries : public NegotiationTest {
     forger_.emplace(there(), "forger");
   }
 
-  /// Starts a pair with samples under way, and a forger that receives the control messages of both.
+  /// Starts a pair with samples under way, and a forger that receives the control messages of both peers.
   void begin(const std::string& fields) {
     publisher().advertise();
     reader().subscribe(fields);
@@ -36,7 +36,8 @@ class Forgeries : public NegotiationTest {
   Peer& reader() { return *reader_; }
   Peer& forger() { return *forger_; }
 
-  /// Waits until some more samples have come to the reader. Returns false if they do not come.
+  /// Waits until more than 20 further samples have arrived at the reader. Returns false if they do not
+  /// arrive.
   bool flows(Peer& reader) {
     const std::uint64_t received = reader.status()["subscriber"]["received"];
     return comes_true([&] { return reader.status()["subscriber"]["received"] > received + 20; });
@@ -45,7 +46,7 @@ class Forgeries : public NegotiationTest {
     const auto end = std::chrono::steady_clock::now() + duration;
     while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
   }
-  /// Returns true if an endpoint was told that another one did not answer or had left.
+  /// Returns true if the status has an event that another endpoint did not answer or had left.
   static bool missed_somebody(const json& status) {
     return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
   }
@@ -53,8 +54,8 @@ class Forgeries : public NegotiationTest {
     for (Peer* peer : {&publisher(), &reader()})
       EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
   }
-  /// Counts the links that either peer has made anew. A peer that makes its link anew receives the records
-  /// of the other again.
+  /// Returns the number of links that either peer has made anew. A peer that makes its link anew receives the
+  /// records of the other peer again.
   std::uint64_t links_renewed() { return links_renewed(publisher()) + links_renewed(reader()); }
   static std::uint64_t links_renewed(Peer& peer) { return peer.status()["node"]["links_renewed"]; }
 
@@ -88,7 +89,8 @@ TEST_F(Forgeries, AnotherProcessThatAnnouncesAReaderAndAsksForNothingCountsForNo
 
 TEST_F(Forgeries, AParticipantThatClaimsTheProcessOfAnotherOneCountsForNothing) {
   begin("recorded");
-  const auto end = std::chrono::steady_clock::now() + 8s;  // longer than until a participant is suspected
+  // Longer than the time after which a participant is suspected.
+  const auto end = std::chrono::steady_clock::now() + 8s;
   while (std::chrono::steady_clock::now() < end) {
     forger().forge("claim processes");
     ASSERT_TRUE(flows(reader()));
@@ -132,8 +134,8 @@ TEST_F(Forgeries, HeartbeatsThatSomebodyMakesUpCostNoSampleAndFewLinks) {
   expect_that_none_was_missed();
 }
 
-/// Once a great sequence number was used in the name of a writer, Cyclone DDS takes all later samples of the
-/// true writer for old.
+/// After a great sequence number was used in the name of a writer, Cyclone DDS discards all later samples of
+/// the true writer as old.
 class OutdatedByForgery : public Forgeries {
  protected:
   void SetUp() override {
@@ -141,8 +143,8 @@ class OutdatedByForgery : public Forgeries {
     if (!IsSkipped()) begin("height, width");
   }
 
-  /// Forges repeatedly, because Cyclone ignores forged numbers while it waits for samples from before the
-  /// nodes met.
+  /// Forges repeatedly, because Cyclone ignores forged numbers while it waits for samples that were written
+  /// before the nodes met.
   void outdate_for(std::chrono::seconds duration) {
     const auto end = std::chrono::steady_clock::now() + duration;
     while (std::chrono::steady_clock::now() < end) {
@@ -157,7 +159,8 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   const auto all_are_served = [&](Peer& peer) {
     const json opened = peer.status().at("neighbours");
     return opened.size() == neighbours && std::ranges::all_of(opened, [](const json& neighbour) {
-             return neighbour.at("readers") == 2;  // its own reader, and that of the other process
+             // The neighbour's own reader, and that of the other process.
+             return neighbour.at("readers") == 2;
            });
   };
   publisher().open_neighbours(neighbours);
@@ -183,7 +186,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
   Peer late(there(), "late");
   late.subscribe("height, width");
   ASSERT_TRUE(agree(publisher(), late));
-  // Once Cyclone accepts a forged number, other nodes do not learn of a new subscriber.
+  // After Cyclone has accepted a forged number, other nodes do not learn of a new subscriber.
   const auto is_heard_by_a_new_link = [&] {
     late.leave();
     forger().forge("outdate announcements");
@@ -201,7 +204,7 @@ TEST_F(OutdatedByForgery, AnnouncementsAndRequestsAreHeardAgain) {
 }
 
 TEST_F(OutdatedByForgery, ARequestInAReadersOwnNameCountsNoLongerThanALinkTakesToBeMadeAnew) {
-  reader().set_max_rate_hz(500);  // makes a request
+  reader().set_max_rate_hz(500);  // makes the reader send a request
   EXPECT_TRUE(comes_true([&] {
     forger().forge("ask for nothing");
     return !is_served(publisher(), reader());

@@ -9,7 +9,7 @@ const json asking{{"transient_local", true}};
 
 class LateReaders : public NegotiationTest {
  protected:
-  /// Publishes 20 samples, of which it retains 5.
+  /// Publishes 20 samples. The publisher retains the last 5.
   static void fill(Peer& publisher) {
     publisher.advertise(retaining);
     publisher.publish(20);
@@ -22,7 +22,7 @@ class LateReaders : public NegotiationTest {
   }
 };
 
-/// Returns the options without UDP.
+/// Returns the options with UDP switched off.
 json in_memory(json options) {
   options["transport"] = "shm";
   return options;

@@ -27,7 +27,7 @@ namespace sft::test {
 
 namespace {
 
-constexpr std::uint32_t first_address = 0x0A4E0001;  // 10.78.0.1
+constexpr std::uint32_t first_address = 0x0A4E0001;  // the address 10.78.0.1
 constexpr std::uint32_t netmask = 0xFFFFFF00;
 
 int checked(int result, const char* what) {
@@ -58,7 +58,8 @@ void set_address(int control, unsigned long what, std::uint32_t ipv4) {
   checked(ioctl(control, what, &request), "the address of eth0");
 }
 
-/// Changes to that user, with only its own group. Returns false if that fails; user 0 changes nothing.
+/// Changes to that user, whose only group has the same number. Returns false if that fails. For user 0
+/// nothing changes.
 bool become(uid_t user) noexcept {
   return user == 0 || (setgroups(0, nullptr) == 0 && setgid(user) == 0 && setuid(user) == 0);
 }
@@ -86,14 +87,15 @@ Host::Host(const Host& neighbour, const Shared& shared) : network_(neighbour.net
       join_network();
     }
     checked(setns(neighbour.mount_namespace_, CLONE_NEWNS), "setns");
-    checked(unshare(CLONE_NEWNS), "unshare");  // a copy, so that the neighbour's mounts stay as they are
+    // Makes a copy of the mounts, so that the neighbour's mounts stay unchanged.
+    checked(unshare(CLONE_NEWNS), "unshare");
     if (!shared.shm) mounted(mount_own_shm());
     if (!shared.tmp) mounted(hosts::mount_own_tmp());
   });
 }
 
-/// Calls `furnish` on a thread in new namespaces. The descriptors keep these namespaces when the thread
-/// ends.
+/// Calls `furnish` on a thread in new namespaces. The object's descriptors keep these namespaces after the
+/// thread has ended.
 void Host::make(const std::function<void()>& furnish) {
   std::exception_ptr failure;
   std::thread([&] {
@@ -109,7 +111,7 @@ void Host::make(const std::function<void()>& furnish) {
   if (failure) std::rethrow_exception(failure);
 }
 
-/// Gives the calling thread a network stack of its own.
+/// Moves the calling thread into a new network namespace, and connects it with the network.
 void Host::join_network() {
   checked(unshare(CLONE_NEWNET), "unshare");
   control_ = checked(socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0), "socket");
@@ -130,8 +132,8 @@ bool Host::enter() const noexcept {
   return setns(network_namespace_, CLONE_NEWNET) == 0 && setns(mount_namespace_, CLONE_NEWNS) == 0;
 }
 
-/// Between fork() and exec the child calls only functions that are safe while other threads of this process
-/// hold locks.
+/// Between fork() and exec the child calls only functions that are safe although other threads of this
+/// process may hold locks.
 Process::Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
                  int input, const Account& account) {
   const std::string path = account.programs + "/" + program;
@@ -142,7 +144,7 @@ Process::Process(const Host& host, const std::string& program, const std::vector
   if (pid_ != 0) return;
   if (input >= 0) dup2(input, STDIN_FILENO);
   const bool ready = host.enter() && become(account.user);
-  prctl(PR_SET_PDEATHSIG, SIGKILL);  // after become(), which would reset it
+  prctl(PR_SET_PDEATHSIG, SIGKILL);  // after become(), because become() would reset this signal
   if (ready) execv(words[0], words.data());
   _exit(127);
 }

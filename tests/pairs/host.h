@@ -1,5 +1,5 @@
-// Emulated hosts: each has a network namespace with eth0 on the network of the test, and its own /dev/shm
-// and /tmp. They have no names and end with the test.
+// Emulated hosts. Each has a network namespace with eth0 on the network of the test, and its own /dev/shm and
+// /tmp. A host has no name and ends with the test.
 #pragma once
 
 #include <sys/types.h>
@@ -18,11 +18,11 @@ class Host {
  public:
   /// Makes a host on the network, with an address 10.78.0.x.
   explicit Host(Network& network);
-  /// The parts that a container shares with its neighbour. It has its own of all others. Its eth0 is on the
-  /// same network.
+  /// The parts that a container shares with a neighbouring container. The container has its own copy of each
+  /// other part. The eth0 of both is on the same network.
   struct Shared {
     bool network = false;
-    bool shm = false;  ///< /dev/shm
+    bool shm = false;  ///< whether /dev/shm is shared
     bool tmp = false;
   };
   Host(const Host& neighbour, const Shared& shared);
@@ -30,12 +30,12 @@ class Host {
   Host(const Host&) = delete;
   Host& operator=(const Host&) = delete;
 
-  /// Does what `ip link set eth0 up` (or down) does.
+  /// Has the effect of `ip link set eth0 up` (or down).
   void set_link(bool up) const;
   /// Plugs or unplugs the cable of this host.
   void set_plugged(bool plugged) const { network_->set_plugged(port_, plugged); }
 
-  /// Moves the calling process, which has one thread, onto this host. Returns false if that fails.
+  /// Moves the calling process, which must have one thread, onto this host. Returns false if that fails.
   bool enter() const noexcept;
 
  private:
@@ -46,20 +46,20 @@ class Host {
   std::size_t port_ = 0;
   int network_namespace_ = -1;
   int mount_namespace_ = -1;
-  int control_ = -1;  ///< a socket of that network, to set its interfaces
+  int control_ = -1;  ///< a socket of that namespace, to set its interfaces
 };
 
 /// The account that runs a program, and the directory of the program, which the account must be able to
 /// reach.
 struct Account {
-  uid_t user = 0;  ///< also the number of its only group; 0: the user of the test
+  uid_t user = 0;  ///< also the number of the account's only group; 0 is the user of the test
   std::string programs = program_directory();
 };
 
 /// A program of the project that runs on a host. The destructor kills it.
 class Process {
  public:
-  /// `input` becomes its standard input.
+  /// Starts the program. `input` becomes its standard input.
   Process(const Host& host, const std::string& program, const std::vector<std::string>& arguments,
           int input = -1, const Account& account = {});
   ~Process() { kill_now(); }
@@ -68,18 +68,18 @@ class Process {
 
   /// Sends SIGSTOP or SIGCONT.
   void signal(int number) const;
-  /// Kills the program by SIGKILL, and returns when it is gone.
+  /// Kills the program by SIGKILL, and waits for its end.
   void kill_now();
   pid_t pid() const { return pid_; }
-  /// Waits for the end of the program. Returns its exit code, or minus the signal that ended it, or minus
-  /// SIGALRM if it does not end.
+  /// Waits for the end of the program. Returns its exit code, or minus the signal that ended the program, or
+  /// minus SIGALRM if the program does not end.
   int wait_for_end();
 
  private:
   pid_t pid_ = -1;
 };
 
-/// The daemon that hosts the shared memory of a host. Peers of these tests start none themselves.
+/// The daemon for the shared memory of a host. The peers of these tests start no daemon themselves.
 class Daemon : public Process {
  public:
   explicit Daemon(const Host& host) : Process(host, "sftd", {"--foreground", "--pool-mib=32"}) {}

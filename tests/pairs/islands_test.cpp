@@ -1,4 +1,4 @@
-// Two containers of one machine, which share their network stack, /dev/shm and /tmp or have their own. These
+// Two containers of one machine, which share their network stack, /dev/shm and /tmp, or have their own. These
 // are the rows of the table in shm_transport/host/same_host.md.
 #include <filesystem>
 #include <set>
@@ -10,7 +10,7 @@
 namespace sft::test {
 namespace {
 
-/// Returns the daemons in all containers.
+/// Returns the process ids of the daemons in all containers.
 std::set<pid_t> daemons() {
   std::set<pid_t> found;
   for (const auto& entry : std::filesystem::directory_iterator("/proc")) {
@@ -28,25 +28,25 @@ bool kill_daemons() {
 
 class Islands : public NegotiationTest, public testing::WithParamInterface<Host::Shared> {
  protected:
-  /// Kills the daemons, because they outlive the nodes that have started them.
+  /// Kills the daemons, because they outlive the nodes that started them.
   void TearDown() override {
     if (IsSkipped()) return;
     EXPECT_TRUE(comes_true(kill_daemons));
   }
 
   static bool share_memory() { return GetParam().shm && GetParam().tmp; }
-  /// Returns the number of daemons: one for each /dev/shm, except that only one can have its sockets in a
-  /// shared /tmp.
+  /// Returns the expected number of daemons: one for each /dev/shm. If /tmp is shared, there is only one,
+  /// because only one daemon can have its sockets there.
   static std::size_t daemons_wanted() { return GetParam().shm || GetParam().tmp ? 1 : 2; }
-  /// Returns the reason that a node reports if the containers share only one of /dev/shm and /tmp, or none.
+  /// Returns the reason that a node reports if the containers do not share both /dev/shm and /tmp.
   static std::string cause() {
     return GetParam().shm   ? "another /tmp than sftd"
            : GetParam().tmp ? "another /dev/shm"
                             : "a /dev/shm of its own";
   }
 
-  /// Returns true if the wanted daemons run, each node uses one of them or says why not, and the reader is
-  /// served by the right transport.
+  /// Returns true if the expected number of daemons runs, each node uses one of them or reports the reason
+  /// why not, and the reader is served by the right transport.
   static bool are_settled(Peer& publisher, Peer& reader) {
     const std::set<pid_t> running = daemons();
     if (running.size() != daemons_wanted()) return false;

@@ -1,4 +1,4 @@
-// Rows "Join", "Leave" and "Limits" of negotiation.md: nodes that come and go in an orderly way.
+// Rows "Join", "Leave" and "Limits" of negotiation.md: nodes that start and end in an orderly way.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -52,7 +52,7 @@ TEST_F(JoinAndLeave, AReaderThatIsAnnouncedAgainKeepsTheMaskThatItAskedForLater)
   reader.read("height");
   publisher.start_publishing();
   ASSERT_TRUE(comes_true([&] { return is_served_with(publisher, reader, "height"); }));
-  const Daemon daemon(there());  // changes the host token, which announcements name
+  const Daemon daemon(there());  // changes the host token in the announcements
   ASSERT_TRUE(comes_true([&] { return reader.status()["node"]["shm_ready"]; }));
   publisher.stop_publishing();
   EXPECT_TRUE(agree(publisher, reader));
@@ -110,8 +110,8 @@ TEST_F(JoinAndLeave, WhatAPublisherSentJustBeforeItLeftIsTakenAndThenItIsAskedNo
   EXPECT_EQ(reader.status()["taken"][0]["wrong"], 0);
 }
 
-/// The limit is that of Negotiation::Limits, 4096, including the node's own endpoints. Publishers of other
-/// topics concern only nodes with readers.
+/// The limit is the 4096 endpoints of Negotiation::Limits, including the node's own ones. A node without
+/// readers ignores publishers of other topics.
 TEST_F(JoinAndLeave, EndpointsBeyondTheLimitAreCountedAndThoseBelowItStayServed) {
   Peer publisher(here(), "publisher");
   Peer reader(there(), "reader");

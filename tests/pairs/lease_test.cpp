@@ -7,8 +7,8 @@ namespace {
 
 class Leases : public NegotiationTest {
  protected:
-  /// Starts a publisher and a recorded reader that reads the height, so that the publisher sends nothing
-  /// else.
+  /// Starts a publisher and a recorded reader that reads only the height, so that the publisher sends no
+  /// other field.
   void SetUp() override {
     NegotiationTest::SetUp();
     if (IsSkipped()) return;
@@ -43,7 +43,8 @@ class Leases : public NegotiationTest {
     publisher().stop_publishing();
     EXPECT_TRUE(agree(publisher(), reader()));
     // If the publisher was stopped for longer than the lease, Cyclone DDS may end the lease of the reader's
-    // participant when the publisher continues, and discover it anew. It is served again after that.
+    // participant when the publisher continues, and discover the participant anew. The reader is served again
+    // after that.
     EXPECT_TRUE(comes_true([&] { return is_served_with(publisher(), reader(), mask); }))
         << reader_of(publisher(), reader());
     EXPECT_TRUE(accounts_for_all(publisher(), reader()));
@@ -113,7 +114,7 @@ TEST_F(Leases, APairWhoseCableIsPulledForLongIsJoinedAgainWithTheMaskThatWasAske
   there().set_plugged(false);
   EXPECT_TRUE(publisher_misses_reader());
   EXPECT_TRUE(reader_misses_publisher());
-  reader().read("height, data");  // from the last sample, which has no data
+  reader().read("height, data");  // also reads from the last sample, which lacks the data
   there().set_plugged(true);
   expect_a_good_end("height, data");
   EXPECT_EQ(taken_of(publisher(), reader())["masks"].size(), 3);
@@ -145,14 +146,15 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
     reader().read("height, width");
     host->set_link(true);
     EXPECT_TRUE(accounts_for_all(publisher(), reader()));
-    EXPECT_GT(writer_of(publisher(), reader())["lost"], lost + 50);  // the last ones may still be under way
+    // The last samples may still be under way.
+    EXPECT_GT(writer_of(publisher(), reader())["lost"], lost + 50);
   }
   EXPECT_FALSE(was_told(publisher().status()["offered"], "unmatched"));
   expect_a_good_end("height, width");
 }
 
-/// A lost endpoint is removed after 60 s (Negotiation::Limits). This is the longest of all tests, and mostly
-/// waits.
+/// A lost endpoint is removed after 60 s (Negotiation::Limits). This is the longest of all tests, and it
+/// mostly waits.
 TEST_F(Leases, APairThatIsCutOffForMoreThanAMinuteForgetsEachOtherAndBeginsAnewWhenItReturns) {
   const std::uint64_t requests = reader().status()["subscriber"]["requests"];
   there().set_plugged(false);

@@ -1,4 +1,4 @@
-// The message that the peers of these tests publish. Every leaf depends on the message's number.
+// The message that the peers of these tests publish. The value of every leaf depends on the message's number.
 #pragma once
 
 #include <cstddef>
@@ -12,11 +12,12 @@ namespace sft::test {
 
 using sensor_msgs::msg::PointCloud2;
 
-/// Returns the message with that number. It has some kilobytes, which are several datagrams unless a mask
-/// leaves the data out.
+/// Returns the message with that number. The message has some kilobytes, which need several datagrams unless
+/// a mask omits the data.
 PointCloud2 message(std::uint64_t number);
 
-/// Returns true if these bytes are the encapsulation and the CDR of that message under that mask.
+/// Returns true if these bytes are the encapsulation and the CDR of the message with that number, under that
+/// mask.
 bool is_message(std::uint64_t number, const FieldMask& mask, std::span<const std::byte> cdr);
 
 }  // namespace sft::test

@@ -1,4 +1,4 @@
-// Pairs that never match: both sides are told why, and nothing is sent.
+// Pairs that never match. Both sides get the reason, and no sample is sent.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {

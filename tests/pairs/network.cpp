@@ -21,7 +21,8 @@ constexpr const char* tap_control = "/dev/net/tun";
 constexpr std::size_t frame_bytes_max = 2048, frame_header_bytes = 14;
 constexpr std::chrono::microseconds delay_max{20'000};
 
-/// Returns one of the two addresses with which a frame begins: destination (place 0) or source (place 1).
+/// Returns one of the two addresses at the beginning of a frame: the destination (place 0) or the source
+/// (place 1).
 std::array<char, 6> address_at(std::size_t place, const std::vector<char>& frame) {
   std::array<char, 6> address{};
   std::copy_n(frame.begin() + static_cast<std::ptrdiff_t>(place * address.size()), address.size(),
@@ -128,8 +129,8 @@ void Network::judge(std::size_t from, const Frame& frame) {
 }
 
 /// Returns true if the frame has to go to that port. A frame for one host goes to all ports only until the
-/// port of that host is known. If each frame went to many hosts, the thread would be slower than a
-/// publisher, and frames would be lost before they get here.
+/// port of that host is known. If each frame went to many hosts, the forwarding thread would be slower than a
+/// publisher, and frames would be lost before the thread reads them.
 bool Network::is_for(std::size_t port, const Frame& frame) const {
   if (is_multicast(frame)) return true;
   const auto known = port_of_.find(destination_of(frame));

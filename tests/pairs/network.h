@@ -1,5 +1,5 @@
-// A network in user space. Each host's eth0 is a tap device, and a thread forwards frames between them, with
-// the faults that are set. Like a switch, it forwards a frame for one host to that host only.
+// A network in user space. Each host's eth0 is a tap device. A thread forwards frames between these devices,
+// with the faults that are set. Like a switch, the network forwards a frame for one host to that host only.
 #pragma once
 
 #include <array>
@@ -20,7 +20,7 @@ namespace sft::test {
 struct Faults {
   double lost = 0;
   double repeated = 0;
-  double delayed = 0;  ///< by up to 20 ms, so that others overtake it
+  double delayed = 0;  ///< probability of a delay of up to 20 ms, so that later frames overtake the frame
 };
 
 class Network {
@@ -30,15 +30,16 @@ class Network {
   Network(const Network&) = delete;
   Network& operator=(const Network&) = delete;
 
-  /// Returns why there can be no network; empty if there can be one.
+  /// Returns the reason why no network can be made, or "" if one can be made.
   static std::string refusal();
 
-  /// Makes eth0 in the network namespace of the calling thread and returns the number of its port.
+  /// Makes eth0 in the network namespace of the calling thread. Returns the number of its port.
   std::size_t plug_in();
-  /// Plugs or unplugs the cable at a port. An unplugged cable carries no frames, and both ends see that.
+  /// Plugs or unplugs the cable at a port. An unplugged cable carries no frames, and the host sees that its
+  /// cable is unplugged.
   void set_plugged(std::size_t port, bool plugged);
   void set_faults(const Faults& faults);
-  /// Returns how many frames the hosts have sent so far.
+  /// Returns the number of frames that all hosts have sent so far.
   std::uint64_t frames() const { return frames_; }
 
  private:
@@ -66,7 +67,7 @@ class Network {
   const int wake_;
   std::mutex mutex_;
   std::vector<Port> ports_;
-  std::map<std::array<char, 6>, std::size_t> port_of_;  ///< ports of the addresses that have sent a frame
+  std::map<std::array<char, 6>, std::size_t> port_of_;  ///< the port of each address that has sent a frame
   Faults faults_;
   std::mt19937_64 random_;
   std::multimap<Clock::time_point, Passing> delayed_;

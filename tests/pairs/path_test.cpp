@@ -1,5 +1,5 @@
-// Rows "Host token changes" and "Path changes" of negotiation.md, and the paths in its table of pairs:
-// daemons that come, go, or differ.
+// Rows "Host token changes" and "Path changes" of negotiation.md, and the paths in its table of pairs.
+// Daemons start and end, or the hosts have different daemons.
 #include "tests/pairs/fixture.h"
 
 namespace sft::test {
@@ -33,7 +33,8 @@ TEST_F(Paths, ChangeWithTheDaemonAndNothingIsTakenTwiceOrUnderAnotherMask) {
     EXPECT_TRUE(is_served_by(publisher, reader, "udp"));
     const json received = writer_of(publisher, reader)["received"];
     ASSERT_TRUE(comes_true([&] { return writer_of(publisher, reader)["received"] > received; }));
-    const json lost = writer_of(publisher, reader)["lost"];  // includes samples lost with the daemon
+    // Includes the samples that were lost when the daemon ended.
+    const json lost = writer_of(publisher, reader)["lost"];
     Daemon daemon(here());
     ASSERT_TRUE(goes_by(publisher, reader, "shm"));
     EXPECT_TRUE(agree(publisher, reader));

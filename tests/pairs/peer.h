@@ -1,4 +1,4 @@
-// The test's handle of a negotiation_peer, which is a process with its own node on a host.
+// The test's handle of a negotiation_peer, which is a process on a host with a node of its own.
 #pragma once
 
 #include <chrono>
@@ -11,10 +11,10 @@ namespace sft::test {
 
 using nlohmann::json;
 
-/// Functions throw if the peer dies or does not answer, which ends the test.
+/// All functions throw if the peer dies or does not answer. The exception ends the test.
 class Peer {
  public:
-  /// Options: cyclonedds, port, start_daemon (peer_main.cpp).
+  /// The options are cyclonedds, port and start_daemon (peer_main.cpp).
   Peer(const Host& host, std::string name, json options = json::object(), const Account& account = {});
   ~Peer();
   Peer(const Peer&) = delete;
@@ -22,44 +22,44 @@ class Peer {
 
   const std::string& name() const { return name_; }
 
-  /// Open the publisher or the subscriber of the peer. Options: those of peer_roles.cpp.
+  /// Opens the publisher or the subscriber of the peer. The options are those of peer_roles.cpp.
   void advertise(json options = json::object());
   void subscribe(const std::string& fields, json options = json::object());
   /// Destroys the publisher and the subscriber.
   void leave() { ask({{"do", "leave"}}); }
 
-  /// Returns when the peer has published `count` more samples.
+  /// Publishes `count` more samples, and returns when all of them are published.
   void publish(std::uint64_t count, std::chrono::microseconds period = std::chrono::milliseconds(1));
   /// Publishes until stop_publishing().
   void start_publishing(std::chrono::microseconds period = std::chrono::milliseconds(1));
   void stop_publishing() { ask({{"do", "stop"}}); }
-  /// Sets the fields that a recorded subscriber reads from the last sample and from those to come.
+  /// Sets the fields that a recorded subscriber reads from the last sample and from later ones.
   void read(const std::string& fields) { ask({{"do", "read"}, {"fields", fields}}); }
   void set_max_rate_hz(double hz) { ask({{"do", "rate"}, {"hz", hz}}); }
-  /// Makes the node learn of all endpoints from now on, whatever their topics are.
+  /// Makes the node learn of all endpoints from now on, including those of other topics.
   void look_around() { ask({{"do", "look around"}}); }
-  /// Opens `count` more nodes in the peer's process. Each has a publisher and a subscriber of its own topic,
-  /// which it shares with the neighbour of the same number in other processes.
+  /// Opens `count` more nodes in the peer's process. Each has a publisher and a subscriber of a topic of its
+  /// own. Neighbours with the same number in different processes have the same topic.
   void open_neighbours(std::size_t count) { ask({{"do", "neighbours"}, {"count", count}}); }
   /// Opens publishers of `count` other topics.
   void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
 
-  /// Makes the peer record what all nodes write on the control topics. repeat_control() writes it again
-  /// (echo.h).
+  /// Makes the peer record all messages that nodes write on the control topics. repeat_control() writes them
+  /// again (echo.h).
   void hear_control() { ask({{"do", "hear"}}); }
   void repeat_control() { ask({{"do", "repeat"}}); }
 
-  /// Forges messages of others on the control topics (forger.h). `what` is first "watch". Once the peer has
-  /// received records of others, it is "withdraw", "mute" with requests that are `ahead`, "claim processes",
-  /// "outdate announcements", "heartbeats" or "ask for nothing", or "claim version", where `ahead` is the
-  /// version of the control topics.
+  /// Forges messages of other participants on the control topics (forger.h). `what` must be "watch" in the
+  /// first call. After the peer has received records of other participants, `what` may be "withdraw", "mute"
+  /// with requests that are `ahead`, "claim processes", "outdate announcements", "heartbeats", "ask for
+  /// nothing", or "claim version", where `ahead` is the version of the control topics.
   void forge(const std::string& what, std::uint64_t ahead = 1) {
     ask({{"do", "forge"}, {"what", what}, {"ahead", ahead}});
   }
 
   json status() { return ask({{"do", "status"}}); }
   /// Returns the part of the status about nodes of that name. "reader" and "writer" are the entries of such
-  /// nodes, preferably of one that is served. "taken" is the account of the samples that were taken from
+  /// nodes, preferably of a node that is served. "taken" is the account of the samples that were taken from
   /// that writer.
   json look_at(const std::string& node) { return ask({{"do", "look"}, {"node", node}}); }
   pid_t pid() const { return process_->pid(); }

@@ -1,6 +1,6 @@
-// negotiation_peer OPTIONS: a node with at most one publisher and one subscriber, which executes commands.
-// They come by the standard input, which is a socket, until the other side closes it. Each command and each
-// answer is one JSON object.
+// negotiation_peer OPTIONS: a node with at most one publisher and one subscriber. It executes the commands
+// that it reads from the standard input, which is a socket, until the other side closes the socket. Each
+// command and each answer is one JSON object.
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -29,7 +29,7 @@ using nlohmann::json;
 bool is_up(const PublisherStatus::Reader& reader) { return reader.served; }
 bool is_up(const SubscriberStatus::Writer& writer) { return writer.matched && writer.alive; }
 
-/// Returns an entry of that node, preferably one that is up; null if there is none.
+/// Returns an entry of the node with that name, preferably an entry that is up; null if there is none.
 template <class Entries>
 json entry_of(const Entries& entries, const std::string& node) {
   json found;
@@ -42,7 +42,7 @@ json entry_of(const Entries& entries, const std::string& node) {
 constexpr const char* topic = "points";
 constexpr std::size_t message_bytes_max = 256 * 1024;
 
-/// Keeps the lines that the node logs at the level warning or above.
+/// Collects the lines that the node logs at the level warning or above.
 class Warnings {
  public:
   NodeOptions::LogSink sink() {
@@ -68,7 +68,8 @@ Node open_node(const json& options, Warnings& warnings) {
   node.name = options.at("name").get<std::string>();
   if (options.contains("cyclonedds")) node.cyclonedds_config = options["cyclonedds"].get<std::string>();
   node.udp.port = options.value<std::uint16_t>("port", 0);
-  node.shm.start_daemon = options.value("start_daemon", false);  // by default the test starts the daemon
+  // Unless an option says so, the test itself starts the daemon.
+  node.shm.start_daemon = options.value("start_daemon", false);
   auto opened = Node::open(node);
   if (!opened) throw std::runtime_error(opened.error().message);
   return std::move(*opened);
@@ -152,7 +153,7 @@ class Peer {
     publishing_.reset();
     subscribing_.reset();
   }
-  /// Opens publishers of that number of other topics.
+  /// Opens publishers of `count` other topics.
   void crowd(const json& command) {
     for (std::size_t i = crowd_.size(); i < command.at("count"); ++i)
       crowd_.push_back(node_.publisher<PointCloud2>("other/topic_" + std::to_string(i)).value());
@@ -163,7 +164,7 @@ class Peer {
       neighbours_.push_back(std::make_unique<Neighbour>(options_, i, warnings_));
   }
 
-  /// Makes the node learn of all endpoints from now on, whatever their topics are.
+  /// Makes the node learn of all endpoints from now on, including those of other topics.
   void look_around(const json&) { (void)node_.topics(); }
   void hear(const json&) { echo_ = std::make_unique<Echo>(); }
   void repeat(const json&) { echo_->repeat(); }
@@ -194,7 +195,7 @@ class Peer {
     return all;
   }
 
-  /// Returns the status about one node, which is short however many endpoints there are.
+  /// Returns the status about one node only, so that the answer is short even if there are many endpoints.
   json look_at(const std::string& node) const {
     json seen{{"shm", node_.status().shm}};
     if (publishing_) {

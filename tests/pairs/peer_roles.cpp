@@ -128,7 +128,7 @@ class Taking final : public Subscribing {
   std::thread thread_;
 };
 
-/// A subscriber with another type than the publisher's, to which no sample must come.
+/// A subscriber with another type than the publisher has. No sample must arrive at it.
 template <class S>
 class Mismatched final : public Subscribing {
  public:

@@ -1,4 +1,4 @@
-// The publisher and the subscriber that a peer has.
+// The publisher and the subscriber of a peer.
 #pragma once
 
 #include <sft/sft.h>
@@ -16,7 +16,7 @@
 
 namespace sft::test {
 
-/// Events in the order in which they came.
+/// Events in the order of their arrival.
 class EventList {
  public:
   Event::Callback callback();
@@ -27,7 +27,7 @@ class EventList {
   nlohmann::json events_ = nlohmann::json::array();
 };
 
-/// A publisher, whose n-th sample is message n.
+/// A publisher. Its n-th sample is message n.
 class Publishing {
  public:
   Publishing(Node& node, const std::string& topic, const nlohmann::json& options, EventList& events);
@@ -43,14 +43,14 @@ class Publishing {
 
   Publisher<PointCloud2> publisher_;
   std::uint64_t published_ = 0;
-  std::optional<Ticker> ticker_;  // destroyed first
+  std::optional<Ticker> ticker_;  // destroyed first, so that its thread stops using the other members
 };
 
 /// A subscriber, which takes all samples on its own thread.
 class Subscribing {
  public:
-  /// `fields` is one of a few masks that are known at compile time, "recorded", "image" (another type), or
-  /// "taller" (another definition of the type).
+  /// Opens a subscriber. `fields` is one of a few masks that are known at compile time, "recorded", "image"
+  /// (another type), or "taller" (another definition of the type).
   static std::unique_ptr<Subscribing> open(Node& node, const std::string& topic, const std::string& fields,
                                            const nlohmann::json& options, EventList& events);
   virtual ~Subscribing() = default;
@@ -58,8 +58,8 @@ class Subscribing {
   virtual SubscriberStatus status() const = 0;
   virtual nlohmann::json taken() const = 0;
   virtual void set_max_rate_hz(double max_rate_hz) = 0;
-  /// Sets the fields that a recorded subscriber reads from now on from each sample, and from the last one
-  /// that came.
+  /// Sets the fields that a recorded subscriber reads from each later sample, and from the last one that
+  /// arrived.
   virtual void read(const std::string& fields) = 0;
 };
 

@@ -10,7 +10,7 @@ namespace {
 
 class Requests : public NegotiationTest {
  protected:
-  /// Returns the names of one or more random fields, in the form in which masks are printed.
+  /// Returns the names of one or more random fields, in the printed form of masks.
   std::string random_fields() {
     constexpr std::array names{"header.frame_id", "height", "width", "data", "is_dense"};
     const std::uint64_t chosen = 1 + random() % 31;
@@ -103,7 +103,7 @@ TEST_F(Requests, OldOnesAndOldAnnouncementsThatComeOnceMoreTakeNothingBack) {
   }
   const auto negotiated = [&] {
     json entry = reader_of(publisher, reader);
-    entry.erase("dropped");  // may rise, because a busy machine may drop samples
+    entry.erase("dropped");  // may increase, because a busy machine may drop samples
     return entry;
   };
   const json before = negotiated();

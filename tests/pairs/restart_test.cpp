@@ -9,7 +9,7 @@ namespace {
 
 class Restarts : public NegotiationTest {
  protected:
-  /// Starts a peer. All use one port, so that datagrams for a killed peer come to its successor.
+  /// Starts a peer. All peers use one port, so that datagrams for a killed peer arrive at its successor.
   std::unique_ptr<Peer> start(const Host& host, const std::string& name) {
     return std::make_unique<Peer>(host, name, with_short_lease(at_one_port));
   }
@@ -20,7 +20,8 @@ class Restarts : public NegotiationTest {
 TEST_F(Restarts, AReaderThatIsKilledAndStartedAnewGetsNothingOfTheMaskOfTheOneBefore) {
   const auto publisher = start(here(), "publisher");
   publisher->advertise();
-  Peer before(there(), "before", at_one_port);  // its lease lasts until its successor is served
+  // Has the default lease, so that the lease lasts until the successor is served.
+  Peer before(there(), "before", at_one_port);
   before.subscribe("*");
   publisher->start_publishing();
   ASSERT_TRUE(agree(*publisher, before));

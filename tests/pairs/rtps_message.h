@@ -1,4 +1,4 @@
-// Datagrams of RTPS 2.1 in the name of another participant's writer, in little-endian order.
+// Datagrams of RTPS 2.1 in the name of another participant's writer, in little-endian byte order.
 #pragma once
 
 #include <arpa/inet.h>
@@ -23,7 +23,7 @@ namespace sft::test {
 /// A sequence number that no honest writer reaches.
 inline constexpr std::uint64_t far_ahead = std::uint64_t{1} << 40;
 
-/// Returns writers that the participant may have, with and without keys. They can be guessed, because
+/// Returns the writers, with and without keys, that the participant may have. Writers can be guessed, because
 /// Cyclone DDS gives its entities small numbers.
 inline std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
   constexpr std::uint8_t entities_max = 16, with_key = 0x02, without_key = 0x03;
@@ -40,12 +40,13 @@ inline std::vector<dds_guid_t> guessed_writers(const dds_guid_t& participant) {
 class RtpsMessage {
  public:
   explicit RtpsMessage(const dds_guid_t& writer) : bytes_("RTPS") {
-    bytes_.append("\x02\x01\x01\x10", 4);  // version, vendor
+    bytes_.append("\x02\x01\x01\x10", 4);  // the version and the vendor
     bytes_.append(reinterpret_cast<const char*>(writer.v), 12);
     writer_.assign(reinterpret_cast<const char*>(writer.v) + 12, 4);
   }
 
-  /// Adds a heartbeat, which says that the writer has only the sample with that sequence number.
+  /// Adds a heartbeat, which says that the sample with that sequence number is the only one that the writer
+  /// has.
   void add_heartbeat(std::uint64_t sequence) {
     add_submessage('\x07', '\x01', 28);
     add_sequence(sequence);
@@ -53,7 +54,7 @@ class RtpsMessage {
     add(std::uint32_t{0x0700'0000});  // the count of heartbeats
   }
 
-  /// Adds a sample, which must be the last part of the message.
+  /// Adds a sample. The sample must be the last part of the message.
   void add_data(std::uint64_t sequence, const std::string& sample) {
     add_submessage('\x15', '\x05', 0, 16);
     add_sequence(sequence);
@@ -73,18 +74,18 @@ class RtpsMessage {
     add_data(sequence, sample);
   }
 
-  /// Adds a disposal of the participant in whose name the message is. The writer's entity is
+  /// Adds a disposal of the participant in whose name the message is sent. The writer's entity is
   /// `entity_of_participants`.
   void add_end(const dds_guid_t& participant) {
-    add_submessage('\x15', '\x0b', 0, 16);  // with inline QoS and a key
+    add_submessage('\x15', '\x0b', 0, 16);  // a submessage with inline QoS and a key
     add_sequence(1);
     constexpr std::uint16_t status_info = 0x71, end_of_list = 1, guid = 0x50, no_bytes = 0;
     add(status_info);
     add(std::uint16_t{4});
-    bytes_.append("\x00\x00\x00\x03", 4);  // disposed and unregistered
+    bytes_.append("\x00\x00\x00\x03", 4);  // the status: disposed and unregistered
     add(end_of_list);
     add(no_bytes);
-    bytes_.append("\x00\x03\x00\x00", 4);  // a list of parameters
+    bytes_.append("\x00\x03\x00\x00", 4);  // the encapsulation: a list of parameters
     add(guid);
     add(std::uint16_t{sizeof participant.v});
     bytes_.append(reinterpret_cast<const char*>(participant.v), sizeof participant.v);
@@ -122,8 +123,8 @@ class RtpsMessage {
     add(static_cast<std::uint32_t>(number >> 32));
     add(static_cast<std::uint32_t>(number));
   }
-  /// Begins a submessage for any reader. `to_sequence`: the number of octets from here to the sequence
-  /// number, which only data has; otherwise 0.
+  /// Begins a submessage for any reader. `to_sequence` is the number of octets from that field to the
+  /// sequence number. Only data has a sequence number; for other kinds `to_sequence` is 0.
   void add_submessage(char kind, char flags, std::uint16_t length, std::uint16_t to_sequence = 0) {
     bytes_ += {kind, flags};
     add(length);

@@ -8,7 +8,7 @@ using nlohmann::json;
 
 namespace {
 
-/// Returns the part that readers and writers have in common.
+/// Returns the fields that the entries of readers and writers have in common.
 template <class Peer>
 json peer_json(const Peer& peer) {
   return {{"id", peer.id},

@@ -1,4 +1,5 @@
-// Converts the status of publishers, subscribers and nodes, for the socket between a peer and its test.
+// Converts the status of publishers, subscribers and nodes to JSON, for the socket between a peer and its
+// test.
 #pragma once
 
 #include <sft/sft.h>

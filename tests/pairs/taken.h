@@ -1,5 +1,4 @@
-// Counts the samples that a subscriber took, by writer, and checks them against those that the writer
-// published.
+// Counts the samples that a subscriber took, by writer, and checks that they have the published content.
 #pragma once
 
 #include <sft/sft.h>
@@ -14,10 +13,11 @@
 
 namespace sft::test {
 
-/// Any thread.
+/// Any thread may call any function.
 class Taken {
  public:
-  /// Counts the sample, and checks that it is of message n, where n is its sequence.
+  /// Counts the sample, and checks that its bytes are those of the message whose number is the sample's
+  /// sequence.
   template <Req<PointCloud2> R>
   void note(const Sample<PointCloud2, R>& sample) {
     note(sample.info(), sample.mask(), is_message(sample.info().sequence, sample.mask(), sample.cdr()));
@@ -27,12 +27,12 @@ class Taken {
 
  private:
   struct OfWriter {
-    std::uint64_t first = 0;  ///< the first sequence
+    std::uint64_t first = 0;  ///< the sequence of the first sample
     std::uint64_t last = 0;
     std::uint64_t received = 0;
     std::uint64_t by_shm = 0;
-    std::uint64_t wrong = 0;       ///< samples with wrong bytes for the mask that they name
-    std::uint64_t disordered = 0;  ///< samples that came after a later one, or twice
+    std::uint64_t wrong = 0;       ///< the number of samples with wrong bytes for the mask that they name
+    std::uint64_t disordered = 0;  ///< the number of samples that arrived after a later one, or twice
     std::map<std::string, std::uint64_t> masks{};
     std::string last_mask{};
   };

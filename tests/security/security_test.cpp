@@ -1,4 +1,5 @@
-// Nodes with certificates find each other. Other nodes neither find them nor are found by them.
+// Nodes with certificates find each other. Nodes without certificates neither find them nor are found by
+// them.
 #include <sys/mount.h>
 #include <sys/stat.h>
 
@@ -10,7 +11,7 @@
 namespace sft::test {
 namespace {
 
-/// Not in /tmp, because each host has its own.
+/// Not in /tmp, because each host has a /tmp of its own.
 constexpr const char* certificates = "/srv/certificates";
 
 class Security : public NegotiationTest {
@@ -72,8 +73,8 @@ TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWit
 TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
   Peer publisher(here(), "publisher", certified("publisher"));
   Peer subscriber(there(), "subscriber", certified("subscriber"));
-  // From these nodes the forger learns the entity numbers of writers. They also show that it does harm
-  // without certificates.
+  // The forger learns the entity numbers of writers from these nodes. The nodes also show that the forger
+  // does harm where there are no certificates.
   Peer plain_publisher(here(), "plain_publisher"), plain_subscriber(there(), "plain_subscriber");
   Peer forger(there(), "forger");
   publisher.advertise();
@@ -84,7 +85,8 @@ TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCost
   forger.forge("watch");
   ASSERT_TRUE(agree(publisher, subscriber));
   publisher.start_publishing();
-  const auto end = std::chrono::steady_clock::now() + 10s;  // longer than a node waits for a first heartbeat
+  // Longer than the time for which a node waits for a first heartbeat.
+  const auto end = std::chrono::steady_clock::now() + 10s;
   while (std::chrono::steady_clock::now() < end) {
     forger.forge("outdate announcements");
     forger.forge("outdate heartbeats");

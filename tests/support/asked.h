@@ -1,6 +1,6 @@
-// Evaluates conditions on a stream of messages, each in two forms: as the program's struct, and encoded. The
-// encoded bytes fill their memory exactly, so that a sanitizer notices each byte that is read outside of
-// them.
+// Evaluates conditions on a stream of messages. Each message is evaluated in two forms: as the program's
+// struct, and encoded. The encoded bytes fill their memory exactly, so that a sanitizer notices each read
+// outside of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,7 @@ class ExactSample {
   detail::SampleState state_;
 };
 
-/// The conditions of a gate, once for messages and once for encoded samples.
+/// The conditions of one gate. One copy is evaluated on messages, the other on encoded samples.
 class Asked {
  public:
   using Condition = Selection::Condition;
@@ -51,15 +51,15 @@ class Asked {
     by_messages_.begin();
     by_samples_.begin();
   }
-  /// Returns true if the conditions hold. The test fails if message and encoded sample give different
-  /// answers.
+  /// Returns true if the conditions hold. The test fails if the message and the encoded sample give different
+  /// results.
   bool holds(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     const ExactSample sample(*type_, message, mask);
     const bool result = by_messages_.hold(detail::FieldSource::of_message(message), stamp_ns);
     EXPECT_EQ(by_samples_.hold(sample.source(), stamp_ns), result) << "of the encoded sample";
     return result;
   }
-  /// Notes that the sample of the last call of holds() has passed.
+  /// Records that the sample of the last call of holds() has passed.
   void passed(const void* message, std::int64_t stamp_ns, const FieldMask& mask) {
     by_messages_.passed(detail::FieldSource::of_message(message), stamp_ns);
     by_samples_.passed(ExactSample(*type_, message, mask).source(), stamp_ns);

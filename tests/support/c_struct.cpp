@@ -12,11 +12,11 @@ namespace {
 
 using namespace detail;
 
-/// In C all enumerations are as wide as an int. In CDR and in our structs they are only as wide as
+/// In C all enumerations have the width of an int. In CDR and in the structs of SFT they are only as wide as
 /// necessary.
 bool is_c_enum(const Member& m) { return m.enumeration != nullptr && !m.enumeration->is_bitmask; }
 
-/// Returns the layout of one element.
+/// Returns the layout of one element of the member.
 CLayout element_layout(const Member& m) {
   if (m.kind == Kind::structure) return c_layout(*m.type);
   if (is_c_enum(m)) return {sizeof(std::int32_t), alignof(std::int32_t)};
@@ -35,7 +35,7 @@ std::size_t aligned(std::size_t offset, std::size_t alignment) {
   return (offset + alignment - 1) / alignment * alignment;
 }
 
-/// Calls visit(member, offset in the C struct) for each member. Returns the end of the last one.
+/// Calls visit(member, offset in the C struct) for each member. Returns the end of the last member, in bytes.
 template <class Visit>
 std::size_t for_each_c_member(const StructType& type, Visit visit) {
   std::size_t offset = 0;
@@ -54,7 +54,8 @@ void copy_element(const Member& m, const std::byte* from, std::byte* to) {
   if (m.kind == Kind::structure) {
     copy_structure(*m.type, from, to);
   } else if (m.kind != Kind::string) {
-    std::memcpy(to, from, size_of(m.kind));  // copies only the lower bytes of a C enumeration
+    // Copies only the lower bytes if `from` or `to` is a C enumeration.
+    std::memcpy(to, from, size_of(m.kind));
   } else {
     const auto* text = reinterpret_cast<const char*>(from);
     if (m.string_bound == 0) std::memcpy(&text, from, sizeof text);

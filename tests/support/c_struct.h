@@ -1,5 +1,5 @@
-// Messages as the C structs that stock idlc generates, made by means of our tables. Members are in order and
-// naturally aligned; strings are `char*` or `char[bound + 1]`, and sequences dds_sequence_t.
+// Messages as the C structs that stock idlc generates, made from SFT's type tables. Members are in order and
+// naturally aligned. Strings are `char*` or `char[bound + 1]`, and sequences are dds_sequence_t.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ struct CLayout {
 };
 CLayout c_layout(const StructType& type);
 
-/// The C struct of an owned value. It refers to the strings and blocks of the value, which must outlive it.
+/// The C struct of an owned value. The C struct refers to the strings and blocks of the value, which must
+/// outlive this object.
 class CStruct {
  public:
   explicit CStruct(const OwnedValue& value);
@@ -32,7 +33,7 @@ class CStruct {
   std::byte* struct_;
 };
 
-/// Copies a C struct into `value` and returns that.
+/// Copies a C struct into `value`, and returns `value`.
 OwnedValue from_c_struct(const void* c_struct, OwnedValue value);
 
 }  // namespace sft::test

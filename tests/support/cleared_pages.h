@@ -1,4 +1,4 @@
-// Measures how much of the mapping of a file in memory is cleared.
+// Measures the part of a mapping of a file in memory that was cleared.
 #pragma once
 
 #include <sys/mman.h>
@@ -11,11 +11,11 @@
 
 namespace sft::test {
 
-/// Returns the size of a page, which is 4, 16 or 64 KiB on arm64.
+/// Returns the size of a page in bytes. On arm64 it is 4, 16 or 64 KiB.
 inline std::size_t page_bytes() { return static_cast<std::size_t>(::sysconf(_SC_PAGESIZE)); }
 
-/// Returns the bytes of the pages that any process has cleared or written; 0 if the system does not say.
-/// mincore() does not count pages that are only reserved.
+/// Returns the bytes of the pages that any process has cleared or written, or 0 if the system does not report
+/// them. mincore() does not count pages that are only reserved.
 inline std::size_t cleared_bytes(std::span<const std::byte> mapping) {
   std::vector<unsigned char> pages((mapping.size() + page_bytes() - 1) / page_bytes());
   if (mincore(const_cast<std::byte*>(mapping.data()), mapping.size(), pages.data()) != 0) return 0;

@@ -1,4 +1,4 @@
-// Message types of both implementations: ours and Cyclone DDS's.
+// Message types of both implementations: SFT's and Cyclone DDS's.
 #pragma once
 
 #include <dds/dds.h>
@@ -12,7 +12,7 @@ namespace sft::test {
 
 struct Contestant {
   MessageType ours;
-  const dds_topic_descriptor_t* theirs;  ///< null if stock idlc makes none, or makes C that does not compile
+  const dds_topic_descriptor_t* theirs;  ///< null if stock idlc generates nothing, or C that does not compile
 };
 
 inline void PrintTo(const Contestant& type, std::ostream* out) { *out << type.ours.support->name(); }

@@ -23,7 +23,7 @@ for file in arguments.cyclone.rglob("*.c") if arguments.cyclone else []:
 
 
 def types(header):
-    """Returns pairs: the C++ name of a type, and its topic descriptor or None."""
+    """Returns pairs of the C++ name of a type and its topic descriptor, or None if it has none."""
     pattern = r'^struct sft::detail::TypeTable<([^>]+)> {.*?StructType type{"([^"]+)"'
     found = re.findall(pattern, header.read_text(), re.M | re.S)
     # Stock idlc knows the request and the response of a service, but not the types that carry them.
@@ -46,7 +46,7 @@ def entry(ours, theirs):
 
 
 def views(ours):
-    """Instantiates the views of full and recorded samples, for the type as a whole message and as an element."""
+    """Returns code that instantiates the views of full and recorded samples, for a message and for an element."""
     requirements = (f"sft::Req<{ours}>{{sft::all<{ours}>}}", f"sft::Req<{ours}>{{sft::recorded}}")
     places = ("sft::detail::IndexedPlace<{0}, {1}, 0, 0>", "sft::detail::ElementPlace<{0}, {1}, 0>")
     return "".join(f"template class {ours}::View<{place.format(requirement, ours)}>;\n"

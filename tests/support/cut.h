@@ -19,7 +19,7 @@
 
 namespace sft::test {
 
-/// Returns the bytes of a projection. They fill their memory exactly.
+/// Returns the bytes of a projection, in memory of exactly their size.
 inline std::vector<std::byte> gathered(const detail::Projection& projection) {
   std::vector<std::byte> bytes;
   bytes.reserve(projection.bytes());
@@ -27,8 +27,8 @@ inline std::vector<std::byte> gathered(const detail::Projection& projection) {
   return bytes;
 }
 
-/// Decodes a message with the fields in `mask`; the other fields are those of `onto`. The test fails if the
-/// bytes are no such message, or have more bytes behind it.
+/// Decodes a message with the fields in `mask`. The other fields are those of `onto`. The test fails if the
+/// bytes are no such message, or if more bytes follow it.
 template <class T>
 T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T onto = {}) {
   const StructType& type = detail::TypeTable<T>::type;
@@ -43,8 +43,8 @@ T decoded_from(const std::vector<std::byte>& bytes, const FieldMask& mask, T ont
   return onto;
 }
 
-/// Returns a selection of the whole message, except that it has only the parts of fields that the text
-/// names.
+/// Returns a selection of the whole message. The fields that the text names are reduced to the parts that the
+/// text names.
 template <class T>
 Selection all_with(std::string_view text) {
   const TypeSupport& type = type_support<T>();
@@ -54,14 +54,14 @@ Selection all_with(std::string_view text) {
 }
 
 /// The projection of one message by one selection. The encoded message fills its memory exactly, so that a
-/// sanitizer notices each byte that is read behind it.
+/// sanitizer notices each read beyond it.
 template <class T>
 class Cut {
  public:
   Cut(const T& message, const Selection& selection)
       : Cut(message, selection, FieldMask::full(detail::leaf_count_of<T>)) {}
 
-  /// Projects a sample that has only the fields in `has`, which is a closed mask.
+  /// Projects a sample that has only the fields in `has`, which must be a closed mask.
   Cut(const T& message, const Selection& selection, const FieldMask& has)
       : plan_(type_support<T>(), type_support<T>().closed(selection)) {
     const Encoded encoded(detail::TypeTable<T>::type, &message, has);
@@ -78,7 +78,7 @@ class Cut {
   bool ok() const { return ok_; }
   const FieldMask& mask() const { return plan_.mask(); }
   const std::vector<std::byte>& bytes() const { return bytes_; }
-  /// Returns the decoded part. Fields that were not selected are those of `onto`.
+  /// Returns the decoded part. Fields that were not selected have the values in `onto`.
   T decoded(T onto = {}) const { return decoded_from<T>(bytes_, mask(), std::move(onto)); }
 
  private:
@@ -87,8 +87,8 @@ class Cut {
   bool ok_ = false;
 };
 
-/// Compares the encoded message with the part, byte by byte. The failure names the first byte and field that
-/// differ.
+/// Compares the encoded message with the part, byte by byte. The failure message names the first byte and
+/// field that differ.
 template <class T>
 ::testing::AssertionResult is_encoded(const T& expected, const Cut<T>& cut) {
   using ::testing::AssertionFailure;

@@ -20,7 +20,7 @@ using sensor_msgs::msg::PointField;
 using Part = Selection::Part;
 using Range = Selection::Range;
 
-/// The size of a grid of cells, as the fields of a message declare it.
+/// The size of a grid of cells, as the fields of a message give it.
 struct DeclaredGrid {
   std::uint64_t rows;
   std::uint64_t columns;
@@ -62,8 +62,8 @@ bool is_in_planes(const std::string& encoding) {
   return std::set<std::string>{"nv12", "nv21", "nv24"}.contains(encoding);
 }
 
-/// Returns the encoding of a part that begins at an odd row or column. "bayer_rggb8" means two rows of two
-/// letters each.
+/// Returns the encoding of a part that begins at an odd row or column. The name "bayer_rggb8" has the colours
+/// of two rows, with two letters each.
 std::string bayer_from(std::string encoding, bool at_odd_row, bool at_odd_column) {
   char* letters = encoding.data() + std::string_view("bayer_").size();
   if (at_odd_column) {
@@ -209,7 +209,7 @@ OccupancyGrid cut(const OccupancyGrid& grid, const Part& part) {
   const double resolution = grid.info.resolution;
   result.info.resolution = static_cast<float>(resolution * part.rows.step);
 
-  // A unit quaternion (u, w) turns v to v + 2 w (u x v) + 2 u x (u x v).
+  // A unit quaternion (u, w) rotates v to v + 2 w (u x v) + 2 u x (u x v).
   const auto& q = grid.info.origin.orientation;
   const Vector u{q.x, q.y, q.z};
   const Vector v{part.columns.begin * resolution, part.rows.begin * resolution, 0};
@@ -227,7 +227,8 @@ LaserScan cut(const LaserScan& scan, const Selection& selection) {
   const bool has_intensities = selection.mask().contains(intensities_leaf);
   const Part* of_ranges = selection.part(ranges_leaf);
   const Part* of_intensities = selection.part(intensities_leaf);
-  Range range;  // all: the union of two different ranges
+  // All beams, unless only one range is selected: the union of two different ranges counts as all.
+  Range range;
   if (has_ranges && !has_intensities && of_ranges != nullptr) range = of_ranges->columns;
   if (!has_ranges && has_intensities && of_intensities != nullptr) range = of_intensities->columns;
   if (has_ranges && has_intensities && of_ranges != nullptr && of_intensities != nullptr) {

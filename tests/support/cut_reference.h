@@ -1,6 +1,6 @@
-// A second, simple implementation of parts of messages (selection.md, "Parts"), with which the runtime is
-// compared. It works index by index on the generated structs. It does not treat messages that contradict
-// themselves in ways for which the specification leaves a choice, and neither do the tests that use it.
+// A second, simple implementation of parts of messages (selection.md, "Parts"). The runtime is compared with
+// it. It works index by index on the generated structs. It does not handle contradictory messages for which
+// the specification leaves a choice, and the tests that use it avoid such messages.
 #pragma once
 
 #include <cstddef>
@@ -27,25 +27,25 @@ std::vector<Element> cut(const std::vector<Element>& list, const Selection::Rang
   return part;
 }
 
-/// These functions return the message with that part of its `data`. They ignore the part's leaf, so that the
-/// message may be a member of another one.
+/// These functions return the message with the given part of its `data`. They ignore the leaf in the part, so
+/// that the message may be a member of another message.
 sensor_msgs::msg::PointCloud2 cut(const sensor_msgs::msg::PointCloud2& cloud, const Selection::Part& part);
 sensor_msgs::msg::Image cut(const sensor_msgs::msg::Image& image, const Selection::Part& part);
 nav_msgs::msg::OccupancyGrid cut(const nav_msgs::msg::OccupancyGrid& grid, const Selection::Part& part);
 
 /// Returns the scan with the parts of `ranges` and `intensities` that the selection has.
 sensor_msgs::msg::LaserScan cut(const sensor_msgs::msg::LaserScan& scan, const Selection& selection);
-inline constexpr std::size_t ranges_leaf = 10;       ///< number of the leaf in LaserScan
-inline constexpr std::size_t intensities_leaf = 11;  ///< number of the leaf in LaserScan
+inline constexpr std::size_t ranges_leaf = 10;       ///< the number of the leaf in LaserScan
+inline constexpr std::size_t intensities_leaf = 11;  ///< the number of the leaf in LaserScan
 
-/// Returns the cloud's descriptions of the channels with these names, in the order of their offsets.
+/// Returns the descriptions of the cloud's channels with these names, in the order of their offsets.
 std::vector<sensor_msgs::msg::PointField> channels_of(const sensor_msgs::msg::PointCloud2& cloud,
                                                       const std::vector<std::string>& names);
-/// Returns the size in bytes of an element of one of the eight types of channels; 0 for other types.
+/// Returns the bytes of an element of one of the eight types of channels; 0 for other types.
 std::size_t bytes_of_datatype(std::uint8_t datatype);
 
-/// Returns the bytes of a pixel according to the names of sensor_msgs/image_encodings. Empty for encodings
-/// in planes and unknown names.
+/// Returns the bytes of a pixel in an encoding of sensor_msgs/image_encodings. Returns nothing for encodings
+/// in planes and for unknown names.
 std::optional<std::size_t> bytes_of_encoding(const std::string& encoding);
 
 }  // namespace sft::test::cut_reference

@@ -28,7 +28,8 @@ std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, con
 const void* CycloneReader::deserialize(std::span<const std::byte> body) {
   free_sample();
   const auto size = static_cast<std::uint32_t>(body.size());
-  std::vector<std::byte> bytes(body.size() + 1);  // normalized in place; never null, even if empty
+  // Cyclone changes the bytes in place; the pointer must not be null even if there are no bytes.
+  std::vector<std::byte> bytes(body.size() + 1);
   std::copy(body.begin(), body.end(), bytes.begin());
   std::uint32_t end = 0;
   auto* first = reinterpret_cast<char*>(bytes.data());
@@ -38,7 +39,7 @@ const void* CycloneReader::deserialize(std::span<const std::byte> body) {
 
   dds_istream_t stream;
   dds_istream_init(&stream, size, first, CDR_ENC_VERSION_1);
-  sample_ = dds_alloc(type_->m_size);  // zeroed
+  sample_ = dds_alloc(type_->m_size);  // is zeroed
   dds_stream_read(&stream, static_cast<char*>(sample_), type_->m_ops);
   dds_istream_fini(&stream);
   return sample_;

@@ -1,5 +1,5 @@
-// Cyclone DDS's own serializer without a domain or a network. It converts C structs of stock idlc to CDR and
-// back.
+// Cyclone DDS's own serializer, used without a domain or a network. It converts C structs of stock idlc to
+// CDR and back.
 #pragma once
 
 #include <dds/dds.h>
@@ -11,9 +11,9 @@
 
 namespace sft::test {
 
-/// Returns XCDR1, little-endian, without encapsulation.
+/// Returns the sample as XCDR1, little-endian, without encapsulation.
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct);
-/// Does the same in either version of XCDR and either byte order.
+/// Returns the sample in the given version of XCDR and byte order, without encapsulation.
 std::vector<std::byte> cyclone_serialize(const dds_topic_descriptor_t& type, const void* c_struct,
                                          bool is_xcdr2, std::endian byte_order);
 
@@ -24,8 +24,8 @@ class CycloneReader {
   CycloneReader& operator=(const CycloneReader&) = delete;
   ~CycloneReader() { free_sample(); }
 
-  /// Returns the C struct, which is valid until the next call; null if Cyclone finds the bytes malformed, or
-  /// bytes behind the message.
+  /// Returns the C struct, which is valid until the next call. Returns null if Cyclone finds the bytes
+  /// malformed, or if bytes follow the message.
   const void* deserialize(std::span<const std::byte> body);
 
  private:

@@ -1,5 +1,5 @@
-// A Cyclone DDS writer and reader of a type, in a domain of their own with the loopback interface only. They
-// exchange the payloads that also go over a network, including the encapsulation.
+// A Cyclone DDS writer and reader of a type, in a domain of their own on the loopback interface only. The
+// writer and the reader exchange the same payloads as over a network, including the encapsulation.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,9 +15,9 @@
 namespace sft::test {
 
 struct CyclonePayload {
-  /// With 0 for the number of padding bytes, which is in the last two bits.
+  /// The last two bits, which give the number of padding bytes, are set to 0.
   std::array<std::uint8_t, 4> encapsulation{};
-  std::vector<std::byte> body;  ///< without padding
+  std::vector<std::byte> body;  ///< the body without padding
 };
 
 class CycloneLoopback {
@@ -45,7 +45,7 @@ class CycloneLoopback {
   dds_entity_t domain_ = 0;
   dds_entity_t reader_ = 0;
   dds_entity_t writer_ = 0;
-  ddsi_serdata* prototype_ = nullptr;  ///< any sample, which refers to Cyclone's internal type
+  ddsi_serdata* prototype_ = nullptr;  ///< a sample that gives access to Cyclone's internal type
 };
 
 }  // namespace sft::test

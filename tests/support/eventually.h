@@ -1,4 +1,4 @@
-// Waits, with a deadline, for a condition that other threads or processes fulfil.
+// Waits, with a deadline, for a condition that other threads or processes make true.
 #pragma once
 
 #include <poll.h>
@@ -7,11 +7,11 @@
 
 namespace sft::test {
 
-/// Anything that must happen happens within this time on any machine, however busy. What takes longer counts
-/// as hanging. Benchmarks, not tests, measure how fast something is.
+/// A deadline that is long enough for any machine, however busy. An operation that takes longer counts as
+/// hanging. Benchmarks, not tests, measure the speed of operations.
 inline constexpr std::chrono::seconds hang_timeout{60};
 
-/// Checks the condition again after each pause. Returns false if it does not hold in time.
+/// Checks the condition again after each pause. Returns false if the condition does not hold in time.
 template <class Condition>
 bool eventually(Condition&& condition, std::chrono::milliseconds within = hang_timeout,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {

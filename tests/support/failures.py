@@ -1,18 +1,18 @@
 #!/usr/bin/env python3
-"""failures.py REPORT: prints what failed in a run of ctest, from the file that its option --output-junit writes.
+"""failures.py REPORT: prints the failures of a run of ctest. REPORT is the file that ctest --output-junit writes.
 
-Each test that failed is printed with the seed of its random numbers, a command that repeats it, and the end of its log.
+Each failed test is printed with the seed of its random numbers, a command that repeats it, and the end of its log.
 """
 
 import re
 import sys
 import xml.etree.ElementTree as xml
 
-LINES = 40  # lines to print of each log
+LINES = 40  # the number of lines to print of each log
 
 
 def seed_of(log):
-    """Returns the last seed in the log, which is that of the failure. The program may have begun with another one."""
+    """Returns the last seed in the log, which belongs to the failure. The program may have begun with another seed."""
     seeds = re.findall(r"SFT_TEST_SEED=(\d+)", log)
     return seeds[-1] if seeds else None
 

@@ -29,7 +29,7 @@ class Writer {
   std::vector<std::byte> bytes;
 
  private:
-  /// Writes a member with its length before it. The length is filled in afterwards.
+  /// Writes a member preceded by its length. The length is filled in after the member was written.
   void delimited(const Member& m, const void* object) {
     number(0, 4);
     const std::size_t begin = bytes.size();

@@ -1,5 +1,5 @@
-// A second, simple implementation of the encodings that SFT converts on entry. It follows XTypes 1.3, 7.4.3,
-// and uses nothing of the runtime except the tables.
+// A second, simple implementation of the encodings that SFT converts when it receives them. This
+// implementation follows XTypes 1.3, 7.4.3, and uses nothing of the runtime except the type tables.
 #pragma once
 
 #include <bit>
@@ -15,7 +15,7 @@ namespace sft::test {
 
 struct ForeignEncoding {
   const char* name;
-  std::uint16_t code;  ///< first two bytes of the encapsulation
+  std::uint16_t code;  ///< the first two bytes of the encapsulation
   std::endian byte_order;
   bool is_xcdr2;
 };
@@ -25,16 +25,16 @@ inline constexpr ForeignEncoding cdr_be{"CDR_BE", 0x0000, std::endian::big, fals
 inline constexpr ForeignEncoding cdr2_le{"CDR2_LE", 0x0007, std::endian::little, true};
 inline constexpr ForeignEncoding cdr2_be{"CDR2_BE", 0x0006, std::endian::big, true};
 
-/// Returns all encodings, and plain XCDR2 also under its other codes.
+/// Returns all encodings. Plain XCDR2 is listed once for each of its codes.
 std::span<const ForeignEncoding> foreign_encodings();
 
 void PrintTo(const ForeignEncoding& encoding, std::ostream* out);
 
-/// Returns the body without encapsulation.
+/// Returns the encoded body without encapsulation.
 std::vector<std::byte> foreign_cdr(const OwnedValue& value, const ForeignEncoding& encoding);
 
-/// Returns encapsulation, body, and padding up to a multiple of 4. The encapsulation gives the number of
-/// padding bytes.
+/// Returns the encapsulation, the body, and padding up to a multiple of 4. The encapsulation gives the number
+/// of padding bytes.
 std::vector<std::byte> foreign_payload(std::span<const std::byte> body, const ForeignEncoding& encoding);
 
 }  // namespace sft::test

@@ -14,7 +14,7 @@ using namespace detail;
 
 using Condition = Selection::Condition;
 
-/// A natural number of any size. Its digits have 32 bits, and the last (highest) one is not 0.
+/// A natural number of any size. Its digits have 32 bits each, and the last digit, the highest one, is not 0.
 class Natural {
  public:
   Natural() = default;
@@ -36,7 +36,7 @@ class Natural {
     result.trim();
     return result;
   }
-  /// Returns the absolute difference.
+  /// Returns the absolute difference of two numbers.
   Natural distance(const Natural& other) const {
     if (compare(other) < 0) return other.distance(*this);
     Natural result = *this;
@@ -76,7 +76,8 @@ class Natural {
     }
     return result;
   }
-  /// Returns a negative number, 0 or a positive number, as this number is less, equal or greater.
+  /// Returns a negative number, 0 or a positive number if this number is less than, equal to or greater than
+  /// `other`.
   int compare(const Natural& other) const {
     if (digits_.size() != other.digits_.size()) return digits_.size() < other.digits_.size() ? -1 : 1;
     for (std::size_t i = digits_.size(); i-- > 0;)
@@ -92,8 +93,8 @@ class Natural {
   std::vector<std::uint32_t> digits_;
 };
 
-/// The exact value of a finite number. The magnitude is in units of the smallest positive double; every
-/// finite double and every integer is a multiple of it.
+/// The exact value of a finite number. The magnitude is in units of the smallest positive double, because
+/// every finite double and every integer is a multiple of that unit.
 struct Exact {
   static constexpr int unit_exponent = -1074;
 
@@ -124,7 +125,7 @@ Exact exact(double value) {
   constexpr int digits = std::numeric_limits<double>::digits;
   int exponent = 0;
   const double fraction = std::frexp(std::fabs(value), &exponent);  // value = fraction * 2^exponent
-  // Bits that are worth less than the unit are 0.
+  // The bits below the unit are 0.
   const auto shift = exponent - digits - Exact::unit_exponent;
   const auto whole = static_cast<std::uint64_t>(std::ldexp(fraction, digits));
   return {std::signbit(value), shift < 0
@@ -132,7 +133,7 @@ Exact exact(double value) {
                                    : Natural(whole).times_power_of_two(static_cast<std::size_t>(shift))};
 }
 
-/// Returns the exact number of a field or condition that is no text.
+/// Returns the exact value of a field or of a number in a condition. REQUIRES: the value is no text.
 template <class Variant>
 Exact exact_of(const Variant& value) {
   if (const auto* natural = std::get_if<std::uint64_t>(&value)) return exact(*natural);
@@ -140,7 +141,7 @@ Exact exact_of(const Variant& value) {
   return exact(std::get<double>(value));
 }
 
-/// Returns the value of a field that is infinite or a NaN; 0 for a finite one.
+/// Returns the value of a field if it is infinite or a NaN; otherwise 0.
 double strange(const FieldValue& value) {
   const auto* real = std::get_if<double>(&value);
   return real != nullptr && !std::isfinite(*real) ? *real : 0;
@@ -179,7 +180,7 @@ Change change(const FieldValue& now, const FieldValue& before, const Condition& 
   if (std::isnan(odd_now) || std::isnan(odd_before)) return {std::isnan(odd_now) != std::isnan(odd_before)};
   if (odd_now != 0 || odd_before != 0) return {odd_now != odd_before};
   const Exact former = exact_of(before);
-  // Compares distance > deadband, or distance > deadband / 100 * |former|. All of these are in units.
+  // Compares distance > deadband, or distance > deadband / 100 * |former|. All these numbers are in units.
   const Natural whole = condition.is_percent ? former.magnitude : exact(std::uint64_t{1}).magnitude;
   const Natural parts = exact(std::uint64_t{condition.is_percent ? 100U : 1U}).magnitude;
   const Natural distance = exact_of(now).distance(former).times(parts);
@@ -268,7 +269,7 @@ GateReference::Node GateReference::tree(const std::vector<Condition>& conditions
 bool GateReference::holds(const FieldValues& sample, std::int64_t stamp_ns) {
   ++asked_about_;
   was_close_ = false;
-  period_from_ns_ = std::min(period_from_ns_, stamp_ns);  // if the clock was set back
+  period_from_ns_ = std::min(period_from_ns_, stamp_ns);  // the stamp is earlier if the clock was set back
   return !root_ || holds(*root_, sample, stamp_ns);
 }
 
@@ -291,11 +292,11 @@ bool GateReference::holds(const Node& node, const FieldValues& sample, std::int6
     case Condition::Kind::changed:
       return has_changed(condition, sample);
     case Condition::Kind::nth:
-      // Holds for the first sample, and for each n-th one after it.
+      // The condition holds for the first sample, and for each n-th sample after it.
       return begins_ || (asked_about_ - 1) % std::get<std::uint64_t>(condition.number) == 0;
     case Condition::Kind::elapsed: {
-      // The stamp is never earlier than the begin of the period, and the difference of two stamps fits into
-      // 64 bits.
+      // The stamp is never earlier than the beginning of the period, and the difference of two stamps fits
+      // into 64 bits.
       const std::uint64_t since_ns =
           static_cast<std::uint64_t>(stamp_ns) - static_cast<std::uint64_t>(period_from_ns_);
       return begins_ || since_ns / 1000 >= std::get<std::uint64_t>(condition.number);

@@ -1,6 +1,6 @@
-// A second, simple implementation of the conditions of a gate (selection.md, "Conditions"), with which the
-// runtime is compared. It uses numbers of any size instead of rounding, a tree instead of a list of nodes,
-// and a map of former values. It uses nothing of the runtime except the tables and the Selection.
+// A second, simple implementation of the conditions of a gate (selection.md, "Conditions"). The runtime is
+// compared with it. It uses numbers of any size instead of rounding, a tree instead of a list of nodes, and a
+// map of former values. It uses nothing of the runtime except the type tables and the Selection.
 #pragma once
 
 #include <cstdint>
@@ -16,40 +16,41 @@
 
 namespace sft::test {
 
-/// The value of a field: a number or a text.
+/// The value of a field: a number or a string.
 using FieldValue = std::variant<std::int64_t, std::uint64_t, double, std::string>;
 /// The values of one message, by leaf.
 using FieldValues = std::map<std::uint32_t, FieldValue>;
 
-/// A field that conditions can use: a single value that is in no array and no sequence.
+/// A field that conditions can use: a single value outside of arrays and sequences.
 struct SingleField {
   std::uint32_t leaf;
   const StructType::Member* member;
-  std::size_t offset;  ///< from the beginning of the message
+  std::size_t offset;  ///< the offset from the beginning of the message, in bytes
 };
 std::vector<SingleField> single_fields(const StructType& type);
 
 /// Returns the values of these fields. A boolean is 0 or 1, an enumeration is its number, and a character is
-/// the number of its byte.
+/// the value of its byte.
 FieldValues values_of(std::span<const SingleField> fields, const void* message);
 
-/// The conditions of one gate. The caller asks holds() once for each sample, and calls passed() if the
-/// sample passes.
+/// The conditions of one gate. The caller calls holds() once for each sample, and passed() if the sample
+/// passes.
 class GateReference {
  public:
   using Condition = Selection::Condition;
 
-  /// Each condition comes before its children. If there are none, every sample passes.
+  /// Each condition precedes its children. Without conditions, every sample passes.
   explicit GateReference(const std::vector<Condition>& conditions);
 
-  /// Notes that a reader begins. Until the next sample passes, `changed` and `every` hold, because no
-  /// earlier sample counts. A new object is in this state.
+  /// Records that a reader begins. Until the next sample passes, `changed` and `every` hold, because no
+  /// earlier sample counts. A new object is in this state, too.
   void begin() { begins_ = true; }
   bool begins() const { return begins_; }
   bool holds(const FieldValues& sample, std::int64_t stamp_ns);
   void passed(const FieldValues& sample, std::int64_t stamp_ns);
-  /// Returns true if the last answer may depend on rounding: the distance of a number from its former value
-  /// was not equal to the deadband, but agreed with it to 60 binary digits.
+  /// Returns true if the last result of holds() may depend on rounding. This is so if the distance of a
+  /// number from its former value differed from the deadband, but agreed with the deadband to 60 binary
+  /// digits.
   bool was_close() const { return was_close_; }
 
  private:
@@ -64,8 +65,8 @@ class GateReference {
   std::optional<Node> root_;
   std::uint64_t asked_about_ = 0;
   bool begins_ = true;
-  FieldValues former_;  ///< values of the last sample that passed
-  /// The stamp of that sample, or an earlier one to which the clock was set back.
+  FieldValues former_;  ///< the values of the last sample that passed
+  /// The stamp of the last sample that passed, or an earlier stamp to which the clock was set back.
   std::int64_t period_from_ns_ = 0;
   bool was_close_ = false;
 };

@@ -1,4 +1,4 @@
-// Messages made from recorded maps, which are grey pictures.
+// Messages made from recorded maps, which are grey images.
 #pragma once
 
 #include <algorithm>
@@ -16,11 +16,11 @@ namespace sft::test {
 
 struct GreyMap {
   std::uint32_t width = 0, height = 0;
-  std::vector<std::uint8_t> grey;  ///< row by row, the top row first
+  std::vector<std::uint8_t> grey;  ///< the pixels row by row, the top row first
 };
 
-/// Reads a file in the binary PGM format with the greatest value 255 (netpbm, pgm(5)). Returns nothing if it
-/// is not one.
+/// Reads a file in the binary PGM format with the greatest value 255 (netpbm, pgm(5)). Returns nothing if the
+/// file has another format.
 inline std::optional<GreyMap> read_grey_map(const std::filesystem::path& path) {
   std::ifstream file(path, std::ios::binary);
   const auto next = [&file] {
@@ -39,7 +39,8 @@ inline std::optional<GreyMap> read_grey_map(const std::filesystem::path& path) {
   return file ? std::optional(std::move(map)) : std::nullopt;
 }
 
-/// Returns the grid that a map server would make. The first row of a grid is the lowest row of its map.
+/// Returns the grid that a map server would make of the map. The first row of the grid is the lowest row of
+/// the map.
 inline nav_msgs::msg::OccupancyGrid grid_of(const GreyMap& map, float resolution) {
   constexpr std::uint8_t free = 254, occupied = 0;
   nav_msgs::msg::OccupancyGrid grid;

@@ -24,8 +24,7 @@ namespace sft::test {
 namespace {
 
 constexpr int own_namespaces = CLONE_NEWNS | CLONE_NEWNET | CLONE_NEWPID;
-// sftd takes half of this memory and zeroes it. That takes long on a machine that has to find free memory
-// first.
+// sftd takes half of this memory and zeroes it. That takes long on a machine with little free memory.
 constexpr unsigned shm_mebibytes = 320;
 
 std::string refusal = "run_isolated was not called";
@@ -41,7 +40,7 @@ bool enter_namespaces() {
   return entered || refuse(entered.error());
 }
 
-/// Brings the loopback up with multicast, because discovery uses multicast and the host has no other
+/// Brings the loopback interface up with multicast. Discovery uses multicast, and the host has no other
 /// interface.
 bool bring_loopback_up() {
   const int control = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);
@@ -66,7 +65,8 @@ bool set_up() {
 
 int exit_code(int status) { return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status); }
 
-/// The first process of the new host. It reaps orphans, and all processes of the host end with it.
+/// Becomes the first process of the new host, which reaps orphans. All processes of the host end with this
+/// process.
 [[noreturn]] void be_init(const std::function<int()>& run) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   set_up();
@@ -88,7 +88,7 @@ Result<void> mount_own_shm() { return hosts::mount_own_shm(shm_mebibytes); }
 Result<void> mount_own_memory() { return mount_own_shm().and_then(hosts::mount_own_tmp); }
 
 int run_isolated(const std::function<int()>& run) {
-  program_directory();  // must be called while /proc belongs to this process
+  program_directory();  // the first call must happen while /proc belongs to this process
   if (!enter_namespaces()) return run();
   std::fflush(nullptr);
   const pid_t init = fork();
@@ -96,7 +96,7 @@ int run_isolated(const std::function<int()>& run) {
   if (init == 0) be_init(run);
   int status = 0;
   waitpid(init, &status, 0);
-  _exit(exit_code(status));  // the child has already run the handlers of exit()
+  _exit(exit_code(status));  // not exit(), because the child has already run its handlers
 }
 
 ShmOfSize::ShmOfSize(unsigned mebibytes) {

@@ -1,5 +1,6 @@
-// An isolated host for a test or a benchmark: private network, /dev/shm, /tmp and process ids. It does not
-// meet other programs of the machine, and leaves nothing behind when it ends, even if it is killed.
+// An isolated host for a test or a benchmark, with its own network, /dev/shm, /tmp and process ids. Programs
+// on the host do not meet other programs of the machine. The host leaves nothing behind when it ends, even if
+// it is killed.
 #pragma once
 
 #include <functional>
@@ -9,13 +10,14 @@
 
 namespace sft::test {
 
-/// Calls `run` in a process of a new host, whose only interface is the loopback, and ends the calling
-/// process with its exit code. All processes of the host end with `run`. Call this before there are threads.
-/// If the system allows neither root nor user namespaces, `run` is called in this process, its result is
-/// returned, and isolation_refusal() says why.
+/// Makes a new host whose only interface is the loopback, and calls `run` in a process of it. Then ends the
+/// calling process with the exit code of `run`. All processes of the host end with `run`. Must be called
+/// before the process has other threads. If the system allows neither root nor user namespaces, calls `run`
+/// in this process and returns its result; isolation_refusal() then gives the reason.
 int run_isolated(const std::function<int()>& run);
 
-/// Returns why this program is not isolated; empty if it is. Tests that need isolation skip otherwise.
+/// Returns the reason why this program is not isolated, or "" if it is. Tests that need isolation are skipped
+/// if there is a reason.
 const std::string& isolation_refusal();
 
 // mount_own_shm() mounts an empty /dev/shm. mount_own_memory() also mounts an empty /tmp, in which the
@@ -24,7 +26,7 @@ const std::string& isolation_refusal();
 Result<void> mount_own_shm();
 Result<void> mount_own_memory();
 
-/// Gives /dev/shm another size while this object lives.
+/// Gives /dev/shm another size. The destructor restores the former size.
 class ShmOfSize {
  public:
   explicit ShmOfSize(unsigned mebibytes);
@@ -33,7 +35,7 @@ class ShmOfSize {
   ShmOfSize& operator=(const ShmOfSize&) = delete;
 };
 
-/// Returns the directory of the running program, which also has the other programs of the project.
+/// Returns the directory of the running program. The other programs of the project are in the same directory.
 const std::string& program_directory();
 
 }  // namespace sft::test

@@ -19,7 +19,8 @@ struct MessageType {
   std::string short_name() const {
     return std::string(support->name().substr(support->name().rfind(':') + 1));
   }
-  /// Returns a name with letters that a test's name may have, such as "sensor_msgs_msg_Image".
+  /// Returns a name that consists of letters which GoogleTest allows in names of tests, such as
+  /// "sensor_msgs_msg_Image".
   std::string test_name() const {
     std::string result;
     for (const char c : support->name()) {
@@ -39,19 +40,19 @@ MessageType message_type() {
 }
 
 /// Returns every type that is generated for sft_every_type, each once, in the order of headers.
-/// contestants.py makes the list.
+/// contestants.py generates the list.
 std::vector<MessageType> generated_types();
 
 /// Returns PointCloud2, LaserScan, BatteryState, Image, OccupancyGrid and Odometry.
 std::span<const MessageType> common_types();
 
 /// Returns common_types(), types that are difficult on purpose (tests/generators/idl/torture.idl,
-/// tests/unit/typesupport/proof.idl), and types with layout rules (layouts.idl there). The order must not
-/// change, because inputs of the fuzzer name types by their numbers.
+/// tests/unit/typesupport/proof.idl), and types with layout rules (layouts.idl in the latter folder). The
+/// order must not change, because inputs of the fuzzer refer to types by their numbers.
 std::span<const MessageType> all_types();
 
-/// Returns all_types(), followed by all other types of the tests and the common packages in the order of
-/// names. Only for programs that link to sft_every_type.
+/// Returns all_types(), followed by all other types of the tests and of the common packages, ordered by name.
+/// Only for programs that link to sft_every_type.
 std::span<const MessageType> every_type();
 
 }  // namespace sft::test

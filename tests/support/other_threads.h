@@ -1,4 +1,4 @@
-// The state of the other threads of this process.
+// A function that tests the state of the other threads of this process.
 #pragma once
 
 #include <unistd.h>
@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// Returns true if all other threads sleep, so that none is sending or receiving any more.
+/// Returns true if all other threads of the process sleep, so that none of them is sending or receiving.
 inline bool all_other_threads_sleep() {
   const std::filesystem::directory_iterator tasks("/proc/self/task");
   return std::ranges::all_of(tasks, [](const auto& task) {

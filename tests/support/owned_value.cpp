@@ -26,7 +26,7 @@ AssertionResult same_element(const Member& m, const std::byte* a, const std::byt
 
 AssertionResult same_elements(const Member& m, Elements a, Elements b) {
   if (a.count != b.count) return AssertionFailure() << ": " << a.count << " or " << b.count << " elements";
-  if (is_primitive(m.kind)) {  // compares all at once first, since most are equal
+  if (is_primitive(m.kind)) {  // compares all elements at once first, because most values are equal
     if (a.count == 0 || std::memcmp(a.first, b.first, a.count * m.stride) == 0) return AssertionSuccess();
   }
   for (std::size_t i = 0; i < a.count; ++i) {

@@ -1,4 +1,4 @@
-// Messages of any type, handled through the type's table.
+// Messages of any type, accessed through the type's table.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// An owned struct of any type, default-constructed at first. Copies share the struct.
+/// An owned struct of any type. A new one has the default values. Copies share the struct.
 class OwnedValue {
  public:
   template <class T>
@@ -36,11 +36,11 @@ struct Elements {
 };
 Elements elements_of(const StructType::Member& member, const void* object);
 
-/// Returns the first element for writing. Resizes a sequence to `count` elements, and keeps the present
-/// ones.
+/// Returns the first element for writing. If the member is a sequence, resizes it to `count` elements, and
+/// keeps the elements that it has.
 std::byte* resized(const StructType::Member& member, void* object, std::size_t count);
 
-/// Compares all leaves bit by bit, so that a NaN equals itself. The failure names the first leaf that
+/// Compares all leaves bit by bit, so that a NaN equals itself. The failure message names the first leaf that
 /// differs.
 ::testing::AssertionResult same_value(const StructType& type, const void* a, const void* b);
 inline ::testing::AssertionResult same_value(const OwnedValue& a, const OwnedValue& b) {

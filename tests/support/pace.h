@@ -1,4 +1,4 @@
-// Helpers that do something at a rate.
+// Helpers that repeat an action at a rate.
 #pragma once
 
 #include <poll.h>
@@ -13,8 +13,8 @@
 
 namespace sft::test {
 
-/// The meaning of a period. `pause`: the pause between two turns. `rate`: the time for each turn on average,
-/// so that a late thread takes several turns at once.
+/// The meaning of a period. `pause`: the time between two turns. `rate`: the average time of a turn, so that
+/// a late thread takes several turns at once.
 enum class Keeps : std::uint8_t { pause, rate };
 
 class Pace {

@@ -1,4 +1,4 @@
-// Reads datagrams of one kind, for tests that know which kind they expect.
+// Parses datagrams of one kind, for tests that know which kind they expect.
 #pragma once
 
 #include <concepts>
@@ -12,7 +12,7 @@
 
 namespace sft::udp {
 
-/// Returns the datagram if the bytes are a valid one of that kind.
+/// Returns the datagram, or nothing if the bytes are no valid datagram of that kind.
 template <class Kind>
 std::optional<Kind> parse_as(std::span<const std::byte> bytes) {
   const auto take = []<class Found>(const Found& found) {
@@ -24,8 +24,8 @@ std::optional<Kind> parse_as(std::span<const std::byte> bytes) {
   return answer == nullptr ? std::visit(take, any) : std::visit(take, *answer);
 }
 
-/// Returns the datagram if the bytes are a valid one of a sample. A following datagram has only the label,
-/// the offset and the payload.
+/// Returns the datagram, or nothing if the bytes are no valid datagram of a sample. A following datagram has
+/// only the label, the offset and the payload.
 inline std::optional<Datagram> parse(std::span<const std::byte> bytes) {
   const auto following = parse_as<Following>(bytes);
   if (!following) return parse_as<Datagram>(bytes);
@@ -37,8 +37,8 @@ inline std::optional<Datagram> parse(std::span<const std::byte> bytes) {
   return d;
 }
 
-/// Returns the kind that the first byte gives, although the rest may be malformed. Empty if the bytes are no
-/// datagram of this version.
+/// Returns the kind that the first byte gives, although the rest may be malformed. Returns nothing if the
+/// bytes are no datagram of this version.
 inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
   const AnyDatagram any = decode(bytes);
   if (const auto* malformed = std::get_if<Malformed>(&any)) return malformed->kind;
@@ -47,7 +47,7 @@ inline std::optional<DatagramKind> kind_of(std::span<const std::byte> bytes) {
 
 namespace test {
 
-/// Returns the bytes as numbers, which a failed comparison prints legibly.
+/// Returns the bytes as numbers. Unlike bytes, numbers are legible when a failed comparison prints them.
 inline std::vector<unsigned> numbers_of(std::span<const std::byte> bytes) {
   std::vector<unsigned> numbers;
   for (const std::byte one : bytes) numbers.push_back(std::to_integer<unsigned>(one));

@@ -1,4 +1,4 @@
-// Clouds with random values, and samples whose bytes fill their memory exactly, as if they had arrived.
+// Clouds with random values. Samples whose bytes fill their memory exactly, like samples that have arrived.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -38,7 +38,7 @@ inline sensor_msgs::msg::PointCloud2 random_cloud(Random& random, std::uint32_t 
   return cloud;
 }
 
-/// Returns the value at that offset of the data.
+/// Returns the value at that offset of the data, in bytes.
 template <class T>
 T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
   T value;
@@ -49,7 +49,7 @@ T value_at(const sensor_msgs::msg::PointCloud2& cloud, std::size_t offset) {
 /// Returns the text of the error, or "no error".
 std::string message_of(const auto& result) { return result ? "no error" : result.error().message; }
 
-/// A sample of message type T, whose index is built as for a sample that came by UDP.
+/// A sample of message type T. Its index is built as for a sample that arrived by UDP.
 template <class T>
 class Arrived {
  public:
@@ -62,7 +62,7 @@ class Arrived {
     is_good_ = detail::build_index(state_, type, index_) == detail::WalkStatus::ok;
   }
   explicit Arrived(const T& value) : Arrived(Encoded(value).bytes(), FieldMask(all<T>)) {}
-  /// A sample of the part of a message that a selection names.
+  /// Makes a sample of the part of a message that a selection names.
   Arrived(const T& value, const char* selection) : Arrived(cut(value, selection)) {}
   Arrived(const Arrived&) = delete;
   Arrived& operator=(const Arrived&) = delete;

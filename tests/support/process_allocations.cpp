@@ -45,7 +45,7 @@ void* or_throw(void* memory) {
 std::uint64_t sft::test::process_allocations() { return allocations.load(std::memory_order_relaxed); }
 
 void sft::test::note_allocations() {
-  CallStack first;  // the first call of backtrace() allocates, which is not noted
+  CallStack first;  // the first call of backtrace() allocates memory itself, which is not recorded
   first.count = ::backtrace(first.frames.data(), static_cast<int>(first.frames.size()));
   noted.fill({});
   notes.store(0);

@@ -8,9 +8,9 @@ namespace sft::test {
 /// Returns the number of calls of operator new by all threads so far.
 std::uint64_t process_allocations();
 
-/// Begins to note the call stacks of the first few allocations.
+/// Begins to record the call stacks of the first few allocations.
 void note_allocations();
-/// Stops noting, and writes the call stacks to stderr.
+/// Stops recording, and writes the recorded call stacks to the standard error.
 void print_allocations();
 
 }  // namespace sft::test

@@ -17,8 +17,8 @@ using namespace detail;
 using Condition = Selection::Condition;
 using Number = Selection::Number;
 
-// The limits of the integers that doubles represent exactly, and of those that they do not; decimals that no
-// float equals; the smallest and the largest numbers.
+// The limits of the integers that doubles represent exactly, and integers just beyond these limits. Decimals
+// that no float equals. The smallest and the largest numbers.
 const std::array<Number, 30> constants{std::uint64_t{0},
                                        std::uint64_t{1},
                                        std::int64_t{-1},
@@ -35,7 +35,7 @@ const std::array<Number, 30> constants{std::uint64_t{0},
                                        std::uint64_t{UINT64_MAX},
                                        std::uint64_t{1} << 53,
                                        (std::uint64_t{1} << 53) + 1,
-                                       std::uint64_t{16'777'217},  // equals no float
+                                       std::uint64_t{16'777'217},  // equals no float, but a double
                                        0x1p64,
                                        0x1p63,
                                        -0x1p64,
@@ -108,7 +108,7 @@ std::vector<Condition> RandomConditions::conditions() {
   return result;
 }
 
-/// Adds a random tree of at most `nodes` nodes.
+/// Adds a random tree of at most `nodes` nodes to `to`.
 void RandomConditions::add(std::vector<Condition>& to, std::size_t nodes, std::size_t depth) {
   if (nodes < 3 || depth == Selection::depth_max) {
     to.push_back(condition());
@@ -198,7 +198,7 @@ std::string RandomConditions::text(const TypeSupport& type, const std::vector<Co
     if (i > 0) result += blank() + (node.kind == all_of ? "and" : "or") + blank();
     result += text(type, conditions, next, &node);
   }
-  // Parentheses are necessary only around an "or" within an "and".
+  // Parentheses are necessary only around an "or" inside an "and".
   const bool is_needed = parent != nullptr && parent->kind == all_of && node.kind == any_of;
   if (is_needed || (parent != nullptr && one_in(2))) result = "(" + result + ")";
   return result;
@@ -272,8 +272,8 @@ void RandomConditions::change_field(const SingleField& field, std::byte* at) {
   }
 }
 
-/// Returns a random value for a field, often near a number of the conditions or near the former value.
-/// Without such numbers it uses any constant.
+/// Returns a random value for a field, often close to a number of the conditions or to the former value. If
+/// the conditions have no numbers, any constant takes the place of their numbers.
 double RandomConditions::real(double former) {
   constexpr double infinity = std::numeric_limits<double>::infinity();
   constexpr std::array<double, 7> strange{NAN, infinity, -infinity, -0.0, 0.0, 5e-324, -1.7e308};
@@ -303,7 +303,7 @@ void RandomConditions::change_real(std::byte* at) {
   Real value;
   std::memcpy(&value, at, sizeof value);
   value = static_cast<Real>(real(value));
-  // A step to the next float is larger than one to the next double.
+  // A step to the next float is larger than a step to the next double.
   if (one_in(4)) value = std::nextafter(value, one_in(2) ? Real(INFINITY) : -Real(INFINITY));
   std::memcpy(at, &value, sizeof value);
 }
@@ -311,7 +311,8 @@ void RandomConditions::change_real(std::byte* at) {
 template <class Integer>
 Integer RandomConditions::integer(Integer former, const EnumType* enumeration) {
   using Limits = std::numeric_limits<Integer>;
-  const auto near = static_cast<Integer>(below(5));  // the sum below may wrap around
+  // Added below as an unsigned number, because the sum may wrap around.
+  const auto near = static_cast<Integer>(below(5));
   switch (below(6)) {
     case 0:
       return one_in(2) ? Limits::min() : Limits::max();
@@ -353,7 +354,7 @@ void RandomConditions::change_text(std::string& text, std::size_t most) {
       if (!text.empty()) text[below(text.size())] = static_cast<char>('a' + below(3));
       break;
     default:
-      text.assign(below(60), 'x');  // mostly longer than a string stores without allocating
+      text.assign(below(60), 'x');  // mostly too long to be stored without an allocation
       break;
   }
   if (text.size() > most) text.resize(most);

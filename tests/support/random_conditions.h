@@ -1,5 +1,6 @@
-// Random conditions on the fields of a type, and random streams of messages and stamps that come close to
-// the limits of the conditions: near their constants, and as far from former values as their deadbands.
+// Random conditions on the fields of a type, and random streams of messages and stamps. The streams come
+// close to the limits of the conditions: their values are near the constants, and as far from former values
+// as the deadbands.
 #pragma once
 
 #include <cstddef>
@@ -19,21 +20,22 @@ class RandomConditions {
  public:
   using Condition = Selection::Condition;
 
-  /// REQUIRES: the type has a single value.
+  /// REQUIRES: the type has a field that is a single value.
   RandomConditions(Random& random, const StructType& type) : random_(random), fields_(single_fields(type)) {}
 
   const std::vector<SingleField>& fields() const { return fields_; }
 
-  /// Returns conditions of all kinds, up to the number and depth that a selection allows; often only a few.
+  /// Returns conditions of all kinds, up to the number and depth that a selection allows. Often there are
+  /// only a few.
   std::vector<Condition> conditions();
-  /// Returns their text as it stands behind the "@". Randomly adds parentheses and blanks that are not
-  /// needed.
+  /// Returns the text of the conditions as it stands behind the "@". Randomly adds parentheses and blanks
+  /// that are not needed.
   std::string text(const TypeSupport& type, const std::vector<Condition>& conditions);
 
-  /// Changes some single values of a message, so that it becomes the next message of a stream.
+  /// Changes some single values of a message, and so makes the next message of a stream.
   void change(void* message);
-  /// Returns the stamp of the next sample. It is mostly later, sometimes by exactly the period of a
-  /// condition, and sometimes earlier.
+  /// Returns the stamp of the next sample. Mostly the stamp is later, sometimes by exactly the period of a
+  /// condition, and sometimes it is earlier.
   std::int64_t stamp_behind(std::int64_t stamp_ns);
 
   std::uint64_t below(std::uint64_t end) { return random_() % end; }
@@ -63,8 +65,8 @@ class RandomConditions {
 
   Random& random_;
   std::vector<SingleField> fields_;
-  std::vector<Selection::Number> numbers_{};  ///< numbers in the conditions
-  std::vector<std::uint64_t> periods_us_{};   ///< periods in the conditions
+  std::vector<Selection::Number> numbers_{};  ///< the numbers in the conditions
+  std::vector<std::uint64_t> periods_us_{};   ///< the periods in the conditions, in microseconds
 };
 
 }  // namespace sft::test

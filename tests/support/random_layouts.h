@@ -1,6 +1,6 @@
-// Random messages with layouts. They do not contradict themselves, and no row is empty. Otherwise they have
-// everything that is allowed: padding, bytes behind the data, and channels that overlap, recur or reach
-// beyond the point.
+// Random messages with layouts. The messages do not contradict themselves, and no row is empty. Otherwise
+// they have all properties that are allowed: padding, bytes behind the data, and channels that overlap, recur
+// or reach beyond the point.
 #pragma once
 
 #include <cstdint>
@@ -26,14 +26,14 @@ class RandomLayouts {
     return std::uniform_real_distribution<double>(least, most)(random_);
   }
 
-  /// Returns a range with a step from 1 to 5. It often covers everything, and is sometimes empty or reaches
-  /// beyond the edge.
+  /// Returns a range with a step from 1 to 5. The range often covers all indices, and sometimes is empty or
+  /// reaches beyond the end.
   Selection::Range range(std::uint32_t count);
-  /// Returns such a range that is not empty.
+  /// Returns a range as range() does, but never an empty one.
   Selection::Range range_with_some(std::uint32_t count);
 
   sensor_msgs::msg::PointCloud2 cloud();
-  /// Returns names of channels: some that cloud() may have, and others.
+  /// Returns names of channels: some that cloud() may have, and some that it never has.
   std::vector<std::string> channels();
   /// Returns an image of a random encoding.
   sensor_msgs::msg::Image image();

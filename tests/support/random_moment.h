@@ -1,5 +1,5 @@
-// Lets two threads meet at moments that differ a little from round to round, so that over many rounds they
-// meet in every order.
+// Makes two threads meet at moments that differ slightly from round to round. Over many rounds the threads'
+// actions happen in every order.
 #pragma once
 
 #include <atomic>
@@ -11,13 +11,13 @@
 
 namespace sft::test {
 
-/// The random delays of one of the two sides.
+/// The random delays of one of the two threads.
 class RandomMoment {
  public:
   explicit RandomMoment(std::uint64_t side) : random_(test_seed() + side) {}
 
-  /// Delays the thread by up to some microseconds, more often by a short time. Now and then lets other
-  /// threads run first.
+  /// Delays the thread by up to some microseconds, more often by a short time. Sometimes lets other threads
+  /// run first.
   void pass() {
     const std::uint64_t random = random_();
     const std::uint64_t steps = (random >> 8) % (std::uint64_t{1} << (random % 13));
@@ -29,8 +29,8 @@ class RandomMoment {
   Random random_;
 };
 
-/// Waits at the end of a round until the other side's counter reaches `round`, without using the code under
-/// test. Returns false if the other side has not come for 30 s.
+/// Waits at the end of a round until the other thread's counter reaches `round`. Does not use the code under
+/// test. Returns false if the counter does not reach `round` for 30 s.
 template <class T>
 bool comes_to(const std::atomic<T>& counter, std::uint64_t round) {
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::seconds(30);

@@ -15,8 +15,8 @@ namespace {
 
 using namespace detail;
 
-// Zero, one (as a float it is a denormal), the limits of the ranges, negative zero, infinities, and quiet
-// and signalling NaNs with payloads.
+// Bit patterns of zero, one (as a float it is a denormal), the limits of the ranges, negative zero,
+// infinities, and quiet and signalling NaNs with payloads.
 constexpr std::array<std::uint64_t, 5> extremes_8{0, 1, 0x7f, 0x80, 0xff};
 constexpr std::array<std::uint64_t, 5> extremes_16{0, 1, 0x7fff, 0x8000, 0xffff};
 constexpr std::array<std::uint64_t, 10> extremes_32{0,           1,           0x7fff'ffff, 0x8000'0000,

@@ -12,8 +12,8 @@
 
 namespace sft::test {
 
-/// The values that enumerations and bitmasks get: any integer, or only those that the IDL declares. Cyclone
-/// DDS accepts only the latter.
+/// The values that enumerations and bitmasks get: any integer, or only integers that the IDL declares.
+/// Cyclone DDS accepts only declared ones.
 enum class Enumerated { any, declared };
 
 class RandomValues {
@@ -21,11 +21,11 @@ class RandomValues {
   explicit RandomValues(Random& random, Enumerated enumerated = Enumerated::any)
       : random_(random), enumerated_(enumerated) {}
 
-  /// Fills all leaves. Numbers get any bits, often extremes and NaNs. Booleans are 0 or 1, strings have no
-  /// NUL, and sequences and strings keep their bounds.
+  /// Fills all leaves. Numbers get any bits, often extremes and NaNs. Booleans are 0 or 1, and strings have
+  /// no NUL. Sequences and strings keep within their bounds.
   void fill(const StructType& type, void* value) { structure(type, value, 0); }
 
-  /// Returns a dense, sparse, single-leaf, empty or full mask, which is not closed.
+  /// Returns a mask that is dense, sparse, empty or full, or has a single leaf. The mask is not closed.
   FieldMask mask(std::size_t leaves);
 
   std::size_t up_to(std::size_t most) { return random_() % (most + 1); }

@@ -24,7 +24,8 @@ bool has_any(const FieldMask& mask, std::size_t leaf, std::size_t count) {
   return false;
 }
 
-/// Calls visit(member, number of its first leaf) for each member of a struct whose first leaf is `leaf`.
+/// Calls visit(member, number of the member's first leaf) for each member of a struct. The first leaf of the
+/// struct is `leaf`.
 template <class Visit>
 void for_each_member(const StructType& type, std::size_t leaf, Visit visit) {
   for (const Member& m : type.members) {
@@ -121,7 +122,7 @@ class Writer {
   std::vector<std::byte> bytes_;
 };
 
-/// Compares bytes with the CDR instead of writing them.
+/// Compares given bytes with the CDR of a value instead of writing the CDR.
 class Comparer {
  public:
   Comparer(const FieldMask& mask, std::span<const std::byte> bytes) : mask_(mask), bytes_(bytes) {}

@@ -42,10 +42,10 @@ inline const TypeSupport& frame_type() {
 inline constexpr detail::SampleLayout frame_layout{3};
 inline constexpr std::uint32_t data_offset = 12;  ///< offset of the data in the body
 
-/// Returns the size in bytes of a sample with that many bytes of data.
+/// Returns the size in bytes of a sample with `data` bytes of data.
 constexpr std::size_t frame_bytes(std::uint32_t data) { return frame_layout.bytes(data_offset + data); }
 
-/// Writes the header, the index and the fixed fields, and leaves the data as it is.
+/// Writes the header, the index and the fixed fields. Leaves the data unchanged.
 inline void write_frame(core::SampleBuffer& sample, core::EndpointId writer, std::uint64_t sequence,
                         std::uint32_t data) {
   detail::SampleHeader& header = sample.header();

@@ -9,8 +9,8 @@
 
 namespace sft::test {
 
-/// Returns the types that have single values. Types with values of all kinds are repeated, so that they are
-/// chosen often.
+/// Returns the types that have fields which are single values. Types with values of all kinds are repeated,
+/// so that they are chosen often.
 inline std::vector<MessageType> types_with_single_values() {
   std::vector<MessageType> types;
   for (const MessageType& type : all_types())

@@ -1,4 +1,4 @@
-// A message with a header, numbers, structs with texts, and bytes.
+// A message with a header, numbers, structs with strings, and bytes.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Notes the times in which a CPU did not run threads that were ready to run.
+// Records the times during which a CPU did not run threads that were ready to run.
 #pragma once
 
 #include <sched.h>
@@ -14,9 +14,9 @@
 
 namespace sft::test {
 
-/// Some machines share their CPUs with other machines. There a CPU may do nothing for 100 ms, and a time
-/// that is measured across such a standstill says nothing about the program. This monitor has one thread on
-/// each of the first CPUs, which wakes every millisecond and notes when it was late.
+/// Some machines share their CPUs with other machines. A CPU of such a machine may do nothing for 100 ms, and
+/// a time that is measured across such a standstill says nothing about the program. This monitor has one
+/// thread on each of the first CPUs. The thread wakes every millisecond and records when it was late.
 class StandstillMonitor {
  public:
   using Clock = std::chrono::system_clock;
@@ -27,7 +27,7 @@ class StandstillMonitor {
         cpu_set_t only;
         CPU_ZERO(&only);
         CPU_SET(cpu, &only);
-        ::sched_setaffinity(0, sizeof only, &only);  // fails, without harm, if there are fewer CPUs
+        ::sched_setaffinity(0, sizeof only, &only);  // fails harmlessly if there are fewer CPUs
         for (Pace pace(period); !stop.stop_requested();) {
           const auto due = Clock::now() + period;
           pace.await_turn();
@@ -39,8 +39,8 @@ class StandstillMonitor {
   struct Standstill {
     Clock::time_point from, until;
   };
-  /// Ends the threads, and returns the spans in which any of the CPUs stood still. The spans are in order
-  /// and do not overlap.
+  /// Ends the threads. Returns the time spans in which at least one of the CPUs stood still. The spans are in
+  /// order and do not overlap.
   std::vector<Standstill> end() {
     threads_.clear();
     std::vector<Standstill> all;
@@ -68,7 +68,8 @@ class StandstillMonitor {
  private:
   static constexpr std::chrono::milliseconds period{1}, least{30};
 
-  std::vector<std::vector<Standstill>> late_;  // one for each CPU, which only its thread writes
+  // One list for each CPU, which only the thread on that CPU writes.
+  std::vector<std::vector<Standstill>> late_;
   std::vector<std::jthread> threads_;
 };
 

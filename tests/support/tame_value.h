@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// Restricts a value to what JSON can represent: makes texts ASCII, and replaces each NaN by the usual one.
+/// Changes a value to one that JSON can represent: makes texts ASCII, and replaces each NaN by the usual NaN.
 inline void tame(const StructType& type, void* object) {
   for (const StructType::Member& m : type.members) {
     const Elements values = elements_of(m, object);

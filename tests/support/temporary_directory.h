@@ -1,4 +1,4 @@
-// A temporary directory, which is removed with this object.
+// A temporary directory. The destructor removes it.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ class TemporaryDirectory {
 
   const std::filesystem::path& path() const { return path_; }
 
-  /// Writes a file and makes its directories. `name` is relative to the temporary directory. Returns the
-  /// path of the file.
+  /// Writes a file and makes the directories above it. `name` is relative to the temporary directory. Returns
+  /// the path of the file.
   std::filesystem::path write(const std::string& name, std::string_view content) const {
     const std::filesystem::path file = path_ / name;
     std::filesystem::create_directories(file.parent_path());

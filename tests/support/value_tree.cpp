@@ -67,7 +67,7 @@ T value_of(Result<T> result) {
   return *std::move(result);
 }
 
-/// Returns the bytes that the value has in CDR.
+/// Returns the bytes of the value in CDR.
 std::string bytes_of(const DynamicView& view) {
   const DynamicView::Scalar value = value_of(view.scalar());
   if (const auto* text = std::get_if<std::string_view>(&value)) return std::string(*text);

@@ -1,4 +1,4 @@
-// Parts of fields, whose declarations the compiler evaluates (sft/detail/declared_part.h).
+// Parts of fields whose declarations the compiler evaluates (sft/detail/declared_part.h).
 #include <sft/sft.h>
 
 #include <sensor_msgs/msg/Image.hpp>

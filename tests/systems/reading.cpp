@@ -1,5 +1,5 @@
-// A program that reads through temporary views. The results refer to the sample and not to the views, so
-// that no compiler must warn.
+// A program that reads through temporary views. The values that it reads refer to the sample and not to the
+// views, so no compiler must warn.
 #include <sft/sft.h>
 
 #include <geometry_msgs/msg/PoseWithCovarianceStamped.hpp>

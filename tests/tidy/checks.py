@@ -1,4 +1,4 @@
-"""The checks of the tree. Each check yields the places that break it, and says what to do."""
+"""The checks of the tree. Each check yields the places that break its rule, and the change that mends them."""
 
 import os
 import re
@@ -85,7 +85,7 @@ def sizes_are_within_limits(tree, settings):
 
 
 class _Reasons:
-    """The lines of a file that say why what follows may be larger than the limits."""
+    """The lines of a file that give a reason why the following code may exceed the limits."""
 
     _BEGINNING = re.compile(r"\s*//+ Larger than usual: \S")
 
@@ -94,7 +94,7 @@ class _Reasons:
         self._unused = {number for number, line in enumerate(lines, 1) if self._BEGINNING.match(line)}
 
     def above(self, line):
-        """Returns true if the comment that ends above this line has a reason, and marks that reason as needed."""
+        """Returns true if the comment that ends above this line has a reason. Marks that reason as needed."""
         first = line - 1
         while first > 0 and self._lines[first - 1].lstrip().startswith("//"):
             first -= 1
@@ -132,7 +132,7 @@ def sources_are_in_cmake_lists(tree, settings):
 
 
 def _sources_in(text, folder):
-    """Yields patterns of the paths that a list names: relative to its folder, behind a variable, or by file(GLOB)."""
+    """Yields patterns of the paths in a list: relative to the list's folder, behind a variable, or by file(GLOB)."""
     text = re.sub(r"#.*", "", text)
     for name in re.findall(r"[^\s\"();]+\.(?:cpp|c)\b", text):
         name = name.removeprefix("${CMAKE_CURRENT_SOURCE_DIR}/")
@@ -162,7 +162,7 @@ def _columns(path, columns):
 
 
 def _cannot_be_broken(line):
-    """Returns true for a table of Markdown, an address, and an include."""
+    """Returns true if a line must not be broken: a row of a Markdown table, an address, or an include."""
     return line.lstrip().startswith(("|", "#include")) or re.fullmatch(r"\s*\S*https?://\S*", line)
 
 
@@ -183,7 +183,7 @@ def public_headers_include_public_ones(tree, settings):
 
 
 def public_types_are_few(tree, settings):
-    """Limits the public types, so that readers of the reference find those that matter."""
+    """Limits the number of public types, so that readers of the reference find the important ones."""
     types, limit = len(list(headers.public_types(tree, settings))), settings.limits["public_types"]
     if types > limit:
         yield Finding(settings.file, 1, f"the public headers give users {types} types, more than {limit} (./run tidy "
@@ -201,7 +201,7 @@ def words_are_plain(tree, settings):
 
 
 def comments_begin_with_their_subject(tree, settings):
-    """Up to MID_SENTENCE_PERCENT_MAX % of the blocks may seem to begin in mid-sentence: the heuristic may be wrong."""
+    """Lets MID_SENTENCE_PERCENT_MAX % of the blocks seem to begin in mid-sentence: the heuristic may be wrong."""
     all_blocks, found = 0, []
     for path, block, is_fragment in comment_blocks(tree, settings):
         all_blocks += 1

@@ -20,7 +20,7 @@ FRAGMENT = set("""
     were what whatever when whence whenever where whereas whereby wherein wherever whether which whichever while who
     whoever whom whose why with without yet
     """.split())
-# Whole sentences may begin with these words, too: `When the window is full, the sender waits.` They have a comma.
+# Whole sentences may also begin with these words if they have a comma: `When the window is full, the sender waits.`
 CLAUSE = set("""
     because behind by for from in instead like on though through to under unless until upon when whenever while with
     without

@@ -1,4 +1,4 @@
-"""The public headers: their includes, and the types that they define in namespaces for users."""
+"""The public headers: their includes, and the types that they define in public namespaces."""
 
 import structure
 

@@ -30,7 +30,7 @@ class Comment(NamedTuple):
     text: str
     line: int
     column: int
-    own_line: bool  # only white space is before it in its line
+    own_line: bool  # true if only white space precedes the comment in its line
 
 
 class Source(NamedTuple):

@@ -6,15 +6,15 @@ from collections import defaultdict
 from typing import NamedTuple
 
 _INCLUDE = re.compile(r'^[ \t]*#[ \t]*include[ \t]*([<"])([^>"]+)[>"]', re.MULTILINE)
-ALL_BELOW = "..."  # at the end of a name, this means that the room contains all folders in it
+ALL_BELOW = "..."  # at the end of a room's name; the room then contains all folders below
 
 
 class Include(NamedTuple):
     path: str    # the file that includes
     line: int
     quoted: bool
-    name: str    # the path as it is written
-    target: str  # the file of the project that this path means, or ""
+    name: str    # the path as written in the source
+    target: str  # the included file if it belongs to the project, or ""
 
 
 class Includes:
@@ -42,14 +42,14 @@ class Includes:
 
 
 class Rooms:
-    """The rooms of rooms.toml. Each may include itself, the rooms that it names, and what these may include."""
+    """The rooms of rooms.toml. A room may include itself, the rooms that it names, and all that these may include."""
 
     def __init__(self, table):
         self.table = table
         self._reach = {}
 
     def room_of(self, path):
-        """Returns the room of a file; "" if its folder is in no room."""
+        """Returns the room of a file, or "" if no room contains the file's folder."""
         folder = os.path.dirname(path)
         if folder in self.table:
             return folder
@@ -62,13 +62,13 @@ class Rooms:
 
     def may_include(self, room):
         if room not in self._reach:
-            self._reach[room] = {room}  # before the recursion, since rooms.toml may have a circle by mistake
+            self._reach[room] = {room}  # set before the recursion, because rooms.toml may have a circle by mistake
             for other in self.table[room]["includes"]:
                 self._reach[room] |= self.may_include(other) if other in self.table else set()
         return self._reach[room]
 
     def errors(self):
-        """Yields errors of the table. A room may only name rooms that are before it, so that there are no circles."""
+        """Yields the errors of the table. A room may only name rooms before it, so that there are no circles."""
         seen = set()
         for room, line in self.table.items():
             for other in line["includes"]:

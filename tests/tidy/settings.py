@@ -7,7 +7,7 @@ FILE = "tests/tidy/rooms.toml"
 
 
 class Settings:
-    """The table of the examined checkout, or the one beside this script if that checkout has none."""
+    """The table of the examined checkout. If the checkout has none, the table beside this script."""
 
     def __init__(self, root):
         self.file = FILE

@@ -32,9 +32,9 @@ class Class:
     name: str
     line: int
     lines: int = 0
-    data: int = 0     # data members without constants (static constexpr)
-    methods: int = 0  # methods that it declares, with each overload; no defaulted or deleted ones
-    public_type: bool = False  # it is in a namespace, not in a class or a function
+    data: int = 0     # the number of data members; constants (static constexpr) do not count
+    methods: int = 0  # the number of declared methods; each overload counts, defaulted and deleted methods do not
+    public_type: bool = False  # true if the class is in a namespace, not in a class or a function
     namespace: str = ""
 
 
@@ -70,7 +70,7 @@ class _Reader:
         return self.found
 
     def _scope(self, kind, owner, namespace, is_file=False):
-        """Reads statements up to the brace that closes this scope, and returns the line of that brace."""
+        """Reads the statements of a scope. Returns the line of the brace that closes the scope."""
         head = []
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
@@ -107,21 +107,21 @@ class _Reader:
                 self.found.aliases.append(Name(texts[1], head[0].line, namespace))
 
     def _is_macro_call(self, head):
-        """Returns true behind `MACRO(a, b)` without a semicolon."""
+        """Returns true if the position is behind `MACRO(a, b)` without a semicolon."""
         if len(head) != 3 or not head[0].text.isupper() or self.at == len(self.tokens):
             return False
         following = self.tokens[self.at]
         return following.kind == "word" and following.line > self.tokens[self.at - 1].line
 
     def _arguments(self):
-        """Returns the names of a test, which follow."""
+        """Returns the names in the parentheses of a test, such as TEST(a, b)."""
         end = self.at
         while end < len(self.tokens) and self.tokens[end].text != ")":
             end += 1
         return "".join(token.text for token in self.tokens[self.at:end]).replace(",", ", ")
 
     def _group(self, opening, head):
-        """Skips the tokens up to the bracket that closes this one, and appends only that bracket to `head`."""
+        """Skips the tokens up to the bracket that closes `opening`, and appends only that bracket to `head`."""
         closing, inside = _CLOSE[opening], []
         while self.at < len(self.tokens):
             token = self.tokens[self.at]
@@ -129,14 +129,14 @@ class _Reader:
             if token.text == closing:
                 head.append(token)
                 return
-            if token.text == "]]" and closing == "]":  # a[b[i]]
+            if token.text == "]]" and closing == "]":  # two brackets as in a[b[i]]
                 self.tokens[self.at - 1:self.at] = [token._replace(text="]"), token._replace(text="]")]
                 self.at -= 1
             elif token.text in _CLOSE:
                 self._group(token.text, inside)
 
     def _brace(self, brace, head, kind, owner, namespace):
-        """Reads what the brace opens. Returns what is left of the statement."""
+        """Reads the block that the brace opens. Returns the rest of the statement."""
         texts = _outside_angles(head)
         if kind in ("namespace", "class"):
             is_linkage = texts[:1] == ["extern"] and len(head) == 2
@@ -151,7 +151,8 @@ class _Reader:
                 return [*head, brace]
         if _opens_class(texts):
             return self._class(brace, head, texts, kind, namespace)
-        if kind != "block" and texts[0:2] == ["catch", "("] and self.found.functions:  # it belongs to a body with `try`
+        # A part of a function body with `try`.
+        if kind != "block" and texts[0:2] == ["catch", "("] and self.found.functions:
             last = self.found.functions[-1]
             last.lines = self._scope("block", None, "") - last.line + 1
             return []
@@ -200,7 +201,7 @@ def _template_method(texts):
 
 
 def _more_declarators(texts):
-    """Counts further variables: 1 for `int a = 1, b;`, 0 for `auto a = std::pair<int, int>();`."""
+    """Returns the number of further variables: 1 for `int a = 1, b;`, 0 for `auto a = std::pair<int, int>();`."""
     return sum(1 for i, text in enumerate(texts) if text == "," and texts[i + 1].isidentifier() and
                (i + 2 == len(texts) or texts[i + 2] in (",", "=", "{", "[", ":")))
 
@@ -216,7 +217,7 @@ def _outside_angles(head):
             depth += 1
         elif text in (">", ">>") and depth:
             depth -= 1
-        elif text == ">=" and depth:  # std::enable_if_t<...>= 0
+        elif text == ">=" and depth:  # as in std::enable_if_t<...>= 0
             depth -= 1
             assigned = depth == 0
         elif depth:
@@ -244,7 +245,8 @@ def _parameters(texts):
             if texts[index - 1] in ("requires", "noexcept"):
                 continue
             if texts[index + 1:index + 3] == [")", "("]:
-                return index + 2 if texts[index - 1] == "operator" else None  # void (*member)(int)
+                # A pointer to a function: void (*member)(int).
+                return index + 2 if texts[index - 1] == "operator" else None
             return index
     return None
 
@@ -262,7 +264,7 @@ def _is_body(texts):
     parameters = _parameters(texts)
     if not parameters:
         return False
-    after = texts[parameters + 2:]  # behind `( )`
+    after = texts[parameters + 2:]  # the tokens behind `( )`
     if ":" in after:  # initialisers of members: `: a_(1), b_{2} {`
         return texts[-1] in (")", "}", "...")
     if "->" in after or "requires" in after:
@@ -271,7 +273,7 @@ def _is_body(texts):
 
 
 def _ends_statement(texts):
-    """Returns true for the head of a block. The brace of an initialiser is a part of its statement instead."""
+    """Returns true if the brace behind this head opens a block, and false if it opens an initialiser."""
     return not texts or texts[-1] in (")", "else", "do", "try", ":", "mutable", "noexcept", "const") or "->" in texts
 
 

@@ -13,7 +13,7 @@ import os
 import signal
 import sys
 
-sys.dont_write_bytecode = True  # no files beside the sources
+sys.dont_write_bytecode = True  # writes no compiled files beside the sources
 import checks
 import figures
 import headers
@@ -24,8 +24,8 @@ ROOT = os.path.dirname(os.path.dirname(os.path.dirname(os.path.abspath(__file__)
 
 
 def main():
-    gc.disable()  # it would search millions of tokens, which stay until the end and form no cycles
-    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # a reader of the output may end early, like `head`
+    gc.disable()  # the collector would search millions of tokens, which stay until the end and form no cycles
+    signal.signal(signal.SIGPIPE, signal.SIG_DFL)  # the reader of the output may end early, as `head` does
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("command", choices=["figures", "check", "list", "types"])
     parser.add_argument("names", nargs="*", metavar="NAME")

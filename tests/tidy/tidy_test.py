@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Tests of tests/tidy: in a small tree, each check reports what breaks it, and nothing else."""
+"""Tests of tests/tidy. In a small tree, each check reports the places that break its rule, and nothing else."""
 
 import os
 import sys
@@ -52,7 +52,7 @@ names = ["sftd"]
 
 
 class TreeTest(unittest.TestCase):
-    """Each test writes a tree; found() says what a check finds in it, as `path:line`."""
+    """Each test writes a tree. found() returns the places that a check finds in the tree, as `path:line`."""
 
     def setUp(self):
         folder = tempfile.TemporaryDirectory()

@@ -10,7 +10,7 @@ NOT_OURS = ("build", ".git", "__pycache__")
 
 
 class Tree:
-    """The files that git tracks or would add; without git, all files."""
+    """The files that git tracks or would add. Without git, all files."""
 
     def __init__(self, root):
         self.root = os.path.abspath(root)

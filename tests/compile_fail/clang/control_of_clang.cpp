@@ -1,4 +1,4 @@
-// Compiles: does right what the other snippets of this folder do wrong.
+// Must compile: correct uses of what the other snippets of this folder misuse.
 #include "tests/compile_fail/ports.h"
 
 using namespace sft::core;

@@ -1,4 +1,4 @@
-// Surrounds a block of functions of a document, which stand at namespace scope in a source file.
+// Surrounds functions in a block of a document. The functions are at namespace scope in a source file.
 #include <sft/sft.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Surrounds a block of statements of a document, which stand in a function of a program that has a node.
+// Surrounds statements in a block of a document. The statements are in a function of a program that has a
+// node.
 #include <sft/sft.h>
 
 #include <cstdio>

@@ -1,4 +1,4 @@
-// This file uses samples as programs do, and includes all headers that programs may include.
+// Uses samples as programs do, and includes all headers that programs may include.
 #include <algorithm>
 #include <ranges>
 #include <sensor_msgs/msg/PointCloud2.hpp>

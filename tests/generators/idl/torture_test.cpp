@@ -31,8 +31,8 @@ const sft::StructType::Member& member(std::string_view name) {
   throw std::out_of_range(std::string(name));
 }
 
-/// A value in CDR, and a view of it. R is a parameter only because g++ 12 crashes on ViewOf<T, sft::all<T>>
-/// in this place.
+/// An encoded value, and a view of it. R is a parameter only because g++ 12 crashes on ViewOf<T, sft::all<T>>
+/// at this point.
 template <class T, sft::Req<T> R = sft::all<T>>
 class Encoded {
  public:
@@ -50,7 +50,7 @@ class Encoded {
 
  private:
   sft::FieldMask mask_{R.mask};
-  std::vector<std::uint64_t> body_;  // aligned to 8 bytes
+  std::vector<std::uint64_t> body_;  // words, so that the body is aligned to 8 bytes
   std::vector<std::uint32_t> index_ =
       std::vector<std::uint32_t>(sft::detail::slot_count(sft::detail::TypeTable<T>::type));
   sft::detail::SampleState state_;

@@ -1,4 +1,5 @@
-// IDL files as ROS 2's tool makes them from .msg files, used together although they have no include guards.
+// Includes headers of several IDL files that ROS 2's tool made from .msg files. These IDL files have no
+// include guards.
 #include <gtest/gtest.h>
 
 #include <unguarded/Top.hpp>

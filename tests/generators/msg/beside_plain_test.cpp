@@ -1,4 +1,4 @@
-// Headers of the same messages with and without NAMESPACE, in one source.
+// Includes headers of the same messages with and without NAMESPACE in one source.
 #include <gtest/gtest.h>
 
 #include <on/robot/sensor_msgs/msg/PointCloud2.hpp>

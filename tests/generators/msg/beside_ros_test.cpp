@@ -1,5 +1,5 @@
-// Headers that sft_generate(... NAMESPACE on::robot) makes, in one source with declarations as ROS 2's
-// headers have them for the same messages.
+// Headers that sft_generate(... NAMESPACE on::robot) makes. The same source has declarations as in ROS 2's
+// headers of the same messages.
 namespace std_msgs::msg {
 template <class Allocator>
 struct Header_ {};

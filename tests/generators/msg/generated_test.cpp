@@ -1,4 +1,4 @@
-// Types made from .msg files, and the initial values of their owned structs.
+// Types that are generated from .msg files, and the initial values of their owned structs.
 #include <gtest/gtest.h>
 
 #include <array>

@@ -1,4 +1,4 @@
-// Kept inputs of fuzz_msg. fuzz_msg.cpp has the checks.
+// Stored inputs of fuzz_msg. fuzz_msg.cpp has the checks.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,4 +1,4 @@
-// How nested types are found below search roots.
+// The search for nested types below search roots.
 #include "from_msg/nested.h"
 
 #include <gmock/gmock.h>
@@ -24,7 +24,7 @@ class NestedTest : public ::testing::Test {
     return SearchPath(std::move(paths));
   }
 
-  /// Returns the files of nested types, relative to the temporary directory.
+  /// Returns the files of the types that the text nests, relative to the temporary directory.
   std::vector<std::string> files(std::string_view text, const std::vector<std::string>& roots = {"a"}) {
     std::vector<std::string> relative;
     const auto found = nested_files(parsed(text), search_path(roots));
@@ -34,7 +34,8 @@ class NestedTest : public ::testing::Test {
     return relative;
   }
 
-  /// Returns the only problem as "LINE MEMBER: TEXT", with ROOT for the temporary directory.
+  /// Returns the problem of the text as "LINE MEMBER: TEXT", with ROOT in place of the temporary directory.
+  /// Expects exactly one problem.
   std::string problem(std::string_view text, const std::vector<std::string>& roots = {"a"}) {
     const auto found = nested_files(parsed(text), search_path(roots));
     if (found || found.error().size() != 1) return "";

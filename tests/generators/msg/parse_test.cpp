@@ -1,4 +1,4 @@
-// These tests check how texts of .msg files are understood.
+// These tests check the definitions that the parser makes of .msg files.
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -17,7 +17,7 @@ Field field(std::string_view text) {
 
 Type type(std::string_view text) { return field(std::string(text) + " x").type; }
 
-/// Returns the unit of the one field in these lines.
+/// Returns the unit of the only field in these lines.
 std::string unit(std::string_view lines) { return field(lines).unit; }
 
 template <class T>

@@ -1,4 +1,4 @@
-// Texts of .msg files in tests, and what the parser says about them.
+// The results of the parser for texts of .msg files.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace sft::msg::test {
 
 inline const TypeName example{"my_msgs", "Example"};
 
-/// Returns the definition that `text` gives. If there is none, the test fails, and the result is empty.
+/// Returns the definition in `text`. If there is none, the test fails, and the result is empty.
 inline Definition parsed(std::string_view text) {
   auto result = parse(text, example);
   if (result) return *std::move(result);
@@ -20,8 +20,8 @@ inline Definition parsed(std::string_view text) {
   return {};
 }
 
-/// Returns the problems of `text`, one per line: "LINE MEMBER: TEXT", followed by the column if it is
-/// known. Empty if there are none.
+/// Returns the problems of `text`, one per line: "LINE MEMBER: TEXT", followed by the column if it is known.
+/// Returns "" if there are no problems.
 inline std::string problems(std::string_view text, const TypeName& name = example) {
   std::string lines;
   const auto result = parse(text, name);

@@ -7,7 +7,7 @@
 
 namespace sft::msg::test {
 
-/// Returns a text that is parsed as `definition` again, except for the line numbers.
+/// Returns a text that the parser turns into `definition` again, except for the line numbers.
 std::string print(const Definition& definition);
 
 }  // namespace sft::msg::test

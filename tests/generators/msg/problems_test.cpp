@@ -1,4 +1,4 @@
-// Wrong texts are refused: for each text, the tests check the line and the message.
+// Wrong texts are refused. The tests check the line and the message of each problem.
 #include <gtest/gtest.h>
 
 #include "tests/generators/msg/parsed.h"

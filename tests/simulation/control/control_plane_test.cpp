@@ -1,5 +1,5 @@
-// Networks lose datagrams, and attackers forge records. Once that is over, each process has the records of
-// all others. If nothing is forged, no link is made anew.
+// Networks lose datagrams, and attackers forge records. Some time after the last loss or forgery, each
+// process has the records of all others. If nothing is forged, no link is made anew.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -22,7 +22,8 @@ class ControlPlaneTest : public RandomTest {
     int networks = 1;
     int steps = 300;
     Time::duration pause = 300ms;  ///< the longest pause between two steps
-    double changes = 0.8;          ///< probability of a change at each step; the others likewise
+    /// The probability of a change at each step; the following members are probabilities of other events.
+    double changes = 0.8;
     double kills = 0;
     double attacks = 0;
     double claims = 0;
@@ -48,7 +49,7 @@ class ControlPlaneTest : public RandomTest {
     for (int network = 0; network < plan.networks; ++network) world.cut(network, false);
   }
 
-  /// Runs until nothing is wrong, but at most for that time. Returns what is still wrong.
+  /// Runs until the world has no error, but at most for that time. Returns the remaining error, or "".
   static std::string wrong_within(ControlWorld& world, Time::duration time) {
     for (const Time end = world.now() + time; world.now() < end && !world.what_is_wrong().empty();)
       world.run(100ms);
@@ -80,7 +81,8 @@ TEST_F(ControlPlaneTest, FollowsManyChangesASecond) {
     live_through(world, {.networks = some_networks(), .steps = 3000, .pause = 20ms});
     EXPECT_EQ(wrong_within(world, 3s), "");
     EXPECT_EQ(world.renewals(), 0);
-    // If datagrams get lost, a link that was found later may have agreed earlier.
+    // If datagrams are lost, records that arrive over a newly found link may be older than those that arrived
+    // over another link.
     if (round % 2 == 0) {
       EXPECT_EQ(world.steps_back(), 0);
     }
@@ -121,7 +123,7 @@ TEST_F(ControlPlaneTest, OutlivesWhatIsForgedInTheNamesOfOthers) {
                  {.networks = some_networks(), .kills = 0.02, .attacks = 0.03, .claims = 0.01, .cuts = 0.01});
     world.lose(0);
     EXPECT_EQ(wrong_within(world, 60s), "");
-    world.run(90s);  // wrong links beside a right one are also made anew
+    world.run(90s);  // waits until wrong links beside a right one are made anew, too
     const int renewals = world.renewals();
     world.run(90s);
     EXPECT_EQ(world.renewals(), renewals);

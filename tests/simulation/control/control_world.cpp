@@ -9,7 +9,7 @@ namespace sft::core::test {
 namespace {
 
 constexpr Time::duration step = 10ms;
-/// The agents of a process do the periodic work of discovery at least this often.
+/// The longest pause between two turns of the agent that does the periodic work of discovery.
 constexpr Time::duration look_every = 932ms;
 constexpr Time::duration resent_within = 300ms;
 
@@ -66,7 +66,7 @@ void ControlWorld::cut(int network, bool is_cut) {
     return;
   }
   cuts_.erase(network);
-  for (const auto& hearer : links_) {  // records that were written meanwhile are sent again
+  for (const auto& hearer : links_) {  // Records that were written during the cut are sent again.
     if (hearer->network != network || !hearer->is_open) continue;
     each_hearer(*hearer, [&](SimLink& writer) {
       at(now_ + up_to(resent_within),
@@ -84,7 +84,8 @@ void ControlWorld::announce(SimLink& link, bool asks) {
   });
 }
 
-/// Handles an announcement. Cyclone answers it if it did not know the participant.
+/// Handles an announcement of the participant `of`. If the participant was unknown, the hearer finds it, and
+/// Cyclone answers the announcement.
 void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bool is_answer) {
   if (!reaches(of, hearer)) return;
   Channel& known = channel(hearer, of);
@@ -98,7 +99,8 @@ void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bo
   at(now_ + up_to(5ms), [this, &hearer, &of] { hear_announcement(of, hearer, false, true); });
 }
 
-/// Finds a participant. Its records may come before Cyclone reports the participant.
+/// Makes the participant `hearer` find the participant `writer`. Records of `writer` may arrive before
+/// Cyclone reports this.
 void ControlWorld::find(SimLink& hearer, SimLink& writer) {
   Channel& found = channel(hearer, writer);
   found.is_found = true;
@@ -134,7 +136,8 @@ void ControlWorld::write_to_all(SimProcess& process, Role role, const OwnRecords
   }
 }
 
-/// Records arrive in the order of writing, unless the hearer's channel is stalled. Lost ones are sent again.
+/// Sends a record. Records arrive in the order of writing, unless the channel to `hearer` is stalled. Lost
+/// records are sent again.
 void ControlWorld::write(SimLink& hearer, SimLink& writer, Role role, const RecordKey& key,
                          const Record& record) {
   Channel& to = channel(hearer, writer);
@@ -236,7 +239,7 @@ void ControlWorld::run(Time::duration time) {
     }
     for (const auto& process : processes_) {
       if (process->is_killed) continue;
-      act(*process);  // work from Cyclone's threads is done at once
+      act(*process);  // actions that Cyclone's threads have caused are done at once
       const Time due =
           std::min({process->looked_at + look_every, process->peers.next(), process->own.heartbeat_due()});
       if (now_ >= due) look(*process);
@@ -283,7 +286,7 @@ void ControlWorld::attack() {
   const auto lie = std::make_shared<const std::vector<std::byte>>(random_body());
   const std::uint64_t greatest = ~std::uint64_t{0};
   switch (below(7)) {
-    case 0:  // a sequence number far ahead
+    case 0:  // a sequence number far ahead, which stalls the channel
       channel(*hearer, *writer).is_stalled = true;
       break;
     case 1:  // a forged disposal of the participant

@@ -1,6 +1,6 @@
 // Processes that exchange records and heartbeats on several networks, in one thread and in simulated time.
-// Networks lose, delay and reorder datagrams, and may be cut. Attackers make links deaf, and write in the
-// names of other processes. All random numbers come from one seed.
+// Networks lose, delay and reorder datagrams, and may be cut. Attackers stall links, and write in the names
+// of other processes. All random numbers come from one seed.
 #pragma once
 
 #include <cstdint>
@@ -24,18 +24,18 @@ using namespace std::chrono_literals;
 
 struct SimProcess;
 
-/// A participant of a process on one network.
+/// A participant of a process. It is on one network.
 struct SimLink {
   SimProcess* process = nullptr;
   int network = 0;
   LinkId id = 0;
   ParticipantGuid guid{};
   bool is_open = true;
-  /// Heartbeats since the last look, and their times of arrival.
+  /// The heartbeats since the agent's last turn, with their times of arrival.
   std::vector<std::pair<Heartbeat, Time>> unread{};
 };
 
-/// The records of other processes, as the actions of Peers alone report them.
+/// The records of other processes, as collected only from the actions that Peers returns.
 using Mirror = std::map<ProcessId, PerRole<std::map<RecordKey, Record>>>;
 
 struct SimProcess {
@@ -49,16 +49,16 @@ struct SimProcess {
   std::map<LinkId, int> renewals_due{};
   Time looked_at{};
   bool is_killed = false;
-  std::uint64_t owners = 0;  ///< number of endpoints opened so far
+  std::uint64_t owners = 0;  ///< the number of endpoints opened so far
   std::vector<std::pair<Role, std::uint64_t>> open{};
 };
 
-/// Larger than usual: it has a function for each kind of event on the simulated networks.
+/// Larger than usual: the class has a function for each kind of event on the simulated networks.
 class ControlWorld {
  public:
   explicit ControlWorld(std::uint64_t seed) : random_(seed) {}
 
-  // Events.
+  // Functions that make an event happen.
 
   SimProcess& start(int networks);
   /// Opens, closes or changes a random endpoint of the process.
@@ -69,20 +69,20 @@ class ControlWorld {
   bool is_cut(int network) const { return cuts_.contains(network); }
   /// Forges a random item in the name of a participant that another process knows.
   void attack();
-  /// Adds a foreign participant, which claims for a while to belong to that process, and has records of its
-  /// own.
+  /// Adds a foreign participant with records of its own. For the time `lasts` the participant claims to
+  /// belong to `process`.
   void claim(const SimProcess& process, Time::duration lasts);
   void run(Time::duration time);
 
-  // State.
+  // Functions that return the state.
 
   Time now() const { return now_; }
   const std::vector<std::unique_ptr<SimProcess>>& processes() const { return processes_; }
   int renewals() const { return renewals_; }
-  /// Returns the first error; empty if each process has the records of all others, and none of killed
+  /// Returns the first error, or "" if each process has the records of all others, and no records of killed
   /// processes.
   std::string what_is_wrong() const;
-  /// Counts records that were replaced by older ones, and records of unknown processes. For runs without
+  /// Returns the number of records that replaced newer ones or were of unknown processes. For runs without
   /// attacks.
   int steps_back() const { return steps_back_; }
 
@@ -93,13 +93,13 @@ class ControlWorld {
   }
 
  private:
-  /// The state that Cyclone keeps for one participant about another one.
+  /// The state that Cyclone keeps in one participant about another one.
   struct Channel {
     bool is_found = false;
-    bool is_stalled = false;  ///< records are dropped as outdated
-    Time heard_at{};          ///< time of the last arrival
-    unsigned number = 0;      ///< number of times it was found
-    /// Arrivals under way, in order, with their times.
+    bool is_stalled = false;  ///< whether records are dropped as outdated
+    Time heard_at{};          ///< the time of the last arrival
+    unsigned number = 0;      ///< the number of times that the participant was found
+    /// Records under way, in the order of writing, with their times of arrival.
     std::deque<std::pair<Time, std::function<void()>>> written{};
   };
   struct Event {
@@ -110,7 +110,7 @@ class ControlWorld {
       return std::pair(at, number) > std::pair(other.at, other.number);
     }
   };
-  using Pair = std::pair<LinkId, LinkId>;  ///< the hearer's link, the writer's
+  using Pair = std::pair<LinkId, LinkId>;  ///< the link of the hearer, and the link of the writer
 
   void at(Time time, std::function<void()> act) { events_.push({time, events_made_++, std::move(act)}); }
   void open(SimProcess& process, int network, std::optional<LinkId> instead_of);

@@ -20,7 +20,7 @@ void ControlChannels::send(std::size_t from, const Word& word) {
   }
 }
 
-/// Posts each announced endpoint together with its request in force.
+/// Posts each announced endpoint together with the request in force.
 void ControlChannels::find(
     std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
     const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced) {
@@ -46,8 +46,8 @@ std::deque<Word> ControlChannels::take_all(std::size_t from, std::size_t to) {
   return std::exchange(channels_.at({from, to}).words, {});
 }
 
-/// Adds a message, which may replace earlier ones of the same endpoint. A request replaces only requests. An
-/// announcement replaces both, because it contains the request in force.
+/// Posts a message, which may replace earlier messages about the same endpoint. A request replaces only
+/// requests. An announcement replaces both kinds, because it contains the request in force.
 void ControlChannels::post(ControlChannel& channel, Word word) {
   if (random_ == nullptr || coin()) {
     std::erase_if(channel.words, [&](const Word& before) {

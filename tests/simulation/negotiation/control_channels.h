@@ -1,6 +1,6 @@
-// The control channels between nodes, as discovery provides them. The messages of each endpoint come in
-// order, a request after its announcement. A message that was overwritten before it came may or may not
-// come. If `random` decides, messages of different endpoints come in any order.
+// The control channels between nodes, as discovery provides them. The messages about one endpoint arrive in
+// order, a request after its announcement. A message that was overwritten before its arrival may arrive or
+// not. If there is a random source, messages about different endpoints arrive in any order.
 #pragma once
 
 #include <deque>
@@ -31,15 +31,16 @@ struct ControlChannel {
 
 class ControlChannels {
  public:
-  using Ends = std::pair<std::size_t, std::size_t>;  ///< from, to
+  using Ends = std::pair<std::size_t, std::size_t>;  ///< the sending and the receiving node
 
-  /// The channels choose among possibilities by `random`. If it is null they choose the first one.
+  /// Discovery leaves some choices open. The channels choose by `random`; if `random` is null, they take the
+  /// first possibility.
   explicit ControlChannels(Random* random) : random_(random) {}
 
   void open(std::size_t from, std::size_t to, bool found) { channels_[{from, to}].found = found; }
   /// Removes all messages under way. The receiver has to find the sender again.
   void lose(std::size_t from, std::size_t to) { channels_.at({from, to}) = {}; }
-  /// Removes the channels to a node that is gone.
+  /// Removes the channels to a node that no longer exists.
   void close_to(std::size_t to);
 
   const ControlChannel& between(std::size_t from, std::size_t to) const { return channels_.at({from, to}); }
@@ -47,7 +48,7 @@ class ControlChannels {
 
   /// Sends the message to all nodes that have found the sender.
   void send(std::size_t from, const Word& word);
-  /// Lets the receiver find the sender, which then sends all these endpoints and requests.
+  /// Makes the node `to` find the node `from`. Then `from` sends all these endpoints and requests.
   void find(std::size_t from, std::size_t to, const std::map<core::EndpointId, SentRequest>& requests,
             const std::map<core::EndpointId, std::shared_ptr<const core::Endpoint>>& announced);
 

@@ -18,12 +18,12 @@ const Route* route_to(const std::vector<Route>& routes, core::EndpointId reader)
   return found == routes.end() ? nullptr : &*found;
 }
 
-/// Compares the two policies in which the world's endpoints differ, as announced.
+/// Returns true if the two policies in which the world's endpoints differ fit each other.
 bool fits(const core::Qos& offered, const core::Qos& requested) {
   return offered.reliability >= requested.reliability && offered.durability >= requested.durability;
 }
 
-/// Returns how many retained samples a writer has to give to the reader at first.
+/// Returns the number of retained samples that a writer has to send to the reader first.
 std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested) {
   const bool durable = offered.durability == Durability::transient_local &&
                        requested.durability == Durability::transient_local;
@@ -32,8 +32,9 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 
 }  // namespace
 
-/// Checks that the writer serves exactly those readers that its node was told of, each under the newest
-/// selection and rate that the node was told, and by a path on which the reader is known to listen.
+/// Checks that the writer serves exactly the readers that its node knows. Each reader must be served under
+/// the newest selection and rate that the node has received, and by a path on which the reader is known to
+/// listen.
 void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& writer) {
   std::size_t routes = 0;
   for (const auto& [id, told] : node.told) {
@@ -50,7 +51,7 @@ void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& wr
   }
 }
 
-/// Checks the routes to one reader. Returns the number of routes that there should be.
+/// Checks the routes to one reader. Returns the number of routes that the reader should have.
 std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWriter& writer,
                                          const Endpoint& reader, std::uint64_t newest) {
   const AskedRequests::Asked& asked = asked_.at(reader.id, newest);
@@ -75,7 +76,7 @@ std::size_t NegotiationLaws::check_route(const WorldNode& node, const WorldWrite
     if (route == nullptr) continue;
     if (!(route->selection == asked.selection)) fail("not the newest selection that the reader asked for");
     if (route->min_period_us != asked.request.min_period_us) fail("not the newest rate that it asked for");
-    // The fallback route of a reader in shared memory never has a history.
+    // The fallback route of a reader in shared memory never carries a history.
     const bool has_it = shm && (route == fallback || holds(asked.request.begun, w));
     if (route->history != (has_it ? 0 : owed)) fail("not what it is owed of the history");
   }
@@ -98,9 +99,9 @@ void NegotiationLaws::check_agreement(const std::vector<WorldNode>& nodes) {
   }
 }
 
-/// Checks both sides of a pair at rest. The reader is served by the best path that both have, under exactly
-/// the selection and rate that it asks for, or not at all if the policies do not fit. The history was given
-/// if that is possible.
+/// Checks both sides of a pair at rest. If the policies fit, the reader must be served by the best path that
+/// both sides have, under exactly the selection and rate that the reader requests. If the policies do not
+/// fit, the reader must not be served. The history must have been given if that is possible.
 void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writer, const WorldNode& here,
                                  const WorldReader& reader) {
   const Endpoint& w = writer.endpoint;
@@ -131,8 +132,8 @@ void NegotiationLaws::check_pair(const WorldNode& there, const WorldWriter& writ
   }
 }
 
-/// Checks that the reader of a datagram listens to the writer and has ever asked for the selection. A
-/// datagram names the selection under which it is decoded.
+/// Checks that the reader of a datagram listens to the writer, and that the reader has requested the
+/// datagram's selection at some time. A datagram names the selection under which it is decoded.
 void NegotiationLaws::check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram) {
   for (const WorldNode& node : nodes) {
     const auto reader = node.readers.find(datagram.reader);

@@ -11,14 +11,14 @@ namespace sft::test {
 
 class NegotiationLaws {
  public:
-  /// Both outlive this object. The first law that does not hold is written to `violation`.
+  /// Both arguments outlive this object. The first law that does not hold is written to `violation`.
   NegotiationLaws(const AskedRequests& asked, std::string& violation)
       : asked_(asked), violation_(violation) {}
 
-  /// Checks after each step which readers a writer's node wants to serve.
+  /// Checks, after a step, the readers that the node of a writer wants to serve.
   void check_serving(const WorldNode& node, const WorldWriter& writer);
   void check_arrival(const std::vector<WorldNode>& nodes, const Datagram& datagram);
-  /// Checks that both sides of each pair agree, at rest.
+  /// Checks, at rest, that both sides of each pair agree.
   void check_agreement(const std::vector<WorldNode>& nodes);
 
  private:

@@ -1,7 +1,8 @@
-// The promises of the negotiation, for every order of events. Every reader is served under exactly the
-// newest selection that its writer's node was told of, and by a path on which the reader is known to listen,
-// while it exists and no longer. When nothing happens any more, both sides agree. The world checks this
-// after each step (negotiation_world.h). core/negotiation/negotiation.md says which rule is covered where.
+// The guarantees of the negotiation, for every order of events. Every reader is served as long as it exists
+// and no longer. It is served under exactly the newest selection that the writer's node has received, and by
+// a path on which the reader is known to listen. When no more events happen, both sides agree. The world
+// checks these guarantees after each step (negotiation_world.h). core/negotiation/negotiation.md names the
+// test of each rule.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -29,8 +30,8 @@ const TypeSupport& points() {
   return type;
 }
 
-/// Tries all orders of possible steps up to a depth, from the beginning and from the settled state. Each of
-/// them must end without a violation.
+/// Tries all orders of possible steps up to a depth, from the initial state and from the settled state. Every
+/// order must end without a violation.
 class AllOrders : public ::testing::Test {
  protected:
   void explore(const Plan& plan, int depth, int depth_when_settled) {
@@ -128,7 +129,7 @@ class RandomOrders : public RandomTest {
   }
 
   NegotiationWorld::EndpointPlan random_endpoint(std::size_t places, Role role) {
-    const int choice = up_to(5);  // 0: shared memory only, 1: UDP only
+    const int choice = up_to(5);  // 0: only shared memory, 1: only UDP, otherwise both
     return {.place = static_cast<std::size_t>(up_to(static_cast<int>(places) - 1)),
             .role = role,
             .may_use_memory = choice != 1,
@@ -136,9 +137,9 @@ class RandomOrders : public RandomTest {
             .qos = random_qos(role)};
   }
 
-  /// Returns random policies. Those of most pairs fit.
+  /// Returns random policies. Most pairs of them fit.
   core::Qos random_qos(Role role) {
-    const bool more = up_to(3) == 0;  // offers less or requests more than most
+    const bool more = up_to(3) == 0;  // whether a writer offers less, or a reader requests more, than most
     core::Qos qos = up_to(2) == 0 ? durable(1 + static_cast<std::uint32_t>(up_to(3))) : core::Qos{};
     qos.reliability = (role == Role::writer) != more ? reliable : best_effort;
     return qos;

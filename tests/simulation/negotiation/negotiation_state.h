@@ -1,5 +1,5 @@
-// The state of a world of negotiations: the nodes, their endpoints, and what each node was told of endpoints
-// of other nodes. All of it can be copied.
+// The state of a world of negotiations: the nodes, their endpoints, and the knowledge of each node about
+// endpoints of other nodes. The whole state can be copied.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ using Id = core::EndpointId;
 
 core::HostToken host_token(std::uint8_t n);
 
-/// All requests that readers have ever made, each with the selection under which the reader may be served.
+/// All requests that readers have made so far, each with the selection under which the reader may be served.
 class AskedRequests {
  public:
   struct Asked {
@@ -31,7 +31,8 @@ class AskedRequests {
   /// `type` outlives this object.
   explicit AskedRequests(const TypeSupport& type) : type_(&type) {}
 
-  /// `wanted` is the selection that the reader wanted when it made the request, whatever the request says.
+  /// Records a request. `wanted` is the selection that the reader wanted at that time, which the request need
+  /// not contain.
   void note(const core::Request& request, const Selection& wanted);
   const Asked& at(Id reader, std::uint64_t sequence) const { return *asked_.at(reader).at(sequence); }
   const Asked& last(Id reader) const { return *asked_.at(reader).back(); }
@@ -39,7 +40,8 @@ class AskedRequests {
 
  private:
   const TypeSupport* type_;
-  std::map<Id, std::vector<std::shared_ptr<const Asked>>> asked_;  ///< by sequence
+  /// The requests of each reader, by sequence.
+  std::map<Id, std::vector<std::shared_ptr<const Asked>>> asked_;
 };
 
 struct Heard {
@@ -51,51 +53,54 @@ struct WorldReader {
   Selection wanted;
   std::map<Id, Heard> heard;
   std::vector<Id> connected;   ///< writers whose datagrams the reader takes
-  std::vector<Id> let_go;      ///< writers whose datagrams it took before
-  std::vector<Id> subscribed;  ///< writers to whose shared memory it subscribes
+  std::vector<Id> let_go;      ///< writers whose datagrams the reader took before
+  std::vector<Id> subscribed;  ///< writers to whose shared memory the reader subscribes
   std::vector<Id> fed;
-  std::vector<Id> history_came;  ///< writers whose whole history has come
+  std::vector<Id> history_came;  ///< writers whose whole history has arrived
 };
 struct WorldWriter {
   core::Endpoint endpoint;
   core::Serving wanted;
   core::Serving in_force;
   bool port = false;
-  std::set<Id> history_given;  ///< readers that were given the history
+  std::set<Id> history_given;  ///< readers to which the history was given
 
-  /// Returns true if the history has to be sent to some reader.
+  /// Returns true if the history has to be sent to at least one reader.
   bool owes_history() const;
 };
-/// What a node was told of an endpoint of another node. Its negotiation is checked against this.
+/// The messages that a node has received about an endpoint of another node. The tests compare the node's
+/// negotiation with these messages.
 struct Told {
   std::shared_ptr<const core::Endpoint> endpoint;
   std::optional<core::Time> lost_since;
-  std::uint64_t newest = 0;  ///< greatest sequence of a request
+  std::uint64_t newest = 0;  ///< the greatest sequence of a request
   bool lost() const { return lost_since.has_value(); }
 };
 struct WorldNode {
   core::NodeId id = 0;
   std::size_t place = 0;
   bool up = true;
-  bool dirty = false;  ///< the agent has work, as the negotiation said
+  bool dirty = false;  ///< whether the negotiation has reported work for the agent
   core::Negotiation negotiation;
   core::Self self;
   core::Time now{};
   std::map<Id, WorldWriter> writers;
   std::map<Id, WorldReader> readers;
-  std::map<Id, std::shared_ptr<const core::Endpoint>> announced;  ///< what other nodes find
+  std::map<Id, std::shared_ptr<const core::Endpoint>> announced;  ///< endpoints that other nodes find
   std::map<Id, std::shared_ptr<const core::Request>> sent;
   std::map<Id, Told> told;
-  std::vector<Id> opened;  ///< endpoints of this node, including departed ones
+  std::vector<Id> opened;  ///< endpoints of this node, including removed ones
 
-  /// Returns true if the reader has told this node that the history of the writer has begun to come.
+  /// Returns true if a request of the reader, which this node has received, says that the history of the
+  /// writer has begun to arrive.
   bool has_begun(Id writer, Id reader, const AskedRequests& asked) const;
-  /// Marks the history of each writer as not given to the reader if the reader has not begun to get it. A
-  /// reader that lost a writer and found it again begins anew.
+  /// Marks the history of each writer as not given to the reader, unless the reader has begun to get this
+  /// history. A reader that lost a writer and found it again has not begun.
   void owe_what_has_not_begun(Id reader, const AskedRequests& asked);
-  /// Marks the history as not given to that reader. Its writers treat a reader that comes back as a new one.
+  /// Marks the histories as not given to that reader. A reader that comes back counts as a new one for its
+  /// writers.
   void forget_history(Id reader);
-  /// Returns true if some request does not match the connections of its reader.
+  /// Returns true if the request of at least one reader does not match the reader's connections.
   bool connections_changed() const;
 };
 struct Datagram {
@@ -107,19 +112,19 @@ struct Datagram {
 struct NegotiationState {
   std::size_t places = 0;
   NegotiationPlan::Budget left{};
-  std::vector<WorldNode> nodes{};  ///< also dead ones, whose messages may be under way
+  std::vector<WorldNode> nodes{};  ///< includes dead nodes, whose messages may be under way
   ControlChannels channels;
   AskedRequests asked;
   std::vector<Datagram> datagrams{};
 
-  /// Lets the node `to` find the node `from`, with all its endpoints and requests.
+  /// Makes the node `to` find the node `from`, with all endpoints and requests of `from`.
   void find(std::size_t from, std::size_t to);
-  /// Lets a writer of that node send a sample to all readers that it serves over the network.
+  /// Makes a writer of that node send a sample to all readers that the writer serves over the network.
   void publish(std::size_t node, std::size_t writer);
   Datagram take_datagram(std::size_t which);
 };
 
-/// A reader that waits until the daemon connects it with a writer's port.
+/// A reader that waits for the daemon to connect it with a writer's port.
 struct Unconnected {
   std::size_t node = 0;
   Id reader = 0;

@@ -31,8 +31,8 @@ struct NegotiationStep {
   };
 
   What what{};
-  std::uint8_t node = 0;   ///< the node to which the step happens
-  std::uint8_t other = 0;  ///< the sending node, or an index among several
+  std::uint8_t node = 0;   ///< the node of the step
+  std::uint8_t other = 0;  ///< the sending node, or the index of one of several objects
 };
 
 /// Replaces `steps` by all possible next steps.

@@ -16,7 +16,7 @@ using core::Route;
 
 namespace {
 
-/// Returns a selection for a number. Even numbers give parts of fields, conditions or both; odd numbers give
+/// Returns the selection of a number. Even numbers give parts of fields, conditions or both; odd numbers give
 /// whole fields.
 Selection wish_of(const TypeSupport& type, std::uint64_t number) {
   constexpr std::array<const char*, 6> parts{"data{x,y} @ height > 1",
@@ -31,7 +31,7 @@ Selection wish_of(const TypeSupport& type, std::uint64_t number) {
 
 }  // namespace
 
-/// One kind of step: its name in histories, and the function that makes it happen.
+/// One kind of step: its name in histories, and the function that makes the step.
 struct NegotiationWorld::StepKind {
   const char* name;
   void (*happens)(NegotiationWorld& world, std::size_t n, std::size_t other);
@@ -115,7 +115,7 @@ std::string NegotiationWorld::history() const {
   return text;
 }
 
-// Nodes and endpoints.
+// Steps of nodes and endpoints.
 
 void NegotiationWorld::start_node(std::size_t place) {
   const std::size_t n = state_.nodes.size();
@@ -204,7 +204,8 @@ void NegotiationWorld::change_selection(std::size_t n, std::size_t which) {
   auto& [id, reader] = nth(state_.nodes[n].readers, which);
   const auto first_possibility = static_cast<std::uint64_t>(left == 0 ? 3 : 2 * left);
   const std::uint64_t number = random_ != nullptr ? (*random_)() : first_possibility;
-  const Selection wish = wish_of(*type_, number);  // the serving side closes the selection
+  // The selection is not closed, because the serving side closes it.
+  const Selection wish = wish_of(*type_, number);
   const bool is_new = state_.nodes[n].negotiation.requirement_changed(id, wish);
   if (!is_new && !(type_->closed(wish) == type_->closed(reader.wanted)))
     return fail("another selection is the same");
@@ -227,7 +228,7 @@ void NegotiationWorld::change_rate(std::size_t n, std::size_t which) {
   send_request(n, id);
 }
 
-/// Does what Negotiation::self_changed and Reconciler::look_after_memory do.
+/// Models Negotiation::self_changed and Reconciler::look_after_memory.
 void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   WorldNode& node = state_.nodes[n];
   node.self.host = host;
@@ -254,7 +255,7 @@ void NegotiationWorld::change_memory(std::size_t n, const HostToken& host) {
   }
 }
 
-/// Sends the whole histories that a writer owes at present, as Reconciler::look_after_histories does.
+/// Sends all histories that a writer owes at present, each whole, as Reconciler::look_after_histories does.
 void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   WorldNode& node = state_.nodes[n];
   auto& [id, writer] = nth(node.writers, which);
@@ -271,7 +272,7 @@ void NegotiationWorld::give_history(std::size_t n, std::size_t which) {
   changed(n, dirty);
 }
 
-/// Lets a retained sample of the writer come to that reader alone, if the reader still exists and listens.
+/// Makes a retained sample of the writer arrive at that reader alone, if the reader still exists and listens.
 void NegotiationWorld::history_comes(Id writer, Id reader, TransportKind path) {
   const bool over_network = path == TransportKind::udp;
   for (std::size_t n = 0; n < state_.nodes.size(); ++n) {

@@ -2,10 +2,10 @@
 // the transports and the reconcilers are modelled as single steps, and the test chooses the next step. After
 // each step the world checks the laws.
 //
-// Discovery keeps the last message of each endpoint. A message that was overwritten before it came may or
-// may not come, and the last one may come twice. Messages about one endpoint come in order. A node may lose
-// another and find it again, which brings all announcements of the other again. Nodes may be killed and come
-// back with new ids.
+// Discovery keeps the last message of each endpoint. A message that was overwritten before its arrival may
+// arrive or not, and the last message may arrive twice. Messages about one endpoint arrive in order. A node
+// may lose another node and find it again. Then all announcements of the found node arrive again. Nodes may
+// be killed, and are started again with new ids.
 #pragma once
 
 #include <array>
@@ -26,17 +26,17 @@ class NegotiationWorld {
   using Budget = NegotiationPlan::Budget;
   using Step = NegotiationStep;
 
-  /// `type` outlives the world. `random` chooses what a step leaves open. If it is null, the first
+  /// `type` outlives the world. `random` chooses where a step leaves a choice. If `random` is null, the first
   /// possibility is taken.
   NegotiationWorld(const Plan& plan, const TypeSupport& type, Random* random = nullptr);
 
   /// Returns all possible next steps.
   const std::vector<Step>& steps();
   void take(const Step& step);
-  /// Lets all nodes find each other again, and all messages under way come. Then checks that both sides of
-  /// each pair agree, and that every reader is served under exactly what it asks for.
+  /// Makes all nodes find each other again, and all messages under way arrive. Then checks that both sides of
+  /// each pair agree, and that every reader is served under exactly the selection that it requests.
   void settle();
-  /// Returns the first violation of a law; empty if there is none.
+  /// Returns the first violation of a law, or "" if there is none.
   const std::string& violation() const { return violation_; }
   /// Returns the steps so far as text.
   std::string history() const;

@@ -1,4 +1,4 @@
-// The messages between the nodes of the world: how they are sent, arrive or get lost.
+// The messages between the nodes of the world: sending, arrival and loss.
 #include <algorithm>
 #include <utility>
 

@@ -7,7 +7,7 @@
 
 namespace sft::test {
 
-/// Notes if a node has work for its agent, and checks at once what the negotiation wants.
+/// Records if the node has work for its agent, and checks at once the result that the negotiation wants.
 void NegotiationWorld::changed(std::size_t n, bool dirty) {
   WorldNode& node = state_.nodes[n];
   node.dirty |= dirty;
@@ -79,7 +79,7 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
   }
 }
 
-/// Connects the first waiting reader with its writer's port. Returns false if none waits.
+/// Connects the first waiting reader with its writer's port. Returns false if no reader waits.
 bool NegotiationWorld::connect_by_daemon() {
   const auto found = unconnected(state_.nodes);
   if (found) state_.nodes[found->node].readers.at(found->reader).fed.push_back(found->writer);

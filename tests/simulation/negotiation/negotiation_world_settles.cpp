@@ -1,10 +1,10 @@
-// Brings the world to rest: no new events happen, and all messages under way come.
+// Brings the world to rest: no new events happen, and all messages under way arrive.
 #include "tests/simulation/negotiation/negotiation_laws.h"
 #include "tests/simulation/negotiation/negotiation_world.h"
 
 namespace sft::test {
 
-/// Takes all steps that are still due, for all nodes.
+/// Makes all steps that are still due, for all nodes.
 class NegotiationWorld::Settling {
  public:
   explicit Settling(NegotiationWorld& world) : world_(world) {}

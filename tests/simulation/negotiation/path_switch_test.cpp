@@ -1,5 +1,5 @@
-// A publisher and a subscriber, while the reader changes from one path to the other, and while its request
-// changes. No route asks for a field that the present sample does not have. The subscriber takes each sample
+// A publisher and a subscriber, while the subscriber changes from one path to the other, and while its
+// request changes. No route requests a field that the present sample lacks. The subscriber takes each sample
 // at most once, and counts each missed sample exactly once. Tests also publish within set_routes(), as
 // another thread may do.
 #include <gtest/gtest.h>
@@ -25,13 +25,13 @@ using sensor_msgs::msg::PointCloud2;
 constexpr EndpointId reader_id = 1;
 constexpr EndpointId neighbour_id = 2;
 
-/// A path that keeps its samples until the test delivers them.
+/// A path that holds its samples until the test delivers them.
 class Path {
  public:
   explicit Path(std::function<void()> between) : between_(std::move(between)) {}
 
   std::deque<SampleHandle> sent;
-  int uncovered = 0;  ///< number of routes that asked for more than the sample had
+  int uncovered = 0;  ///< the number of routes that requested more than the sample had
 
  protected:
   void put(std::vector<Route> routes) {
@@ -46,7 +46,7 @@ class Path {
   std::vector<Route> routes_;
 };
 
-/// The path through shared memory, where the reader itself limits its rate.
+/// The path through shared memory. On this path the reader itself limits its rate.
 class MemoryPath final : public IdleLendingWriter, public Path {
  public:
   MemoryPath(std::shared_ptr<BufferPool> pool, std::function<void()> between)
@@ -65,7 +65,7 @@ class MemoryPath final : public IdleLendingWriter, public Path {
   }
   void set_routes(std::vector<Route> routes) override { put(std::move(routes)); }
 
-  bool refuses = false;  ///< the port refuses to lend memory
+  bool refuses = false;  ///< whether the port refuses to lend memory
 
  private:
   std::shared_ptr<BufferPool> pool_;
@@ -108,8 +108,8 @@ class PathSwitch : public test::RandomTest {
     ++published;
   }
 
-  /// Returns a random period for a request. Writer and reader may have different ones, because requests may
-  /// arrive late.
+  /// Returns a random period for a request. Writer and reader may have different periods at a time, because
+  /// requests may arrive late.
   std::uint32_t asked_period_us() { return periods_us[below(periods_us.size())]; }
 
   static Route fallback(Route route) {
@@ -118,7 +118,7 @@ class PathSwitch : public test::RandomTest {
     return route;
   }
 
-  /// Puts a random serving in force, for the reader and for a neighbour with another mask.
+  /// Puts random routes in force, for the reader and for a neighbour with another mask.
   void serve() {
     Serving serving;
     for (const EndpointId id : {reader_id, neighbour_id}) {
@@ -133,8 +133,8 @@ class PathSwitch : public test::RandomTest {
     ASSERT_TRUE(subscriber.feed().set_max_rate_hz(asked == 0 ? 0 : 1e6 / asked));
   }
 
-  /// Delivers or drops one sample. Datagrams may be lost, come late and come twice. Chunks may be pushed
-  /// out, but come in order.
+  /// Delivers or drops one sample. Datagrams may be lost, arrive late and arrive twice. Chunks may be
+  /// displaced, but arrive in order.
   void move_one() {
     if (below(2) == 0 && !memory_writer->sent.empty()) {
       if (below(8) != 0) memory_reader->samples.push_back(memory_writer->sent.front());
@@ -147,7 +147,8 @@ class PathSwitch : public test::RandomTest {
     }
   }
 
-  /// Takes all samples. Expects that they are in order, that none comes twice, and that gaps are counted.
+  /// Takes all samples. Expects that they are in order, that no sample is taken twice, and that gaps are
+  /// counted.
   void take() {
     while (const untyped::Sample sample = subscriber.take()) {
       const SampleInfo& info = sample.info();
@@ -160,7 +161,7 @@ class PathSwitch : public test::RandomTest {
     }
   }
 
-  /// Delivers everything that is under way.
+  /// Delivers all samples of the path that are under way.
   static void deliver_all_of(Path& writer, Queue& reader) {
     for (; !writer.sent.empty(); writer.sent.pop_front()) reader.samples.push_back(writer.sent.front());
   }
@@ -219,7 +220,7 @@ TEST_F(PathSwitch, WhatSharedMemoryRefusesIsLostTakenOnceOrCountedAsWell) {
   refused_percent = 30;
   run();
   memory_writer->refuses = false;
-  EXPECT_TRUE(test::eventually([&] {  // samples that waited for lost datagrams
+  EXPECT_TRUE(test::eventually([&] {  // Some samples still wait for lost datagrams.
     take();
     return memory_reader->samples.empty() && network_reader->samples.empty() && !subscriber.available();
   }));
@@ -241,7 +242,7 @@ class PathSwitchWithinTimeout : public PathSwitch {
   void expect_in_place(const Serving& over_network, const Serving& in_memory);
 };
 
-// A sample in shared memory arrives at once, while datagrams are under way for a while.
+// In this test samples in shared memory arrive at once, and datagrams arrive some time later.
 TEST_F(PathSwitchWithinTimeout, WhatSharedMemoryRefusesComesByUdpInItsPlaceHoweverLate) {
   refused_percent = 30;
   for (int step = 0; step < 100'000; ++step) {
@@ -268,7 +269,7 @@ TEST_F(PathSwitchWithinTimeout, WhatSharedMemoryRefusesComesByUdpInItsPlaceHowev
   EXPECT_EQ(sent.diverted.exhausted, sent.diverted.total());
 }
 
-/// The reader is served by UDP, and is attached while samples are under way.
+/// The reader is served by UDP first. Then it is attached to shared memory while datagrams are under way.
 void PathSwitchWithinTimeout::expect_in_place(const Serving& over_network, const Serving& in_memory) {
   for (int round = 0; round < 100; ++round) {
     publisher.serve(over_network, memory_writer);
@@ -278,7 +279,7 @@ void PathSwitchWithinTimeout::expect_in_place(const Serving& over_network, const
     take();
     const std::uint64_t lost = subscriber.feed().status().lost;
     for (int i = 0; i < 7; ++i) publish();
-    publisher.serve(in_memory, memory_writer);  // also publishes samples
+    publisher.serve(in_memory, memory_writer);  // also publishes samples while the routes change
     publish();
     deliver_all_of(*memory_writer, *memory_reader);
     take();
@@ -315,7 +316,7 @@ TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
     memory_writer->sent.clear();
     network_writer->sent.clear();
     const std::uint64_t before = published;
-    publisher.serve(in_memory, memory_writer);  // also publishes samples
+    publisher.serve(in_memory, memory_writer);  // also publishes samples while the routes change
     publish();
     std::set<std::uint64_t> sent;
     for (const auto* samples : {&memory_writer->sent, &network_writer->sent}) {
@@ -325,8 +326,8 @@ TEST_F(PathSwitch, FromUdpToSharedMemoryNoSampleFallsBetweenThePorts) {
   }
 }
 
-// Limits change between samples of one gate, between gates, and between the reader's counting and the
-// publisher's.
+// Limits change between samples of one gate, between gates, and when the counting moves from the reader to
+// the publisher or back.
 TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChange) {
   periods_us = {0, 10, 30};
   run();
@@ -336,11 +337,11 @@ TEST_F(PathSwitch, CountsEachSampleThatDidNotComeAsLostOrWithheldWhileLimitsChan
   Serving unlimited;
   unlimited.memory = {{reader_id, DoorbellAddress{}, type.full()}};
   publisher.serve(unlimited, memory_writer);
-  publish();  // makes the subscriber count the samples before
+  publish();  // makes the subscriber count the samples before this one
   memory_reader->samples.push_back(memory_writer->sent.back());
   periods_us = {0, 10, 30};
   EXPECT_TRUE(test::eventually([&] { return take(), last == published; }))
-      << last;  // a sample may wait for earlier ones
+      << last;  // the last sample may have to wait for earlier ones
   const SubscriberStatus status = subscriber.feed().status();
   EXPECT_GT(status.received, 1000U);
   EXPECT_GT(status.withheld, 100U);

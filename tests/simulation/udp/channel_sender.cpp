@@ -71,7 +71,7 @@ void ChannelSender::send_some(Size size, Time now) {
   send_at_ = now + send_pause;
 }
 
-/// Begins with the next piece of that size. Returns false if none is due now.
+/// Begins to send the next piece of that size. Returns false if no piece is due now.
 bool ChannelSender::begin_piece(std::optional<Sending>& sending, Size size, Time now) {
   std::optional<udp::ResendWindow::Piece> piece = window_->next(size, now);
   if (!piece) return false;
@@ -97,8 +97,8 @@ void ChannelSender::send_datagram(Sending& sending, Time now) {
   flow_->sent(batch.bytes(), 1, now);
 }
 
-/// Finishes a piece. Sometimes puts it back instead after its last datagram, as if its rest were to be sent
-/// later.
+/// Finishes a piece after its last datagram. Sometimes puts the piece back instead, as if its rest had to be
+/// sent later.
 void ChannelSender::end_piece(Sending& sending, Time now) {
   if (!happens(random_, 0.02)) return window_->finished(sending.piece, now);
   if (sending.piece.job->samples() == 1) sending.piece.range.begin = random_() % sending.piece.first.total;

@@ -1,5 +1,5 @@
-// The writer's end of a reliable channel. It keeps samples, sends their datagrams as fast as the flow window
-// allows, and sends them again if an ack asks for them.
+// The writer's end of a reliable channel. It holds samples, sends their datagrams as fast as the flow window
+// allows, and sends them again if an ack requests them.
 #pragma once
 
 #include <cstdint>
@@ -18,27 +18,27 @@ class ChannelSender {
  public:
   using Size = udp::ResendWindow::Size;
 
-  /// Opens the first channel. The arguments outlive this object.
+  /// Opens the first channel. The arguments must outlive this object.
   ChannelSender(const Scenario& scenario, Random& random, Network& network, LossAccount& loss_account);
 
-  /// Opens another channel, after which nothing is sent in the former one.
+  /// Opens another channel. After that nothing is sent in the former one.
   void open();
   std::uint32_t number() const { return number_; }
   const udp::ResendWindow& window() const { return *window_; }
 
   udp::ResendWindow::Kept keep(const udp::JobHandle& job, bool elsewhere = false);
-  /// Notes that a sample was sent by the multicast group.
+  /// Records that the multicast group has sent a sample.
   void departed(std::uint64_t ordinal, Time now) { window_->departed(ordinal, now); }
-  /// Notes that there may be something to send.
+  /// Called when there may be datagrams to send.
   void wake(Time now);
   void send(Time now);
-  /// Takes an ack, or a report of the flow.
+  /// Handles a received ack or report of the flow.
   void hear(const Bytes& bytes, Time now);
-  /// Returns the time of the next send().
+  /// Returns the time at which send() is due next.
   Time next(Time now) const;
 
  private:
-  /// A sample, or a part of it, that is being cut into datagrams.
+  /// A sample, or a part of a sample, that is being cut into datagrams.
   struct Sending {
     udp::ResendWindow::Piece piece;
     udp::Fragmenter fragments;
@@ -59,7 +59,7 @@ class ChannelSender {
   std::uint32_t number_ = 0;
   std::unique_ptr<udp::ResendWindow> window_;
   std::unique_ptr<udp::FlowWindow> flow_;
-  std::uint64_t oldest_kept_ = 1;  ///< the lowest ordinal that is kept
+  std::uint64_t oldest_kept_ = 1;  ///< the lowest ordinal that is still held
   std::optional<Sending> sending_[2];
   Time send_at_ = start_time;
 };

@@ -1,5 +1,5 @@
-// The writer's path to the process of the readers by a multicast group. Other members of the group are not
-// simulated. The channel repairs what the group loses.
+// The path by which a multicast group connects the writer with the process of the readers. Other members of
+// the group are not simulated. The channel repairs losses of the group.
 #pragma once
 
 #include <cstdint>
@@ -16,7 +16,7 @@ namespace sft::simulation {
 
 class GroupPath {
  public:
-  /// The arguments outlive this object.
+  /// The arguments must outlive this object.
   GroupPath(Random& random, Network& network, ChannelSender& channel, Laws& laws)
       : random_(random), network_(network), channel_(channel), laws_(laws) {}
 
@@ -24,28 +24,28 @@ class GroupPath {
   bool exists() const { return group_.has_value(); }
   /// Takes the process out of its group until the next change().
   void leave() { group_.reset(); }
-  /// Moves the process to another group or to none, or changes whether datagrams of its group reach it.
+  /// Moves the process to another group or to none, or changes whether datagrams of the present group reach
+  /// the process.
   void change();
-  /// Notes that the process has crashed and was started again. If it was in a group, it gets into another
-  /// one.
+  /// Called when the process has crashed and was started again. If it was in a group, it joins another one.
   void begin_anew();
 
-  /// Gives the sample a place in the channel and in the group. The sample leaves soon.
+  /// Gives the sample a place in the channel and in the group. The sample is sent soon.
   void send(const udp::JobHandle& job, Time now);
   /// Sends the samples that are due.
   void send_due(Time now);
-  /// Offers the group to the process, and sends a probe to the group, if these are due.
+  /// Offers the group to the process, and sends a probe to the group, if either is due.
   void offer(Time now);
   void hear(const udp::GroupReport& report, Time now);
-  /// Returns the time when the next sample leaves.
+  /// Returns the time at which the next sample is sent.
   Time next() const { return leaving_.empty() ? Time::max() : leaving_.front().at; }
 
  private:
   struct Group {
     std::uint32_t number = 0;
-    bool deaf = false;                    ///< no datagram of the group reaches the process
-    std::uint64_t last_ordinal = 1;       ///< ordinal of the last sample, which probes name
-    std::optional<std::int64_t> ahead{};  ///< ordinals of the channel minus those of the group
+    bool deaf = false;                    ///< whether the group's datagrams fail to reach the process
+    std::uint64_t last_ordinal = 1;       ///< the ordinal of the last sample, which probes carry
+    std::optional<std::int64_t> ahead{};  ///< the ordinal of a sample in the channel minus that in the group
     udp::GroupMembership membership{};
     udp::ProbeSchedule probes{};
   };
@@ -53,7 +53,8 @@ class GroupPath {
   struct Leaving {
     Time at;
     udp::JobHandle job;
-    std::uint64_t in_channel = 0;  ///< its ordinal there; 0 if the channel sends it, too
+    /// The sample's ordinal in the channel; 0 if the channel sends the sample, too.
+    std::uint64_t in_channel = 0;
     bool lost = false;
   };
 
@@ -66,7 +67,7 @@ class GroupPath {
   Laws& laws_;
   std::optional<Group> group_;
   std::uint32_t last_number_ = 0;
-  std::deque<Leaving> leaving_;  ///< the oldest first
+  std::deque<Leaving> leaving_;  ///< waiting samples, the oldest first
 };
 
 }  // namespace sft::simulation

@@ -75,7 +75,7 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   if (!sample.merged && !account.names.contains(name_of_selection(sample)))
     return fail(which + " is of something that it has never asked for");
   if (sample.sequence == account.last) {
-    // While its wish changes, a sample can come under both selections, for this reader and for another.
+    // While a reader of the process changes its wish, a sample can arrive under both selections.
     const bool may_repeat = account.changed || changes;
     if (!may_repeat || !account.last_names.insert(name_of_selection(sample)).second)
       fail(which + " comes twice");
@@ -96,10 +96,10 @@ void Laws::taken(core::EndpointId reader, const core::SampleBuffer& sample, bool
   account.got.insert(sample.sequence);
 }
 
-/// Checks the count of lost samples before this one. Withheld samples never count as lost. If the reader
-/// asks for all samples, each one that did not come counts. Between two samples of one gate, each one that
-/// has passed the gate and did not come counts, if no other conditions can have been in force and the gate
-/// did not begin anew.
+/// Checks the number of samples before this one that count as lost. Withheld samples must not count. If the
+/// reader requests all samples, each sample that did not arrive must count. Between two samples of one gate,
+/// each sample that has passed the gate and did not arrive must count. This is checked only if no other
+/// conditions can have been in force and the gate did not begin anew.
 void Laws::check_missing(Account& account, const core::SampleBuffer& sample, const std::string& which) {
   const std::uint64_t before = account.last;
   const std::uint64_t lost = account.numbers.enter(sample, core::RateKeeper::writer, account.asked).lost;
@@ -134,8 +134,8 @@ bool Laws::has_passed_its_gate(const core::SampleBuffer& sample) const {
   return passed != gate->second.end() && passed->second == sample.ordinal;
 }
 
-/// Returns true if the sample has the published content under the selection that it names, and has passed
-/// the gate of that selection.
+/// Returns true if the sample has the published content of the selection that it names, and has passed the
+/// gate of that selection.
 bool Laws::is_sound(const core::SampleBuffer& sample, const std::string& which) {
   if (sample.writer != writer_id) return fail(which + " names another writer"), false;
   const auto published = published_.find(sample.sequence);
@@ -164,8 +164,8 @@ void Laws::check(const udp::ResendWindow& sent, udp::ArrivalWindow* arrivals) {
   if (!scenario_.forgers) check_losses(*arrivals);
 }
 
-/// Checks that the process has counted each lost sample once and in order. All of them precede the samples
-/// that may still come.
+/// Checks that the process has counted each lost sample once and in order. All counted samples precede the
+/// samples that may still arrive.
 void Laws::check_losses(udp::ArrivalWindow& arrivals) {
   const auto mark = arrivals.mark();
   if (arrivals.samples().lost() == lost_ || !mark) return;
@@ -209,8 +209,8 @@ void Laws::check_end(core::EndpointId reader, const Account& account) {
   }
 }
 
-/// Checks that at most 1 % of the samples are missing. A forged sample may have taken the place of a later
-/// true one, because they cannot be distinguished. That is rare.
+/// Checks that at most 1 % of the samples are missing. Rarely a forged sample takes the place of a later true
+/// sample, because the two cannot be distinguished.
 void Laws::check_end_after_forgeries(const Account& account) {
   std::size_t owed = 0, missing = 0;
   for (const Variant& sample : account.owed) {

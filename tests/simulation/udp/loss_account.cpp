@@ -30,8 +30,8 @@ void LossAccount::heard(const std::optional<udp::ArrivalWindow::Mark>& before,
     channel.base = last.base + before->end - 1;
   }
   const bool is_of_channel = heartbeat && heartbeat->channel == mark->channel;
-  // A heartbeat makes the channel known even before its first sample. Samples that are sent after it can be
-  // lost.
+  // A heartbeat makes the channel known even before its first sample. After that, a missing sample of the
+  // channel counts as lost.
   if (!channel.known_from && (is_of_channel || mark->end > 1))
     channel.known_from = heartbeat ? heartbeat->first : 1;
   if (is_of_channel) channel.gone_before = std::max(channel.gone_before, heartbeat->first);
@@ -51,7 +51,8 @@ std::uint64_t LossAccount::lost_in_the_end(std::uint32_t channel) {
   return missing(former, former.gone_before) + missing(channels_[channel], UINT64_MAX);
 }
 
-/// Returns how many samples before the ordinal `end` are missing, of those that the process knows of.
+/// Returns the number of missing samples before the ordinal `end`. Counts only samples that the process knows
+/// of.
 std::uint64_t LossAccount::missing(const Channel& channel, std::uint64_t end) const {
   if (!channel.known_from) return 0;
   const auto first = channel.sent.lower_bound(*channel.known_from);

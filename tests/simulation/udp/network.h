@@ -1,5 +1,5 @@
-// A simulated network between two hosts. It loses, delays, swaps and repeats datagrams as a seed says, and
-// delivers none while the hosts are parted.
+// A simulated network between two hosts. A seed determines the datagrams that the network loses, delays,
+// swaps and repeats. The network delivers no datagrams while the hosts are parted.
 #pragma once
 
 #include <chrono>
@@ -17,10 +17,10 @@ struct Weather {
   double loss = 0;
   double repetition = 0;
   std::chrono::microseconds delay{50};
-  /// Some datagrams are late by up to this time, so that others overtake them.
+  /// The longest additional delay of some datagrams, which later datagrams therefore overtake.
   std::chrono::microseconds jitter{0};
   Time parted_from{}, parted_until{};
-  double forged = 0;  ///< share of the datagrams of which a mutated copy comes, too
+  double forged = 0;  ///< the share of the datagrams of which a mutated copy arrives, too
   Time forged_until{};
 };
 
@@ -32,12 +32,13 @@ class Network {
     Bytes bytes;
   };
 
-  /// `datagram_bytes`: length of the longest datagrams that the path takes. `random` outlives the network.
+  /// `datagram_bytes` is the length of the longest datagrams that the path carries. `random` must outlive the
+  /// network.
   Network(const Weather& weather, std::size_t datagram_bytes, Random& random)
       : weather_(weather), datagram_bytes_(datagram_bytes), random_(random) {}
 
   std::size_t datagram_bytes() const { return datagram_bytes_; }
-  /// Sends datagrams by another path from now on.
+  /// Sends datagrams by another path from now on. That path carries datagrams up to the given length.
   void take_detour(std::size_t datagram_bytes) { datagram_bytes_ = datagram_bytes; }
 
   void send(Side to, Bytes bytes, Time now) {
@@ -52,7 +53,7 @@ class Network {
     deliver_later({to, std::move(bytes)}, now);
   }
 
-  /// Returns the time when the next datagram arrives.
+  /// Returns the time at which the next datagram arrives.
   Time next() const { return under_way_.empty() ? Time::max() : under_way_.begin()->first; }
   Datagram take() { return std::move(under_way_.extract(under_way_.begin()).mapped()); }
 

@@ -14,7 +14,8 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   const bool only_masks = served.empty() || *served.rbegin() < masks_end;
   const bool some_samples =
       std::ranges::any_of(served, [](Wish wish) { return !wishes()[wish].gate().is_open(); });
-  if (some_samples && served.size() > 1) group_.leave();  // see GroupKeeper::look_at()
+  // Such readers share no group, see GroupKeeper::look_at().
+  if (some_samples && served.size() > 1) group_.leave();
   const Selection together = served.size() == 1 ? wishes()[*served.begin()] : Selection(all);
   const bool may_span = served.size() == 1 && only_masks && !group_.exists();
   std::vector<Cloud> clouds = next_clouds(may_span);
@@ -46,7 +47,7 @@ void Publisher::publish(const std::map<core::EndpointId, Wish>& asked, Time now)
   channel_.wake(now);
 }
 
-/// Puts the wishes in force, as Dispatch::serve() does with routes. Returns their gates.
+/// Puts the wishes into force, as Dispatch::serve() does with routes. Returns the gates of the wishes.
 Publisher::GatesInForce Publisher::give_gates(const std::map<core::EndpointId, Wish>& asked) {
   core::Serving serving;
   for (const auto& [reader, wish] : asked)
@@ -69,7 +70,7 @@ std::size_t Publisher::gates() const {
       std::ranges::count_if(given_, [](const auto& gate) { return !gate.second.expired(); }));
 }
 
-/// Asks each gate once about the cloud. Wishes with the same conditions share a gate.
+/// Makes each gate decide once about the cloud. Wishes with the same conditions share a gate.
 void Publisher::ask_gates(const GatesInForce& gates, const Cloud& cloud) {
   std::set<core::Gate*> distinct;
   for (const auto& [wish, gate] : gates) distinct.insert(gate.get());
@@ -81,7 +82,7 @@ void Publisher::ask_gates(const GatesInForce& gates, const Cloud& cloud) {
   }
 }
 
-/// Returns the next cloud or, only if `may_span`, sometimes several small ones.
+/// Returns the next cloud. If `may_span`, sometimes returns several small clouds instead.
 std::vector<Cloud> Publisher::next_clouds(bool may_span) {
   const bool is_span = may_span && happens(random_, scenario_.span);
   const double bytes_max = is_span ? 100 : static_cast<double>(scenario_.sample_bytes_max);
@@ -93,15 +94,15 @@ std::vector<Cloud> Publisher::next_clouds(bool may_span) {
   return clouds;
 }
 
-/// Writes into the job that its sample has passed the gate of the wish, if there is one.
+/// Writes into the job that its sample has passed the gate of the wish, if the wish has a gate.
 void Publisher::mark(udp::Job& job, Wish wish, const GatesInForce& gates) {
   if (!gates.contains(wish)) return;
   job.first.flags |= udp::rate_follows;
   job.first.rate = {0, gates.at(wish)->ordinal()};
 }
 
-/// Returns the number of the variant that serves all these wishes. It is the same by the group and without
-/// it.
+/// Returns the number of the variant that serves all these wishes. The number is the same with and without
+/// the group.
 std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   if (served.size() == 1) return static_cast<std::uint16_t>(*served.begin());
   std::uint16_t number = 1000;
@@ -109,7 +110,7 @@ std::uint16_t Publisher::number_of(const std::set<Wish>& served) {
   return number;
 }
 
-/// Encodes the clouds. Several clouds become a pack.
+/// Encodes the clouds under the selection. Several clouds become a pack.
 udp::JobHandle Publisher::encode(std::span<const Cloud> clouds, const Selection& selection,
                                  std::uint16_t variant) {
   const FieldMask all = cloud_type().full();

@@ -1,5 +1,5 @@
-// The publisher of the simulation. It makes samples now and then, asks the gates of the readers, encodes the
-// samples as readers ask, and hands them to the channel or to the multicast group.
+// The publisher of the simulation. It makes samples at random times, lets the gates of the readers decide,
+// encodes the samples as the readers request, and hands them to the channel or to the multicast group.
 #pragma once
 
 #include <cstdint>
@@ -21,20 +21,20 @@ namespace sft::simulation {
 
 class Publisher {
  public:
-  /// The arguments outlive this object.
+  /// The arguments must outlive this object.
   Publisher(const Scenario& scenario, Random& random, ChannelSender& channel, GroupPath& group, Laws& laws)
       : scenario_(scenario), random_(random), channel_(channel), group_(group), laws_(laws) {}
 
-  /// Publishes one sample, or several small ones. `asked`: the wishes of the readers, as the writer knows
-  /// them.
+  /// Publishes one sample, or several small ones. `asked` has the wishes of the readers, as far as the writer
+  /// knows them.
   void publish(const std::map<core::EndpointId, Wish>& asked, Time now);
-  /// Returns the time of the next publish().
+  /// Returns the time at which publish() is due next.
   Time next() const { return publish_at_; }
-  /// Returns how many samples are still to be published.
+  /// Returns the number of samples that are still to be published.
   std::size_t left() const { return scenario_.samples - published_; }
-  /// Returns how many gates exist, of wishes in force and of former ones.
+  /// Returns the number of existing gates, of wishes in force and of former wishes.
   std::size_t gates() const;
-  /// Returns how many samples that have passed a gate were sent to a group.
+  /// Returns the number of samples that have passed a gate and were sent to a group.
   std::size_t gated_by_group() const { return gated_by_group_; }
 
  private:
@@ -57,10 +57,11 @@ class Publisher {
   std::shared_ptr<udp::JobPool> jobs_ = udp::JobPool::make();
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
   core::Gates gates_{cloud_type()};
-  core::Serving serving_{};                                               ///< the serving in force
-  std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};  ///< gates, some perhaps removed
+  core::Serving serving_{};  ///< the wishes in force, as routes
+  /// All gates so far; some may have been removed.
+  std::map<const core::Gate*, std::weak_ptr<const core::Gate>> given_{};
   std::size_t gated_by_group_ = 0;
-  std::uint64_t sequence_ = scenario_.first_sequence;  ///< sequence of the next sample
+  std::uint64_t sequence_ = scenario_.first_sequence;  ///< the sequence of the next sample
   std::size_t published_ = 0;
   Time publish_at_ = start_time;
 };

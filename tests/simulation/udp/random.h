@@ -25,7 +25,7 @@ inline std::uint64_t from_to(Random& random, std::uint64_t least, std::uint64_t 
   return std::uniform_int_distribution<std::uint64_t>(least, most)(random);
 }
 
-/// Returns a number from 1 to `most`. All orders of magnitude are equally likely.
+/// Returns a random number from 1 to `most`. All orders of magnitude are equally likely.
 inline std::uint64_t log_uniform(Random& random, double most) {
   return static_cast<std::uint64_t>(std::exp(std::uniform_real_distribution<>(0, std::log(most))(random)));
 }

@@ -64,8 +64,8 @@ std::map<core::EndpointId, Wish> ReaderHost::wishes_known() const {
   return known;
 }
 
-/// Returns a random wish. If readers join, it is often another reader's wish, so that a group may serve
-/// both.
+/// Returns a random wish. If readers join and leave in this run, the result often is the wish of another
+/// reader, so that a group may serve both readers.
 Wish ReaderHost::any_wish() {
   const bool as_another = scenario_.asking.churn != 0 && happens(random_, 0.5);
   if (as_another) return readers_[from_to(random_, 0, readers_.size() - 1)].asked;
@@ -168,7 +168,8 @@ void ReaderHost::accept(const Bytes& bytes, Time now) {
   laws_.loss_account().heard(before, arrivals()->mark(), heartbeat);
 }
 
-/// Returns the samples of the datagram that the window still awaits, by their numbers in the datagram.
+/// Returns the samples of the datagram that the window still awaits, as numbers of their places in the
+/// datagram.
 std::set<std::uint64_t> ReaderHost::awaited_of(const std::optional<udp::Datagram>& datagram) {
   std::set<std::uint64_t> awaited;
   const std::uint64_t samples = datagram ? std::max<std::uint64_t>(datagram->samples, 1) : 0;
@@ -178,8 +179,8 @@ std::set<std::uint64_t> ReaderHost::awaited_of(const std::optional<udp::Datagram
   return awaited;
 }
 
-/// Notes that no reader has asked for the selection of the datagram. The window has passed over those of its
-/// samples for which it had room. The others will come again.
+/// Records that no reader has requested the selection of the datagram. The window has passed over the samples
+/// for which it had room. The other samples of the datagram will arrive again.
 void ReaderHost::refuse(const std::optional<udp::Datagram>& datagram,
                         const std::set<std::uint64_t>& awaited) {
   if (!datagram) return laws_.fail_unless_forged("what makes no sense is taken for unwanted");
@@ -189,7 +190,7 @@ void ReaderHost::refuse(const std::optional<udp::Datagram>& datagram,
   }
 }
 
-/// Returns true if the sample `behind` places after the mark has come, was passed over, or is lost.
+/// Returns true if the sample `behind` places after the mark has arrived, was passed over, or is lost.
 bool ReaderHost::has_decided(const udp::ChannelMark& mark, std::uint64_t behind) {
   const auto known = arrivals()->mark();
   if (!known || known->channel != mark.channel) return false;
@@ -230,7 +231,7 @@ void ReaderHost::hand_over(Time now) {
       arrivals()->holds_back() ? now + std::chrono::microseconds(log_uniform(random_, 20'000)) : Time::max();
 }
 
-/// Returns the room in the queue of a reader, which is sometimes full.
+/// Returns the room in the queue of a reader, in samples. The queue is sometimes full.
 std::size_t ReaderHost::room_now() {
   const bool lags = scenario_.readers_lag && !arrivals()->overtakes();
   return lags ? from_to(random_, 0, 2) : SIZE_MAX;

@@ -1,5 +1,5 @@
-// The process of the readers. It takes datagrams, reassembles samples, hands them to its readers, and
-// answers the writer. It can crash and be started again.
+// The process of the readers. The process takes datagrams, reassembles samples, hands them to its readers,
+// and answers the writer. It can crash and be started again.
 #pragma once
 
 #include <cstdint>
@@ -26,7 +26,7 @@ namespace sft::simulation {
 
 class ReaderHost {
  public:
-  /// The arguments outlive this object.
+  /// The arguments must outlive this object.
   ReaderHost(const Scenario& scenario, Random& random, Network& network, Laws& laws)
       : scenario_(scenario), random_(random), network_(network), laws_(laws) {}
 
@@ -36,22 +36,22 @@ class ReaderHost {
 
   /// Returns the wishes of the readers, as far as the writer knows them.
   std::map<core::EndpointId, Wish> wishes_known() const;
-  /// Changes the wish of a reader. It takes samples under both selections from now on, and the writer learns
-  /// of the change later.
+  /// Changes the wish of a reader. From now on the reader takes samples under both selections. The writer
+  /// learns of the change later.
   void change_a_wish(Time now);
-  /// Adds a reader, or removes one other than the first. The writer learns of it later.
+  /// Adds a reader, or removes a reader other than the first one. The writer learns of the change later.
   void come_or_go(Time now);
-  /// Returns how often a reader has changed its wish, has joined or has left.
+  /// Returns the number of times that a reader has changed its wish, joined or left.
   std::size_t changes() const { return changes_; }
-  /// Fails if more state is kept than the present readers may need.
+  /// Fails if there is more state than the present readers may need.
   void check_kept();
-  /// Makes requests that have been under way long enough known to the writer.
+  /// Makes the writer know the requests that have been under way long enough.
   void notify_writer_of_wishes(Time now);
 
   void receive(const Bytes& bytes, Time now);
-  /// Hands over samples for which readers had no room before, and sends answers that are due.
+  /// Hands over samples for which readers had no room before, and sends the answers that are due.
   void look(Time now);
-  /// Returns the time when there is something to do without a datagram.
+  /// Returns the time at which look() or another function is due, even if no datagram arrives.
   Time next() const;
   /// Returns null while the process is down.
   udp::ArrivalWindow* arrivals() { return reassembly_ == nullptr ? nullptr : reassembly_->window(0); }
@@ -59,14 +59,16 @@ class ReaderHost {
  private:
   struct Reader {
     core::EndpointId id = 0;
-    std::shared_ptr<udp::Inbox> inbox;  ///< identifies the reader in subscriptions; queues nothing
+    /// Identifies the reader in subscriptions; no samples are queued in it.
+    std::shared_ptr<udp::Inbox> inbox;
     core::AcceptedRequests requests;
-    Wish asked = 0;                                 ///< its latest wish
-    std::optional<Wish> known{};                    ///< the wish that the writer knows
-    std::deque<std::pair<Time, Wish>> under_way{};  ///< wishes that the writer will know, and when
+    Wish asked = 0;               ///< the reader's latest wish
+    std::optional<Wish> known{};  ///< the wish of the reader that the writer knows
+    /// Wishes that the writer does not know yet, each with the time when the writer will know it.
+    std::deque<std::pair<Time, Wish>> under_way{};
   };
 
-  /// A reader that has left, of which the writer still knows.
+  /// A reader that has left. The writer still serves the reader until the time `until`.
   struct Departed {
     core::EndpointId id = 0;
     Wish known = 0;
@@ -101,7 +103,7 @@ class ReaderHost {
   std::vector<Departed> departed_;
   core::EndpointId last_id_ = 0;
   std::size_t changes_ = 0;
-  Time look_again_at_ = Time::max();  ///< time when readers may have room again
+  Time look_again_at_ = Time::max();  ///< the time when readers may have room again
 };
 
 }  // namespace sft::simulation

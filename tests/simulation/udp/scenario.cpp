@@ -55,7 +55,7 @@ Scenario::Scenario(Random& random, Plan plan) : forgers(plan == Plan::beset) {
   reassembly.channel.awaited_bytes = 2 * reassembly.channel.held_bytes;
 }
 
-/// Plans forgeries. Removes all other causes that may keep samples from coming, and makes the run long
+/// Plans forgeries. Removes all other reasons for which samples may be missing, and makes the run long
 /// enough.
 void Scenario::beset(Random& random) {
   weather.forged = std::uniform_real_distribution<>(0.01, 0.5)(random);
@@ -67,18 +67,18 @@ void Scenario::beset(Random& random) {
   asking.change = 0;
   tight_writer = tight_reader = crashes = readers_lag = false;
   sample_bytes_max = std::min<std::size_t>(sample_bytes_max, 12'000);
-  samples = 1300;  // enough even if conditions let only every third pass
+  samples = 1300;  // enough samples even if conditions pass only every third one
 }
 
-/// Plans many changes of readers. Samples are missing only because of loss. A sample comes before its reader
-/// has made so many further requests that the sample's request is discarded.
+/// Plans many changes of readers. Samples are missing only because of loss. The delays are short: each sample
+/// arrives before its reader has made so many further requests that the sample's request is discarded.
 void Scenario::churn() {
   weather.loss = std::min(weather.loss, 0.1);
   weather.delay = std::min(weather.delay, std::chrono::microseconds(3000));
   weather.jitter = std::min(weather.jitter, std::chrono::microseconds(5000));
   weather.parted_until = {};
   stalled_from = Time::max();
-  // Far from the last ordinal of a channel.
+  // an ordinal far from the last one of a channel
   first_ordinal = std::min<std::uint64_t>(first_ordinal, UINT32_MAX);
   tight_writer = tight_reader = crashes = readers_lag = false;
   resend = {.repair_bytes_per_s = resend.repair_bytes_per_s};

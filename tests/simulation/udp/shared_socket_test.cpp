@@ -1,5 +1,5 @@
-// Several processes send to one socket as fast as they may. Its buffer does not overflow, each sender gets
-// its share, and none stops for ever, whatever gets lost.
+// Several processes send to one socket as fast as they may. The socket's buffer does not overflow, each
+// sender gets its share, and no sender stops for ever, whichever datagrams are lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ constexpr auto tick = 20us;
 
 struct Train {
   std::size_t sender = 0;
-  std::optional<udp::FlowMark> mark{};  ///< if set, this is a mark and not a train
+  std::optional<udp::FlowMark> mark{};  ///< if set, this is a mark instead of a train
   std::size_t cost() const {
     return mark ? udp::socket_bytes(0, 1) : udp::socket_bytes(train_bytes, train_datagrams);
   }
@@ -49,8 +49,8 @@ class SharedSocket {
       hear();
     }
   }
-  /// Runs until each sender has had an answer, since before that a sender may send very little. Returns
-  /// false if that takes too long.
+  /// Runs until each sender has received an answer, because a sender may send very little before. Returns
+  /// false if that takes longer than `at_most`.
   bool run_until_all_are_answered(std::chrono::milliseconds at_most) {
     const auto answered = [this](const Sender& sender) { return sender.window.answers(now_); };
     for (const Time end = now_ + at_most; !std::ranges::all_of(senders_, answered);) {
@@ -68,7 +68,8 @@ class SharedSocket {
   std::uint64_t came(std::size_t sender) const { return senders_[sender].came; }
   std::uint64_t dropped() const { return dropped_; }
   std::uint64_t could_take(std::chrono::milliseconds time) const {
-    return static_cast<std::uint64_t>(time / tick) * taken_per_tick_ / 2;  // the receiver sometimes pauses
+    // Half as much as without pauses of the receiver.
+    return static_cast<std::uint64_t>(time / tick) * taken_per_tick_ / 2;
   }
 
  private:
@@ -104,7 +105,7 @@ class SharedSocket {
       }
     }
   }
-  /// Takes trains and marks from the buffer. Sometimes the receiver is kept from running.
+  /// Takes trains and marks from the buffer. Sometimes the receiver does not run for a while.
   void take() {
     if (now_ < runs_again_at_) return;
     if (happens(random_, 0.002))

@@ -1,4 +1,4 @@
-// The protocol of reliable delivery on simulated I/O and time, with thousands of seeds.
+// The protocol of reliable delivery with simulated I/O and time, for thousands of seeds.
 #include <gtest/gtest.h>
 
 #include <cstdlib>
@@ -44,7 +44,7 @@ TEST_P(Simulation, DeliversAllASecondAfterTheLastForgedDatagram) {
   }
 }
 
-/// Each run has some thousand of these changes, and conditions for more gates than a publisher keeps.
+/// Each run has some thousand of these changes. The conditions need more gates than a publisher keeps.
 TEST_P(Simulation, KeepsAllExactAndNothingForLongWhileReadersJoinLeaveAndChangeTheirConditions) {
   const bool alone = std::getenv("SFT_TEST_SEED") != nullptr;
   const std::uint64_t count = alone ? 1 : test::test_rounds(churning_seeds / shards);

@@ -11,8 +11,8 @@ namespace sft::simulation {
 
 namespace {
 
-/// Returns the wish whose selection the sample names. Null if it is of a union of masks, or of a selection
-/// that is no wish.
+/// Returns the selection that the sample names if it is a wish. Returns null for a union of masks and for
+/// other selections.
 const Selection* named_by(const core::SampleBuffer& sample) {
   if (sample.merged) return nullptr;
   const auto named = std::ranges::find_if(wishes(), [&](const Selection& wish) {
@@ -22,7 +22,8 @@ const Selection* named_by(const core::SampleBuffer& sample) {
   return named == wishes().end() ? nullptr : &*named;
 }
 
-/// Returns the conditions for a number. They suit clouds whose numbers increase by 7 from each to the next.
+/// Returns conditions that depend on the number and look random. The conditions suit clouds whose stamps
+/// increase by 7 from one cloud to the next.
 std::string any_conditions(int number) {
   const std::string text = std::to_string(number);
   if (number % 3 == 0) return "changed(header.stamp.sec) " + std::to_string(7 * (number % 4)) + "." + text;
@@ -59,7 +60,8 @@ const std::vector<Selection>& wishes() {
           "data{ring}[10:], is_dense @ every 3rd or header.stamp.sec < 500"})
       made.push_back(cloud_type().closed(cloud_type().parse_selection(text).value()));
     const std::array<std::string, 4> fields{"data{x}", "data[:100:2]", "header", "*"};
-    // Each two of them share conditions, and half of these pairs also share a mask.
+    // The selections are made in pairs with the same conditions. In half of the pairs both have the same
+    // mask.
     for (int i = 0; i < 140; ++i) {
       const std::string text =
           fields[static_cast<std::size_t>(i) % fields.size()] + " @ " + any_conditions(i / 2);

@@ -22,21 +22,21 @@ inline constexpr std::uint16_t writer_port = 7;
 
 inline const TypeSupport& cloud_type() { return udp::test::type_support<Cloud>(); }
 
-/// Returns a cloud of a few rows with about that many bytes of data, which depend on its number. There are
-/// gaps between the channels and behind the rows.
+/// Returns a cloud of a few rows with about `data_bytes` bytes of data, which depend on `number`. There are
+/// gaps between the channels, and padding behind the rows.
 Cloud make_cloud(std::size_t data_bytes, std::uint32_t number);
 
 using Wish = std::size_t;  ///< an index of wishes()
-/// Returns the selections that readers ask for: three masks, then channels and windows, then conditions on
-/// the number, partly with windows. After these usual ones come so many others with conditions that a
-/// publisher does not keep all their gates.
+/// Returns the selections that readers request. The usual ones come first: three masks, then channels and
+/// windows, then conditions on the number, partly with windows. The rest are many selections with conditions,
+/// more than the gates that a publisher keeps.
 const std::vector<Selection>& wishes();
 inline constexpr Wish masks_end = 3, usual_wishes_end = 10;
 
-/// Returns the hash by which datagrams name the selection of the sample; 0 if no reader asks for that
-/// selection.
+/// Returns the hash of the sample's selection in datagrams, or 0 if no reader requests that selection.
 std::uint64_t name_of_selection(const core::SampleBuffer& sample);
-/// Returns the bytes of the cloud under the selection that the sample names. REQUIRES: the sample names one.
+/// Returns the bytes of the cloud under the selection that the sample names. REQUIRES: the sample names a
+/// wish.
 std::vector<std::byte> body_under(const Cloud& cloud, const core::SampleBuffer& sample);
 
 }  // namespace sft::simulation

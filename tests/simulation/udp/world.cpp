@@ -12,8 +12,8 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t steps_max = 200'000, steps_of_a_sample_max = 100;
 
-/// The number of unused gates that a publisher keeps (core/publish/gates.h). It removes further ones when it
-/// serves other wishes.
+/// The number of unused gates that a publisher keeps (core/publish/gates.h). The publisher removes further
+/// unused gates when it serves other wishes.
 constexpr std::size_t gates_remembered = 64;
 
 }  // namespace
@@ -42,7 +42,7 @@ std::string World::run() {
   return laws_.violation() + ", after " + std::to_string((now_ - start_time) / 1us) + " us";
 }
 
-/// Advances to the next event. Returns false if there is none.
+/// Advances to the next event. Returns false if there is no event.
 bool World::step() {
   const Time next = next_event();
   if (next == Time::max()) return false;
@@ -79,7 +79,7 @@ void World::deliver() {
   }
 }
 
-/// Crashes the process of the readers. Its successor will be served by another channel.
+/// Crashes the process of the readers. The process that is started next will be served by another channel.
 void World::crash() {
   crash_at_ = Time::max();
   readers_.crash();

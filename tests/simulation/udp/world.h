@@ -1,6 +1,6 @@
 // A simulation from one seed: a writer, a process with some of its readers, and a network in between. Both
-// ends of the protocol are the real code, on simulated I/O and time. The world has the clock, and lets its
-// parts act in turn. It checks the laws after each event and at the end.
+// ends of the protocol are the real code, with simulated I/O and time. The world has the clock, and calls its
+// parts in turn. It checks the laws after each event and at the end.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@ namespace sft::simulation {
 
 class World {
  public:
-  /// If datagrams are forged, all samples that are published later than a second after the last forgery must
-  /// come. Samples that were lost before do not count.
+  /// If datagrams are forged, all samples must arrive that are published later than a second after the last
+  /// forgery. Earlier samples may be lost.
   explicit World(std::uint64_t seed, Plan plan = Plan::usual);
 
-  /// Runs until there are no more events. Returns the first violation of a law; empty if there is none.
+  /// Runs until there are no more events. Returns the first violation of a law, or "" if there is none.
   std::string run();
 
-  /// Returns how often readers have joined, left, or changed their wishes.
+  /// Returns the number of times that readers have joined, left, or changed their wishes.
   std::size_t changes() const { return readers_.changes(); }
-  /// Returns how many samples that have passed a gate were sent to a group.
+  /// Returns the number of samples that have passed a gate and were sent to a group.
   std::size_t gated_by_group() const { return publisher_.gated_by_group(); }
 
  private:

@@ -16,13 +16,14 @@ namespace {
 
 using nlohmann::json;
 
-// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some more bytes.
+// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some more bytes. All
+// sizes are in bytes.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
-constexpr double header_bytes_max = 130;  // `header` contains a name
+constexpr double header_bytes_max = 130;  // larger, because `header` contains a name
 constexpr double idle_bytes_per_s_max = 300;
-constexpr double header_share_max = 0.06;          // the part of large messages: 58 of 1514 bytes
-constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 of its 48 bytes
+constexpr double header_share_max = 0.06;          // the share of headers in large messages: 58 of 1514 bytes
+constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and of each point 16 of its 48 bytes
 
 int failures = 0;
 
@@ -67,7 +68,7 @@ void check_roles(const json& run, bool recorded) {
   expect(run.at("subscribers").size() == remote.size() + 1, "not five subscribers");
   for (const auto& [name, fields] : remote) {
     const json& s = subscriber(run, name);
-    const bool still_learns = recorded && name == "localiser";  // it has seen too few clouds
+    const bool still_learns = recorded && name == "localiser";  // the localiser has received too few clouds
     expect(still_learns || s.at("fields") == fields, name + " asks for " + s.at("fields").dump());
     expect(s.at("transport") == "udp", name + " is not served by UDP");
   }
@@ -90,8 +91,8 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
   }
   const json localiser = subscriber(run, "localiser");
   const double large = localiser.at("wire_bytes_per_sample");
-  const double part = recorded ? 1 : localiser_share;  // a recorded localiser is still learning
-  // The link also carried the bytes of lost samples.
+  const double part = recorded ? 1 : localiser_share;  // a recorded localiser still receives whole clouds
+  // The link also carried the bytes of the samples that were lost.
   const double carried = 1 + localiser.at("lost").get<double>() / localiser.at("received").get<double>();
   expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,
          "wire_bytes_per_sample of localiser: " + std::to_string(large));

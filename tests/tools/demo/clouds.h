@@ -36,7 +36,7 @@ void append(Bytes& bytes, const T& value) {
 
 inline void append(Bytes& bytes, const Bytes& more) { bytes.insert(bytes.end(), more.begin(), more.end()); }
 
-/// Returns a cloud with one row of `points` points of 4 bytes.
+/// Returns a cloud with one row of `points` points, 4 bytes each.
 inline PointCloud2 small_cloud(std::uint32_t points = 3) {
   PointCloud2 cloud;
   cloud.header.stamp.sec = 7;
@@ -50,7 +50,7 @@ inline PointCloud2 small_cloud(std::uint32_t points = 3) {
   return cloud;
 }
 
-/// Returns the encapsulation and body of a message, as DDS would send them.
+/// Returns the encapsulation and the body of a message, in the form that DDS would send.
 template <class T>
 Bytes payload_of(const T& message) {
   Bytes payload;
@@ -59,7 +59,7 @@ Bytes payload_of(const T& message) {
   return payload;
 }
 
-/// Returns the cloud that was made from a file, as a struct.
+/// Returns the cloud of the input as a struct.
 inline PointCloud2 message_in(const InputCloud& cloud) {
   const std::span<const std::byte> body = std::span(cloud.payload).subspan(sft::detail::encapsulation_bytes);
   const FieldMask mask = cloud_type().full();

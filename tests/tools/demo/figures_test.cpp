@@ -65,7 +65,7 @@ SubscriberFigures detector() {
   return s;
 }
 
-/// Returns figures of a subscriber to all fields except height, of every tenth sample.
+/// Returns the figures of a subscriber that requests all fields except height, of every tenth sample.
 SubscriberFigures localiser() {
   SubscriberFigures s = health();
   s.name = "localiser";
@@ -100,7 +100,7 @@ std::string joined(const std::vector<std::string>& lines) {
   return text;
 }
 
-/// Returns the joined lines, so that a sentence that is broken into lines can be found.
+/// Returns the lines joined by spaces, so that tests can find a sentence that was broken into lines.
 std::string unwrapped(std::vector<std::string> lines) {
   std::string text;
   for (const std::string& line : lines) text += line + " ";
@@ -318,7 +318,7 @@ TEST(Table, HasALineForEachSubscriber) {
 
 TEST(Table, DoesNotPraiseSavingsThatAreNone) {
   SubscriberFigures s = health();
-  s.wire_bytes_per_sample = 6'542'152;  // headers cost more than the missing field saves
+  s.wire_bytes_per_sample = 6'542'152;  // the headers have more bytes than the missing field
   EXPECT_THAT(format_table(run_of({s}))[1], AllOf(HasSubstr("nothing"), Not(HasSubstr("%"))));
 }
 
@@ -374,7 +374,7 @@ TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
   EXPECT_THAT(unwrapped(lines), AllOf(HasSubstr("over loopback"), Not(HasSubstr("network interface"))));
 }
 
-/// Returns figures in which every text and number is as long as is reasonable.
+/// Returns figures in which every text and number is as long as can be expected.
 RunFigures long_run() {
   SubscriberFigures s = localiser();
   s.name = "dashboard";

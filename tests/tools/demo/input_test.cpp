@@ -1,4 +1,4 @@
-// Tests of the paths that --input may name.
+// Tests of the paths that --input accepts or refuses.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

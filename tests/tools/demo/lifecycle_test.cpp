@@ -1,4 +1,4 @@
-// Tests of the whole program. However it ends, it leaves nothing behind.
+// Tests of the whole program. The program leaves no files or processes behind, in whichever way it ends.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grp.h>
@@ -30,7 +30,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Clock = std::chrono::steady_clock;
 
-/// Runs sft_demo in a process of its own. All processes that it leaves behind become children of the test.
+/// Runs sft_demo in a process of its own. Processes that sft_demo leaves behind become children of the test.
 class RunningDemo {
  public:
   enum class On { pipe, terminal };
@@ -51,7 +51,8 @@ class RunningDemo {
     nothing_is_left();
   }
 
-  /// Reads standard output and standard error until the program has printed that text, or has ended.
+  /// Reads standard output and standard error until the program has printed the text or has ended. Returns
+  /// true if it has printed the text.
   bool prints(std::string_view expected) {
     const auto deadline = Clock::now() + 60s;
     while (text_.find(expected) == text_.npos) {
@@ -66,21 +67,22 @@ class RunningDemo {
     return true;
   }
   void send(int signal) const { kill(process_, signal); }
-  /// Lets the program publish something and then interrupts it, since a whole run takes longer. Returns the
-  /// exit code.
+  /// Waits until the program has published samples, and interrupts it, since a whole run takes longer.
+  /// Returns the exit code.
   int publish_and_stop() {
     if (prints("published; ")) send(SIGINT);
     return wait_for_end();
   }
-  /// Returns the exit code, or minus the signal that ended the program.
+  /// Waits for the end of the program. Returns its exit code, or minus the signal that ended it.
   int wait_for_end() {
-    prints(std::string(1, '\0'));  // the program never prints this: reads all output until its end
+    // Waits for a text that the program never prints, and so reads all output until the end.
+    prints(std::string(1, '\0'));
     int status = 0;
     while (waitpid(process_, &status, 0) < 0 && errno == EINTR) continue;
     process_ = -1;
     return WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
   }
-  /// Returns true if all processes that the program has started have ended, or end soon.
+  /// Returns true if all processes that the program has started have ended, or end within 15 s.
   static bool nothing_is_left() {
     for (const auto deadline = Clock::now() + 15s; Clock::now() < deadline;) {
       const pid_t gone = waitpid(-1, nullptr, WNOHANG);
@@ -142,7 +144,8 @@ TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// The contents of a terminal of 24 rows after the text was printed, and the longest line that it ever had.
+/// The content of a terminal of 24 rows after the text was printed to it, and the longest line that it had at
+/// any time.
 class Screen {
  public:
   explicit Screen(const std::string& text) {
@@ -216,7 +219,7 @@ TEST(Demo, StopsOnCtrlCWhileItWaits) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// An ordinary user gets separate hosts if user namespaces are allowed, and loopback otherwise.
+/// An ordinary user gets separate hosts if user namespaces are allowed. Otherwise the demo uses loopback.
 TEST(Demo, RunsForAnOrdinaryUserToo) {
   RunningDemo demo({"--seconds", "600"}, RunningDemo::On::pipe, RunningDemo::As::ordinary_user);
   const int code = demo.publish_and_stop();

@@ -1,6 +1,7 @@
 # cmake -D DEMO=program -D "ARGUMENTS=a;b" -D CHECK=program -D "EXPECTED=samples;bytes;requirement" -D OUTPUT=file.json
-#       [-D INPUT=path] -P run_demo.cmake
-# Runs the demo and checks its figures. If INPUT is not on this machine, it says so, and the test counts as skipped.
+# [-D INPUT=path] -P run_demo.cmake
+# Runs the demo and checks its figures. If INPUT is not on this machine, the script reports that, and the test counts as
+# skipped.
 if(DEFINED INPUT)
   if(NOT EXISTS "${INPUT}")
     message("SKIPPED: ${INPUT} is not on this machine")

@@ -1,4 +1,5 @@
-// The command as a whole: its arguments, how it ends, how it uses a terminal; and the verbs doctor and top.
+// The command as a whole: its arguments, its exit codes, and its use of a terminal. Also the verbs doctor and
+// top.
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -88,7 +89,7 @@ TEST_F(CommandTest, HelpTellsOfExitCodes) {
   }
 }
 
-/// Returns the lines without escape sequences and carriage returns.
+/// Returns the lines of `out` without escape sequences and carriage returns.
 std::vector<std::string> shown_lines(const std::string& out) {
   std::istringstream text(std::regex_replace(out, std::regex("\x1b\\[[0-9;]*m|\r"), ""));
   std::vector<std::string> lines;
@@ -157,7 +158,8 @@ TEST_F(CommandTest, CtrlCEndsWhatWaits) {
        {std::vector<std::string>{"ls", "--wait", "3600"},
         std::vector<std::string>{"echo", "nowhere", "--timeout", "3600"}}) {
     ToolProcess tool(arguments);
-    ASSERT_FALSE(eventually([&] { return false; }, 500ms));  // now it is waiting
+    // Waits 500 ms, after which the command is waiting, too.
+    ASSERT_FALSE(eventually([&] { return false; }, 500ms));
     tool.send(SIGINT);
     EXPECT_GE(tool.end().code, 0);
   }
@@ -194,7 +196,7 @@ TEST_F(CommandTest, TopWritesJsonForPrograms) {
   EXPECT_GT(pair["sent"], 100);
   EXPECT_GT(pair["bytes_saved"], 100'000);
   EXPECT_TRUE(pair["lost"].is_number());
-  EXPECT_EQ(run_tool({"top"}).code, 2);  // there is no terminal
+  EXPECT_EQ(run_tool({"top"}).code, 2);  // top needs a terminal
 }
 
 TEST_F(CommandTest, ColoursAreForTerminalsAndCanBeRuledOut) {
@@ -296,7 +298,7 @@ TEST_F(CommandTest, DoctorComparesWhatPublishersOfTheHostAnnounceWithTheLargestC
 
 TEST_F(CommandTest, WhyAndDoctorNameSamplesThatAreTooLargeForSharedMemoryAndSayWhatToDo) {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-  const ShmOfSize shm(400);  // whose largest chunk has 17 MiB
+  const ShmOfSize shm(400);  // its largest chunk has 17 MiB
   Node camera = open("camera", TransportChoice::automatic);
   Node viewer = open("viewer", TransportChoice::automatic);
   auto images = camera.publisher<PointCloud2>("images").value();

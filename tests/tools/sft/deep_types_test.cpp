@@ -1,5 +1,5 @@
-// Types as large and as deep as those of V2X are announced with their fields. Larger or deeper types can be
-// read only with their definitions, and measured without them.
+// Types as large and as deep as those of V2X are announced together with their fields. Samples of larger or
+// deeper types can be read only with their definitions, but can be measured without them.
 #include <filesystem>
 #include <fstream>
 #include <span>
@@ -13,8 +13,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* root_type = "deep_msgs/L1";
 
-/// A directory with the package deep_msgs, in which L1 nests L2, L2 nests L3, and so on. Each has `fields`
-/// fields of its own.
+/// A directory with the package deep_msgs, in which L1 nests L2, L2 nests L3, and so on. Each of these types
+/// has `fields` fields of its own.
 class Definitions {
  public:
   Definitions(int levels, int fields) {
@@ -39,7 +39,7 @@ class Definitions {
   const fs::path root_ = fs::temp_directory_path() / ("sft_deep_" + std::to_string(getpid()));
 };
 
-/// Returns a value of such a type as JSON, with a word in its innermost struct.
+/// Returns a value of the outermost type as JSON, with a word in its innermost struct.
 std::string nested_word(int levels, const std::string& word) {
   std::string json = R"({"word":")" + word + R"("})";
   for (int level = 1; level < levels; ++level) json = R"({"inner":[)" + json + "]}";

@@ -1,4 +1,4 @@
-// The verb echo, in all formats.
+// The verb echo in all formats.
 #include <diagnostic_msgs/msg/DiagnosticArray.hpp>
 #include <nav_msgs/msg/Odometry.hpp>
 #include <sensor_msgs/msg/LaserScan.hpp>
@@ -16,7 +16,8 @@ constexpr const char* some_fields = "header.frame_id, width, fields[].name";
 
 class EchoTest : public ToolTest {
  protected:
-  /// Publishes a message and keeps the publisher, so that each late subscriber gets the message.
+  /// Publishes a message and returns its publisher. While the publisher exists, each late subscriber gets the
+  /// message.
   template <class T>
   static Publisher<T> keep(Node& node, const char* topic, const T& message) {
     auto publisher = node.publisher<T>(topic, {.durability = transient_local}).value();

@@ -1,4 +1,4 @@
-// The verbs ls, info, type and why show the endpoints of a domain.
+// The verbs ls, info, type and why, which show the endpoints of a domain.
 #include <fstream>
 #include <iomanip>
 #include <iterator>
@@ -18,7 +18,7 @@ using nav_msgs::msg::Odometry;
 
 class LookTest : public ToolTest {
  protected:
-  /// Returns the id as `sft why` writes it.
+  /// Returns the id in the form in which `sft why` prints it.
   static std::string id_of(const PublisherStatus::Reader& reader) {
     std::ostringstream id;
     id << std::hex << std::setfill('0') << std::setw(16) << reader.id;
@@ -165,7 +165,7 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
               HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
 }
 
-// The reader requests two numbers of four bytes each, of a cloud of 6 MB.
+// The reader requests two numbers of four bytes each from a cloud of 6 MB.
 TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
   PointCloud2 large = cloud();
   large.data.resize(6'000'000);
@@ -206,7 +206,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
                                             "    lost       0 samples; 10 received\n"));
 }
 
-/// Nothing is lost as far as the subscriber knows.
+/// The subscriber does not know that samples are lost.
 TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
   const Publishing publishing(points, cloud());
   Ended why;
@@ -223,7 +223,8 @@ TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
 
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
   std::string text;
-  EXPECT_TRUE(eventually([&] {  // the command may end before it knows both
+  // Repeats the command, because the command may end before it knows both endpoints.
+  EXPECT_TRUE(eventually([&] {
     text = run_tool({"why", "points", "--wait", "0"}).out;
     return text.find("lidar -> logger") != std::string::npos;
   }));

@@ -1,4 +1,4 @@
-// What the verbs hz, bw and delay measure.
+// The measurements of the verbs hz, bw and delay.
 #include <sstream>
 
 #include "tests/tools/sft/tool_fixture.h"
@@ -8,7 +8,7 @@ namespace {
 
 class MeasureTest : public ToolTest {
  protected:
-  /// Returns the last line that the command prints, as JSON.
+  /// Runs the command. Returns the last line that it prints, as JSON.
   static Json measured(std::vector<std::string> arguments) {
     arguments.insert(arguments.end(), {"--json", "--for", "3.5"});
     const Ended ended = run_tool(std::move(arguments));

@@ -1,4 +1,4 @@
-// Two nodes with the same name in two namespaces, and rules for their topics, as sft shows them.
+// The command sft shows two nodes with the same name in two namespaces, and rules for their topics.
 #include <cstdlib>
 #include <mutex>
 #include <vector>

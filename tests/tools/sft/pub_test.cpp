@@ -1,4 +1,4 @@
-// The verb pub: it publishes messages that are given as text.
+// The verb pub. It publishes messages that are given as text.
 #include <csignal>
 #include <filesystem>
 #include <fstream>
@@ -26,7 +26,7 @@ class PubTest : public ToolTest {
     subscriber.wait(10s);
     return subscriber.take();
   }
-  /// Returns the next `count` numbers; fewer if no more come.
+  /// Waits for the next `count` numbers and returns them. Returns fewer if no more arrive.
   template <class S>
   static std::vector<std::uint32_t> next(S& subscriber, std::size_t count) {
     std::vector<std::uint32_t> numbers;
@@ -249,7 +249,7 @@ TEST_F(PubTest, AfterAKillTheNextOneIsHeard) {
 class PubEveryType : public RandomTest {};
 
 /// The node of the test announces the types that are not installed with SFT. Many commands run at the same
-/// time, since each waits most of its time.
+/// time, because each of them mostly waits.
 TEST_F(PubEveryType, IsEchoedAsItWasWritten) {
   constexpr std::size_t at_once = 16;
   Node node = Node::open({.name = "everything", .transport = TransportChoice::udp}).value();

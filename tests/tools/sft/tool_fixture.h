@@ -1,4 +1,4 @@
-// A robot that tests examine with the command sft.
+// A robot that the tests examine with the command sft.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -39,7 +39,7 @@ class ToolTest : public ::testing::Test {
   Node robot = open("lidar");
 };
 
-/// Publishes the same message periodically during its lifetime.
+/// Publishes one message periodically until it is destroyed.
 template <class T>
 class Publishing {
  public:

@@ -53,7 +53,7 @@ ToolProcess::ToolProcess(std::vector<std::string> arguments, On on) {
   if (posix_spawn(&process_, pointers[0], &actions, nullptr, pointers.data(), environ) != 0) process_ = -1;
   posix_spawn_file_actions_destroy(&actions);
   if (on == On::terminal) {
-    other_end_ = out[1];  // if no process had it open, the terminal would lose its settings
+    other_end_ = out[1];  // Stays open, because a terminal loses its settings when no process has it open.
   } else {
     close(out[1]);
     close(in[0]);
@@ -77,7 +77,7 @@ ToolProcess::~ToolProcess() {
 
 bool ToolProcess::read_some() {
   std::array<pollfd, 2> readable{{{out_, POLLIN, 0}, {err_, POLLIN, 0}}};
-  // The terminal stays open after the program has ended, and has everything that was printed by then.
+  // The terminal stays open after the program has ended. By then it has everything that the program printed.
   const bool may_end = err_ < 0 && out_ == terminal_;
   if (poll(readable.data(), readable.size(), may_end ? 0 : 60'000) <= 0) return false;
   std::array<char, 65536> part{};

@@ -11,40 +11,41 @@
 namespace sft::test {
 
 struct Ended {
-  int code = -1;  ///< exit code, or minus the signal that ended the process
+  int code = -1;  ///< the exit code, or minus the signal that ended the process
   std::string out;
   std::string err;
 };
 
 class ToolProcess {
  public:
-  /// The standard input and output of the command: pipes, a terminal of 80 x 24, or pipes with a full disk
-  /// as standard output.
+  /// The standard input and output of the command: pipes, a terminal of 80 x 24, or pipes with a full disk in
+  /// place of the standard output.
   enum class On { pipes, terminal, full_disk };
   explicit ToolProcess(std::vector<std::string> arguments, On on = On::pipes);
   ~ToolProcess();
   ToolProcess(const ToolProcess&) = delete;
   ToolProcess& operator=(const ToolProcess&) = delete;
 
-  /// Reads until the command has printed that text to its standard output; false if it ended before.
+  /// Reads until the command has printed the text to its standard output. Returns false if the command ended
+  /// before.
   bool prints(std::string_view expected);
   void press(std::string_view keys) const;
-  /// Writes to its standard input, which must not be a terminal. Returns when the command has read nearly
-  /// all of it, or has ended.
+  /// Writes to the standard input of the command, which must not be a terminal. Returns when the command has
+  /// read nearly all of the text, or has ended.
   void feed(std::string_view text) const;
   void end_input();
   void send(int signal) const;
   void close_output();
   Ended end();
   const std::string& out() const { return ended_.out; }
-  /// Returns true if the terminal echoes.
+  /// Returns true if the terminal echoes input.
   bool echoes() const;
 
  private:
   bool read_some();
 
   pid_t process_ = -1;
-  int in_ = -1;  ///< not used if standard input is a terminal
+  int in_ = -1;  ///< the command's input; not used if standard input is a terminal
   int out_ = -1;
   int err_ = -1;
   int terminal_ = -1;   ///< the user's end of the terminal
@@ -52,7 +53,7 @@ class ToolProcess {
   Ended ended_;
 };
 
-/// Runs the command until it ends by itself. `input` is all of its standard input.
+/// Runs the command until it ends by itself. `input` is its whole standard input.
 Ended run_tool(std::vector<std::string> arguments, std::string_view input = {});
 
 }  // namespace sft::test

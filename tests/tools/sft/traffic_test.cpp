@@ -1,4 +1,4 @@
-// The rates that `sft top` shows are computed from the two last reports of each publisher.
+// The rates that `sft top` shows. They are computed from the last two reports of each publisher.
 #include "tools/sft/traffic.h"
 
 #include <gtest/gtest.h>
@@ -16,7 +16,8 @@ constexpr std::uint64_t lidar = 7, camera = 8;
 
 class TrafficTest : public testing::Test {
  protected:
-  /// Makes the publisher's node report its progress. The reports of other publishers stay unchanged.
+  /// Makes the publisher's node report the publisher's progress. The reports of other publishers stay
+  /// unchanged.
   void report(std::uint64_t publisher, std::uint64_t samples, std::uint64_t bytes) {
     const auto known = std::ranges::find(domain.publishers, publisher, &DomainSnapshot::Endpoint::id);
     DomainSnapshot::Endpoint& endpoint =
@@ -24,7 +25,7 @@ class TrafficTest : public testing::Test {
     endpoint.id = publisher;
     endpoint.progress = DomainSnapshot::Progress{samples, bytes};
   }
-  /// Lets time pass. The tool checks every 100 ms.
+  /// Advances the time. The tool checks every 100 ms.
   void pass(std::chrono::milliseconds time) {
     for (const auto end = now + time; now < end;) traffic.note(domain, now += 100ms);
   }

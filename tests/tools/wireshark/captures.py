@@ -25,7 +25,7 @@ def write_pcap(path, payloads):
 
 
 def run_tshark(path, arguments):
-    """Returns the output of tshark for a capture. As root, runs it as nobody: Wireshark 4.4 runs no Lua as root."""
+    """Returns tshark's output for a capture. If root runs this, tshark runs as nobody: 4.4 runs no Lua as root."""
     nobody = 65534
     account = {"user": nobody, "group": nobody, "extra_groups": []} if os.geteuid() == 0 else {}
     with tempfile.TemporaryDirectory() as folder:
@@ -41,8 +41,9 @@ def run_tshark(path, arguments):
 
 
 def dissect(path, fields, decode_as=False, preferences=()):
-    """Returns for each datagram the values of these fields. Several values of one field are joined by commas."""
-    # The system may assign ports that are registered for other protocols. So the contents of a datagram decide first.
+    """Returns the values of these fields for each datagram. Several values of one field are joined by commas."""
+    # The system may assign ports that are registered for other protocols. So Wireshark tries its heuristics on the
+    # content of a datagram first.
     arguments = ["-T", "fields", "-E", "separator=|"]
     for preference in ("udp.try_heuristic_first:TRUE", *preferences):
         arguments += ["-o", preference]
@@ -63,7 +64,7 @@ NARROW_MASK = 0x20
 
 
 def mask_bytes(mask):
-    """Returns a mask as a header has it, and the flag that says how long it is."""
+    """Returns a mask as bytes of a header, and the flag for the length of these bytes."""
     return (struct.pack("<H", mask), NARROW_MASK) if mask < 1 << 16 else (struct.pack("<Q", mask), 0)
 
 
@@ -74,7 +75,7 @@ def first(body=b"body", flags=0, total=None, mask=0x87, marks=b""):
 
 
 def whole(body=b"body", flags=0, variant=3, channel=5, ordinal=12, stamp=STAMP, mask=0x87):
-    """Returns a whole datagram. `flags` are the two lower bits of the place."""
+    """Returns a whole datagram. `flags` are the two lower bits of the field `place`."""
     packed_mask, width = mask_bytes(mask)
     place = VERSION | 10 | flags << 8 | bool(width) << 10 | variant << 11 | channel << 21
     return struct.pack("<IIIIq", place, 0x04030201, 9, ordinal, stamp) + packed_mask + body

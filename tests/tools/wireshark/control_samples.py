@@ -22,7 +22,7 @@ def short_text(text):
 
 
 class Body:
-    """The bytes of a record's body: numbers are little-endian, without padding between them."""
+    """The bytes of a record's body. Numbers are little-endian, without padding between them."""
 
     def __init__(self):
         self.bytes = b""
@@ -56,7 +56,7 @@ def part(leaf, rows=None, columns=None, channels=(), rule=0):
     return out
 
 
-NOTHING = b"\x01\x00"  # the number of a `changed` without a deadband
+NOTHING = b"\x01\x00"  # the number in a `changed` without a deadband
 
 
 def real(number):
@@ -76,7 +76,7 @@ def joined(word, *conditions):
 
 
 def selection(leaves, parts=(), conditions=(), rate=0):
-    """Returns a selection as bytes. `conditions`: each condition, before those in it; some may be joined already."""
+    """Returns a selection as bytes. In `conditions` each condition precedes those in it; an item may have several."""
     mask = sum(1 << leaf for leaf in leaves)
     mask = mask.to_bytes((mask.bit_length() + 7) // 8, "little")
     out = bytes([bool(parts) | 2 * bool(conditions) | 4 * bool(rate)]) + leb(len(mask)) + mask
@@ -154,7 +154,7 @@ def member(name, kind=11, shape=0, struct_number=None, attributes=b""):
 
 
 def description(*structs, enumerations=()):
-    """Returns a type description. Structs are lists of members; the last one is the type. Enumerations are names."""
+    """Returns a type description. A struct is a list of members; the last one is the type. Enumerations are names."""
     out = b"\x01" + leb(len(enumerations))
     for names in enumerations:
         out += short_text("pkg::msg::E") + b"\x00" + leb(len(names))
@@ -197,12 +197,12 @@ def announcement(topic):
 
 
 def sample(topic, *payloads, **more):
-    """Returns a datagram with these samples and a heartbeat behind them."""
+    """Returns a datagram with these samples and, behind them, a heartbeat."""
     return rtps(*(data(payload, ENTITIES[topic], **more) for payload in payloads), HEARTBEAT)
 
 
 def fragments(topic, payload, size):
-    """Returns datagrams with a sample in fragments of `size` bytes, with a heartbeat behind them."""
+    """Returns datagrams with a sample in fragments of `size` bytes. A heartbeat follows the last fragment."""
     data, out = b"\0\1\0\0" + payload, []
     for number, at in enumerate(range(0, len(data), size), 1):
         head = struct.pack("<HH", 0, 28) + struct.pack(">II", 0, ENTITIES[topic]) + struct.pack("<iI", 0, 1)

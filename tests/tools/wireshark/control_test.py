@@ -35,7 +35,7 @@ class ControlTest(unittest.TestCase):
         return rows
 
     def read_requests(self, wants, fields, before=(), leaves=(0, 1, 8), more=()):
-        """Returns for each of these wants how the dissector shows a request with it."""
+        """Returns the fields that the dissector shows for requests. There is one request for each item of `wants`."""
         samples = [request(READER, leaves, wants=bytes_of) for bytes_of in wants]
         rows = self.read([announcement("sft_reader"), *before, *(sample("sft_reader", one) for one in samples), *more],
                          ["sft_control.malformed", *fields])
@@ -102,7 +102,7 @@ class ControlTest(unittest.TestCase):
                 self.assertEqual(row["sft_control.request.selection"], "leaves 0 @ " + text)
 
     def test_shows_the_words_between_conditions(self):
-        # Conditions that `and` or `or` form count, too.
+        # Conditions that `and` or `or` forms out of others count, too.
         less, more = condition(2, [0], real(3.25)), condition(2, [0], real(4.5), comparison=2)
         for tree, count, text in [(joined("and", less, more), 3, "leaf 0 < 3.25 and leaf 0 > 4.5"),
                                   (joined("or", joined("and", less, every(2)), more), 5,
@@ -311,7 +311,7 @@ class ControlTest(unittest.TestCase):
         self.assertEqual(version_in("tools/wireshark/sft.lua", r"control_version = (\d+)\n"), version)
         self.assertEqual(str(VERSION), version)
 
-    # Datagrams, with and without requests in the capture.
+    # Datagrams of captures with and without their requests.
 
     def read_mask(self, datagram, before=()):
         """Returns the meaning of the mask, its leaves, the request, and the frame of the request."""

@@ -17,8 +17,8 @@ import captures
 
 DEMO = sys.argv.pop()
 PUBLISHER = "10.77.0.5"
-UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # SFT's datagrams never have IP fragments; those of Cyclone DDS may
-DATAGRAMS = 10000  # limit of the capture: enough for the negotiation and two clouds
+UNFRAGMENTED = "udp and ip[6:2] & 0x3fff = 0"  # SFT's datagrams are never fragmented by IP; those of Cyclone DDS may be
+DATAGRAMS = 10000  # the limit of the capture: enough for the negotiation and two clouds
 
 
 def networks_of(process):
@@ -52,14 +52,13 @@ class DemoTest(unittest.TestCase):
 
     def capture(self, folder):
         pcap = folder / "demo.pcapng"
-        # With a run of this length, the demo starts as soon as discovery is quiet, without a period that measures idle
-        # traffic.
+        # In a run of this length, the demo does not measure idle traffic. It starts as soon as discovery is quiet.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
             subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,
                             "-B", "64", "-c", str(DATAGRAMS), "-a", "duration:20", "-w", str(pcap)],
                            check=True, capture_output=True, timeout=30)
-            demo.kill()  # then the kernel ends its hosts, too
+            demo.kill()  # the kernel then ends the demo's hosts, too
         return pcap
 
     def test_dissects_every_datagram(self):

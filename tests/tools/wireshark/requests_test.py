@@ -13,7 +13,7 @@ import captures
 SFT = sys.argv.pop()
 MESSAGE = "{ranges: [1, 2, 3, 4, 5, 6, 7, 8, 9, 10], range_max: 2.5}"
 SHAPE = "angle_min, angle_max, angle_increment, time_increment, "
-# The selections of subscribers, and how the dissector shows them: with the fields that describe a part.
+# The selections of subscribers, and the text that the dissector shows for each: a part with the fields that it needs.
 SELECTIONS = {
     "range_max": "range_max",
     "ranges[::4]": SHAPE + "ranges[::4]",
@@ -22,7 +22,7 @@ SELECTIONS = {
     "ranges[5:] @ changed(range_max) or every 2nd at most 40 Hz":
         SHAPE + "ranges[5:] @ changed(range_max) or every 2nd",
 }
-WITHOUT_MEMORY = {**os.environ, "SFT_DAEMON": "/nonexistent"}  # all samples come as datagrams
+WITHOUT_MEMORY = {**os.environ, "SFT_DAEMON": "/nonexistent"}  # makes all samples be sent as datagrams
 
 
 class RequestsTest(unittest.TestCase):

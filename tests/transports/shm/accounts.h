@@ -1,5 +1,5 @@
-// The fixture for tests with programs of several users on one host. It provides their groups, and the
-// daemons that they start.
+// The fixture for tests with programs of several users on one host: the users' groups, and daemons of these
+// users.
 #pragma once
 
 #include <signal.h>
@@ -19,13 +19,13 @@ namespace sft::test {
 
 constexpr gid_t writers_group = 70'100;
 constexpr gid_t readers_group = 70'101;
-// These users are in the groups only because their processes get the groups. No file lists them.
+// Only the processes of these users have the groups. No file lists the users as members.
 inline const Identity a_writer{70'001, 70'001, {writers_group}};
 inline const Identity a_reader{70'002, 70'002, {readers_group}};
 inline const Identity another_account{70'003, 70'003, {}};
 inline const Identity nobody{65'534, 65'534, {}};
 
-/// Mounts another /run for the test, in which the directory /run/sft belongs to the user.
+/// Mounts another /run for the test. In it the directory /run/sft belongs to the user.
 class RunDirectory {
  public:
   explicit RunDirectory(uid_t user) {
@@ -38,8 +38,8 @@ class RunDirectory {
   RunDirectory& operator=(const RunDirectory&) = delete;
 };
 
-/// A daemon that the test ends as a service manager does, so that its files are not in the way of another
-/// user's daemon.
+/// A daemon that the test ends in an orderly way, as a service manager does. So the daemon leaves no files
+/// that would disturb another user's daemon.
 class RunningSftd : public Process {
  public:
   using Process::Process;
@@ -50,7 +50,8 @@ class RunningSftd : public Process {
   }
 };
 
-/// Returns true if the test can start processes of other users. It cannot in a user namespace of its own.
+/// Returns true if the test can start processes of other users. In a user namespace of its own a test cannot
+/// do that.
 inline bool other_users_exist() {
   if (geteuid() != 0) return false;
   unsigned first = 0;
@@ -61,8 +62,8 @@ inline bool other_users_exist() {
          count > another_account.user;
 }
 
-/// A test with its own /etc/group, which has the groups, and with the programs in a place where every user
-/// may run them.
+/// A test with its own /etc/group, which has the groups. The programs are in a directory where every user may
+/// run them.
 class AccountsTest : public ShmTest {
  protected:
   void SetUp() override {

@@ -1,4 +1,4 @@
-// A reader in shared memory keeps its counts while writers come and go.
+// A reader in shared memory keeps its counts when writers are closed and others are opened.
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {
@@ -8,7 +8,7 @@ using core::SampleHandle;
 
 class ShmCounts : public ShmNodeTest {};
 
-// If the counts of a subscriber shrank, its next event would be missing.
+// If the counts of a subscriber decreased, its next event would be missing.
 TEST_F(ShmCounts, StayWhenTheirWriterGoes) {
   Node other(no_daemon_and_held_at_most(2));
   ASSERT_TRUE(other.becomes_ready()) << other->description();

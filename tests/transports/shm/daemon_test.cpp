@@ -1,5 +1,5 @@
-// The life of sftd: only one runs on a host, it starts and ends when it should, and it says why it cannot
-// start.
+// The life of sftd. Only one daemon runs on a host. The daemon starts and ends when it should, and reports
+// the reason if it cannot start.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/wait.h>
@@ -40,7 +40,7 @@ class Listener {
     die();
     unlink(path_.c_str());
   }
-  /// Closes the socket and leaves its file, as if its process was killed.
+  /// Closes the socket but leaves its file, as if the listening process was killed.
   void die() {
     if (socket_ >= 0) close(socket_);
     socket_ = -1;
@@ -80,7 +80,8 @@ TEST_F(Sftd, IsFoundByLaterNodesUnderTheSameToken) {
 }
 
 TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
-  const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);  // open, since O_CLOEXEC is missing
+  // Inherited by programs that are started, since O_CLOEXEC is missing.
+  const int leaky = open("/tmp/of_the_program", O_RDWR | O_CREAT, 0600);
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   EXPECT_FALSE(has(open_files(daemon_pid()), "/tmp/of_the_program"));
@@ -88,7 +89,7 @@ TEST_F(Sftd, InheritsNothingFromTheProgramThatStartsIt) {
   close(leaky);
 }
 
-/// Starts a program through the shell, with these limits.
+/// Starts a program through the shell. `limits` are commands that set the limits of resources first.
 Process with_limits(const std::string& limits, const std::vector<std::string>& command) {
   std::vector<std::string> words{"/bin/sh", "-c", limits + R"(; exec "$@")", "sh"};
   words.insert(words.end(), command.begin(), command.end());
@@ -105,12 +106,13 @@ TEST_F(Sftd, HasItsOwnLimitsWhateverThoseOfTheProgramThatStartsItAre) {
     std::string max, name, what, soft, hard;
     words >> max >> name >> what >> soft >> hard;
     if (name != "open" && name != "cpu")
-      continue;  // "Max open files 64 1024 files", "Max cpu time 9 9 seconds"
+      // Skips other limits; the lines are "Max open files 64 1024 files" and "Max cpu time 9 9 seconds".
+      continue;
     EXPECT_EQ(soft, hard) << line;
   }
 }
 
-/// Runs sftd in a mount namespace of its own, after these commands.
+/// Runs the shell commands and then sftd in a mount namespace of their own. Returns the output.
 std::string output_after(const std::string& commands) {
   Process daemon({"/usr/bin/unshare", "--mount", "sh", "-ec", commands + R"(; exec "$@")", "sh", sftd_path(),
                   "--foreground", "--pool-mib=16"});
@@ -151,7 +153,7 @@ TEST_F(Sftd, OfConcurrentStartsExactlyOneSurvives) {
   EXPECT_TRUE(node.becomes_ready()) << node->description();
 }
 
-/// Returns the process ids of the daemons on this host.
+/// Returns the process ids of all daemons on this host, as text.
 std::vector<std::string> daemons() {
   std::vector<std::string> found;
   for (const std::string& name : names_in("/proc")) {
@@ -162,20 +164,20 @@ std::vector<std::string> daemons() {
   return found;
 }
 
-// Each daemon that starts fills its memory with zeros, which takes the machine some time. So only longer
-// runs use thirty nodes.
+// Each daemon that starts fills its memory with zeros, which takes some time. So only longer runs start
+// thirty nodes.
 TEST_F(Sftd, RunsOnceIfManyNodesStartItAtOnce) {
   const ShmOfSize small(128);
   const std::uint64_t nodes = std::min<std::uint64_t>(test_rounds(8), 30);
   std::vector<Process> peers;
   for (std::uint64_t i = 0; i < nodes; ++i) peers.push_back(start_peer({"attend"}));
   for (Process& peer : peers) EXPECT_EQ(peer.line(70s), "ready");
-  // Daemons that came too late end as soon as they find the first one.
+  // The other daemons end as soon as they find the first one.
   EXPECT_TRUE(eventually([] { return daemons().size() == 1; })) << daemons().size();
   EXPECT_EQ(daemons(), std::vector<std::string>{std::to_string(daemon_pid())});
 }
 
-/// Returns the kernel's flags for the process's mappings of files with this name.
+/// Returns the kernel's flags for all mappings of files with this name in the process.
 std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   std::vector<std::string> flags;
   bool of_file = false;
@@ -183,7 +185,8 @@ std::vector<std::string> mapping_flags(pid_t pid, const std::string& file) {
   for (std::string line; std::getline(smaps, line);) {
     const bool is_mapping = !line.empty() && std::isupper(static_cast<unsigned char>(line[0])) == 0;
     if (is_mapping)
-      of_file = contains(line, file);  // the lines that follow have keys and describe this mapping
+      // The following lines begin with a capital letter and describe this mapping.
+      of_file = contains(line, file);
     if (of_file && line.starts_with("VmFlags:")) flags.push_back(line + " ");
   }
   return flags;
@@ -202,7 +205,7 @@ TEST_F(Sftd, ItsMemoryIsInNobodysCoreDump) {
 TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
   const ShmOfSize small(256);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
-  ASSERT_EQ(daemon.line(), "sftd: ready");  // no warning was written before this line
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // the first line, so no warning was written
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -214,7 +217,7 @@ TEST_F(Sftd, LendsSamplesOf16MiBWhere256MiBAreShared) {
 TEST_F(Sftd, LendsSamplesOf64MiBWhere1200MiBAreShared) {
   const ShmOfSize host(1200);
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
-  ASSERT_EQ(daemon.line(), "sftd: ready");  // no warning was written before this line
+  ASSERT_EQ(daemon.line(), "sftd: ready");  // the first line, so no warning was written
   Node node(no_daemon());
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   Writer writer(node, 1);
@@ -409,7 +412,7 @@ TEST_F(Sftd, ThatANodeStartedEndsAfterFiveMinutesWithoutProgramsIfNothingElseIsS
   EXPECT_TRUE(contains(status.all_output(), "idle exit after 300 s"));
 }
 
-/// Registers a process with this name, as any program of sftd's group can.
+/// Registers a process with this name at sftd, as any program of sftd's group can.
 void register_with_sftd(const std::string& name) {
   const int socket = ::socket(AF_UNIX, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   const sockaddr_un address = shm::socket_address(shm::roudi_socket_path);
@@ -448,7 +451,8 @@ TEST_F(Sftd, StartsAfreshWithItsProgramsAfterSomebodyRemovedItsFiles) {
     const core::HostToken before = node->host_token();
     for (const std::string& name : names_in(directory)) {
       const std::string path = std::string(directory) + "/" + name;
-      if (!std::filesystem::is_directory(path)) unlink(path.c_str());  // a directory may contain the programs
+      // Skips directories, which may contain the programs.
+      if (!std::filesystem::is_directory(path)) unlink(path.c_str());
     }
     ASSERT_TRUE(eventually([&] {
       return node.poll() == Availability::ready && !(node->host_token() == before);
@@ -476,7 +480,7 @@ TEST_F(NodeWithoutDaemon, NamesAMissingProgram) {
   EXPECT_TRUE(contains(node->description(), "/nowhere/sftd")) << node->description();
 }
 
-/// Returns options with a program in the place of sftd that never becomes a daemon.
+/// Returns options under which a node starts, in place of sftd, a program that never becomes a daemon.
 shm::ShmOptions endless_start() {
   std::ofstream("/tmp/endless") << "#!/bin/sh\nexec sleep 1000\n";
   std::filesystem::permissions("/tmp/endless", std::filesystem::perms::owner_all);

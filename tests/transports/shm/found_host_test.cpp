@@ -1,4 +1,5 @@
-// How a process finds the daemon: by the host file, by the lock in /tmp, and by its socket.
+// A process finds the daemon in three ways: by the host file, by the lock in /tmp, and by the daemon's
+// socket.
 #include <gtest/gtest.h>
 #include <unistd.h>
 

@@ -1,5 +1,5 @@
 // The doorbells of programs that start while /dev/shm is full. Other programs of the same account can ring
-// them nevertheless, so that shared memory can be used as soon as there is space.
+// these doorbells nevertheless, so shared memory can be used as soon as there is space.
 #include <fcntl.h>
 #include <unistd.h>
 

@@ -20,7 +20,8 @@ constexpr std::uint32_t megabyte = 1'000'000;
 
 class Kill : public ShmNodeTest {
  protected:
-  Kill() : ShmNodeTest(1024) {}  // the chunks of dead programs are missing until sftd has noticed their death
+  // Leaves room for the chunks of dead programs, which are missing until sftd has noticed the deaths.
+  Kill() : ShmNodeTest(1024) {}
 };
 
 TEST_F(Kill, OfAWriterInATightLoopBlocksNobody) {
@@ -57,8 +58,8 @@ TEST_F(Kill, OfAReaderInATightLoopCostsAtMostTheChunkThatItWasTakingUntilTheWrit
     peer.kill();
     ASSERT_EQ(writer->send_frame(megabyte), SendStatus::sent) << round;
   }
-  // The writer keeps one chunk. iceoryx loses a chunk if a reader dies between taking it from the queue and
-  // recording it. Here that happens about once in a thousand kills.
+  // One chunk stays in use by the writer. iceoryx loses a chunk if a reader dies after it has taken the chunk
+  // from the queue and before it has recorded the chunk. Here that happens about once in a thousand kills.
   EXPECT_TRUE(chunks.comes_to(before - 1 - rounds)) << "more than one chunk per kill is lost";
   writer.reset();
   EXPECT_TRUE(chunks.comes_to(before));

@@ -1,4 +1,4 @@
-// A shared library with SFT in it, which a program loads at run time.
+// A shared library that contains SFT. A program loads the library at run time.
 #include <chrono>
 #include <string>
 
@@ -9,7 +9,7 @@ extern "C" {
 
 bool functions_are_replaced() { return sft::shm::functions_are_replaced(); }
 
-/// Returns why shared memory cannot be used. Starts no daemon.
+/// Returns the reason why shared memory cannot be used. Starts no daemon.
 const char* shared_memory() {
   static std::string text;
   sft::shm::ShmOptions options;
@@ -21,4 +21,4 @@ const char* shared_memory() {
   return text.c_str();
 }
 
-}  // extern "C"
+}  // end of extern "C"

@@ -1,5 +1,5 @@
-// Programs that load SFT at run time: whether iceoryx then calls the functions that SFT replaces. Each case
-// is a process of its own, because libraries stay loaded.
+// Programs that load SFT at run time. The tests check if iceoryx then calls the functions that SFT replaces.
+// Each case is a process of its own, because libraries stay loaded.
 #include <dlfcn.h>
 #include <gtest/gtest.h>
 
@@ -16,8 +16,8 @@ void* load(const char* file) {
   return library;
 }
 
-/// Loads SFT, and ends the process with 0 if iceoryx calls SFT's functions. Otherwise prints what SFT
-/// reports about shared memory, and ends the process with 1.
+/// Loads SFT, and ends the process with 0 if iceoryx calls the functions of SFT. Otherwise prints SFT's
+/// report about shared memory, and ends the process with 1.
 [[noreturn]] void load_sft() {
   void* const module = load(LATE_MODULE);
   if (module == nullptr) std::_Exit(2);

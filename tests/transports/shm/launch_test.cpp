@@ -1,5 +1,5 @@
-// The times at which a node tries again to start sftd. The tests pass in the time. The programs that the
-// node starts here are not sftd, and end at once.
+// The times at which a node tries again to start sftd. The tests set the time. The programs that the node
+// starts here are not sftd, and end at once.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/stat.h>
@@ -21,7 +21,8 @@ class LaunchTest : public ShmTest {
     options.daemon_path = program;
     return options;
   }
-  /// Returns options with a program that ends with an error, because it does not know the options of sftd.
+  /// Returns options with a program that ends with an error, because the program does not accept the options
+  /// of sftd.
   static shm::ShmOptions refusing() { return options("/bin/cat"); }
   static bool fails(Node& node, Clock::time_point at) {
     return eventually([&] { return node->poll(at) == Availability::unavailable; });

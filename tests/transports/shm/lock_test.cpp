@@ -1,4 +1,4 @@
-// The lock of a port while the daemon holds it because it was stopped or killed while it changed
+// The lock of a port while the daemon holds it: the daemon was stopped or killed while it changed
 // connections.
 #include <thread>
 
@@ -53,7 +53,7 @@ TEST_F(HeldLock, CostsAWriterItsSampleAndDoesNotBlockIt) {
   }
 }
 
-// Each send begins while the lock is held. The sample may be dropped only if the holder of the lock did not
+// Each send begins while the lock is held. The sample may be dropped only if the thread with the lock did not
 // get the processor for longer than a writer waits.
 TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   constexpr auto shortest_wait = 1ms;
@@ -80,14 +80,14 @@ TEST_F(HeldLock, IsWaitedForWhileItIsHeldForMicroseconds) {
   EXPECT_GT(waited, 30);
 }
 
-// The writer of the queue is alive, so the daemon does not open the lock.
+// The writer of the queue still runs, so the daemon does not open the lock.
 TEST_F(HeldLock, IsOnlyLookedAtByAReaderThatGivesItsPortBack) {
   auto* port = session_->create_subscriber(1, 1, {hang_timeout, hang_timeout}).value();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == publisher_; }));
   iox::popo::SubscriberPortUser(port).unsubscribe();
   ASSERT_TRUE(eventually([&] { return session_->feeder_of(*port) == nullptr; }));
   ASSERT_EQ(port->m_subscriptionState.load(), iox::SubscribeState::NOT_SUBSCRIBED);
-  port->m_chunkReceiverData.lock();  // the lock is recursive, so this thread could take it again
+  port->m_chunkReceiverData.lock();  // the lock is recursive, so this thread could take the lock again
   session_->retire(port);
   session_->collect();
   EXPECT_FALSE(port->m_toBeDestroyed);

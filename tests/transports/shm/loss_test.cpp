@@ -1,4 +1,4 @@
-// The daemon dies, stops or comes back, and nodes and ports are closed while samples are held.
+// The daemon dies, is stopped or is restarted, and nodes and ports are closed, while samples are held.
 #include <signal.h>
 
 #include <fstream>
@@ -144,7 +144,7 @@ TEST_F(Loss, OfTheDaemonLeavesTheOldestSamplesToBeTakenOnceOthersAreGivenBack) {
   EXPECT_EQ(sequence_of((*port)->take()), 4U);
 }
 
-/// Returns true if this process has the samples of a daemon mapped.
+/// Returns true if samples of a daemon are mapped in this process.
 bool maps_samples() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {

@@ -1,5 +1,5 @@
-// A writer with many readers attached. It serves some of them in shared memory. The others stay attached,
-// and are served over the network at that time.
+// A writer with many attached readers. The writer serves some of them in shared memory. The other readers
+// stay attached, but are served over the network at that time.
 #pragma once
 
 #include <algorithm>
@@ -21,10 +21,10 @@ class ManyReaders : public ShmNodeTest {
   static constexpr std::uint32_t depth = 8;
   using Sequences = std::vector<std::uint64_t>;
 
-  /// How the writer serves a reader.
+  /// The service that a reader gets from the writer.
   struct Service {
     bool is_served = true;
-    std::shared_ptr<core::Gate> gate{};  ///< null: the reader has no conditions
+    std::shared_ptr<core::Gate> gate{};  ///< null if the reader has no conditions
   };
   using Services = std::vector<Service>;
 
@@ -64,21 +64,22 @@ class ManyReaders : public ShmNodeTest {
     }
     writer_->port().set_routes(std::move(routes));
   }
-  /// Serves all readers except these.
+  /// Serves all readers except those in `unserved`.
   void serve_all_but(const std::vector<std::size_t>& unserved) {
     Services services(readers);
     for (const std::size_t reader : unserved) services[reader].is_served = false;
     serve(services);
   }
 
-  /// Returns the sequences of the samples that wait for the reader. Gives the samples back.
+  /// Returns the sequences of the samples that wait for the reader. Gives these samples back.
   Sequences take_all(std::size_t reader) {
     Sequences sequences;
     while (const core::SampleHandle sample = readers_[reader]->take())
       sequences.push_back(sequence_of(sample));
     return sequences;
   }
-  /// Returns true if all samples were given back. The writer then lends the memory of the last one again.
+  /// Returns true if all samples were given back, so that the writer can lend the memory of the last one
+  /// again.
   bool nobody_holds_a_sample() {
     if (writer_->send_frame() != core::SendStatus::sent) return false;
     const std::byte* sent = nullptr;

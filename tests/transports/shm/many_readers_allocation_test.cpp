@@ -1,5 +1,5 @@
-// In steady state nothing is allocated to send a sample to many readers and to take it, whether the writer
-// serves all of them in shared memory or only some.
+// In steady state, sending a sample to many readers and taking it allocate no memory. This holds if the
+// writer serves all readers in shared memory, and if it serves only some.
 #include "tests/support/thread_allocations.h"
 #include "tests/transports/shm/many_readers.h"
 
@@ -8,8 +8,8 @@ namespace {
 
 class ManyReadersAllocations : public ManyReaders {
  protected:
-  /// Returns the allocations of this thread over 200 samples, after 50 samples to warm up. All readers that
-  /// get a sample take it.
+  /// Returns the number of allocations of this thread for 200 samples, after 50 samples of warming up. All
+  /// readers that get a sample take it.
   std::uint64_t allocations() {
     for (int i = 0; i < 50; ++i) exchange();
     taken_ = 0;

@@ -1,5 +1,5 @@
-// A writer with many attached queues. The queues of readers that it serves in shared memory get each
-// sample, and the other queues get none.
+// A writer with many attached queues. The queues of readers that the writer serves in shared memory get each
+// sample. The other queues get none.
 #include "tests/transports/shm/many_readers.h"
 
 #include <atomic>
@@ -17,7 +17,7 @@ using core::SendStatus;
 
 class ServedReaders : public ManyReaders {
  protected:
-  /// Returns services with a random number of readers that are not served: none to nearly all.
+  /// Returns services in which a random number of readers, from none to nearly all, is not served.
   static Services random_services(Random& random) {
     Services services(readers);
     const std::uint64_t share = random() % 16;
@@ -31,7 +31,7 @@ class ServedReaders : public ManyReaders {
     for (std::size_t i = 0; i < count; ++i) EXPECT_EQ(writer_->send_frame(), SendStatus::sent);
     return sent;
   }
-  /// Expects readers that are served to have got exactly what was sent, and other readers nothing.
+  /// Expects each served reader to have got exactly the samples `sent`, and each other reader none.
   void expect_taken(const Services& services, const Sequences& sent) {
     for (std::size_t i = 0; i < readers; ++i)
       ASSERT_EQ(take_all(i), services[i].is_served ? sent : Sequences()) << "reader " << i;
@@ -65,7 +65,7 @@ TEST_F(ServedReaders, ShareTheOneSampleThatWasSent) {
   EXPECT_EQ(shared, readers - 6);
 }
 
-/// In each round other readers are served in shared memory, and the rest go back to the network.
+/// In each round different readers are served in shared memory, and the other readers over the network.
 TEST_F(ServedReaders, GetNoSampleOfTheTimeWhenTheyWereNotServed) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
@@ -79,7 +79,7 @@ TEST_F(ServedReaders, GetNoSampleOfTheTimeWhenTheyWereNotServed) {
   expect_nothing_discarded();
 }
 
-/// Every fourth reader is not served, and every fourth one has no conditions.
+/// Every fourth reader is not served, and every fourth reader has no conditions.
 TEST_F(ServedReaders, WithConditionsGetJustWhatPassesBesideOthersThatAreNotServed) {
   const auto second = gate("every 2nd"), third = gate("every 3rd");
   Services services(readers);
@@ -102,7 +102,7 @@ TEST_F(ServedReaders, WithConditionsGetJustWhatPassesBesideOthersThatAreNotServe
   expect_nothing_discarded();
 }
 
-/// A third of the readers is always served, a third never, and a third comes and goes.
+/// A third of the readers is always served, a third is never served, and a third is served now and then.
 TEST_F(ServedReaders, NoticeNothingOfOthersThatComeAndGoMeanwhile) {
 #ifdef __SANITIZE_THREAD__
   GTEST_SKIP() << "the thread sanitizer does not see the synchronisation in iceoryx's library";

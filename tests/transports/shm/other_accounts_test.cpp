@@ -1,5 +1,5 @@
-// Hostile programs of other accounts, which have only the rights of every account. They put files into /tmp
-// and /dev/shm, take locks, and start daemons.
+// Hostile programs of other accounts, which have no special rights. They put files into /tmp and /dev/shm,
+// take locks, and start daemons.
 #include <fcntl.h>
 #include <grp.h>
 #include <sys/prctl.h>
@@ -24,7 +24,7 @@ using shm::ExitCode;
 
 const Identity an_honest_user{70'001, writers_group, {}};
 
-/// Runs an action under this account, in a process that ends with the object.
+/// Runs an action under an account, in a process that the destructor ends.
 class Action {
  public:
   Action(const Identity& as, const std::function<void()>& action) {
@@ -60,7 +60,7 @@ void shell(const Identity& as, const std::string& command) {
   EXPECT_EQ(process.exit_code(), 0) << command << ": " << output;
 }
 
-/// Locks the file for reading as soon as its write lock is released.
+/// Locks the file for reading as soon as the file's write lock is released.
 void wait_for_a_read_lock(const char* path) {
   const int file = open(path, O_RDONLY);
   struct flock lock {};
@@ -73,7 +73,7 @@ class OtherAccounts : public AccountsTest {
   Process sftd_of(const Identity& user) const {
     return Process({programs_ + "sftd", "--foreground", "--log-level=error", "--pool-mib=16"}, &user);
   }
-  /// Returns why a program of this user cannot use shared memory, as the program says.
+  /// Returns the reason why a program of this user cannot use shared memory. The program itself reports it.
   std::string reason_for(const Identity& user) const { return start(user, {"knock"}).line(); }
 };
 
@@ -190,7 +190,7 @@ TEST_F(OtherAccounts, KeepNoDeadDaemonAliveByALockForReading) {
   }
 }
 
-/// Returns the paths of all files that a daemon of `an_honest_user` needs.
+/// Returns the paths of all files that a daemon of the user `an_honest_user` needs.
 std::vector<std::string> names_of_a_daemon() {
   return {shm::daemon_lock_path,        shm::host_file_path,     shm::roudi_socket_path, "/tmp/roudi.lock",
           "/tmp/iox-unique-roudi.lock", "/dev/shm/iceoryx_mgmt", "/dev/shm/sft_writers"};
@@ -243,7 +243,7 @@ TEST_F(OtherAccounts, GetOneListOfAllFilesThatAKilledDaemonOfAnotherUserLeft) {
   again.exit_code();
 }
 
-/// Returns the route to a reader that claims a doorbell in this page.
+/// Returns the route to a reader whose doorbell is said to be in this page.
 core::Route route_to(std::uint64_t page) {
   return {.reader = 7, .destination = core::DoorbellAddress{page, 0}, .selection = frame_type().full()};
 }

@@ -1,4 +1,5 @@
-// Writers and readers with a working daemon: what arrives, what it costs, and what happens at the limits.
+// Writers and readers with a working daemon: the samples that arrive, their cost, and the behaviour at
+// limits.
 #include <array>
 #include <atomic>
 #include <cstdio>
@@ -164,7 +165,7 @@ class ForgedChunk : public ShmPorts {
     ShmPorts::TearDown();
   }
 
-  /// Finds the field of the header that `read` depends on, and adds `more` to it.
+  /// Finds the field of the header that the result of `read` depends on, and adds `more` to the field.
   template <class Read>
   void forge(std::uint32_t more, const Read& read) {
     std::byte* const fields = reinterpret_cast<std::byte*>(header_);
@@ -216,7 +217,7 @@ TEST_F(ForgedChunk, WhoseSampleIsNotAlignedIsRefused) {
   forge_position(0U - 4U);
 }
 
-/// Returns the memory at which this process has mapped the daemon's own data.
+/// Returns the memory at which this process has mapped the daemon's management data.
 std::span<std::byte> management_memory() {
   std::ifstream maps("/proc/self/maps");
   for (std::string line; std::getline(maps, line);) {
@@ -235,7 +236,7 @@ TEST_F(ForgedChunk, WhoseSampleLiesAmongTheDaemonsOwnDataIsRefused) {
   constexpr std::size_t bytes = frame_bytes(100);
   constexpr std::size_t room = (bytes + 4095) / 4096 * 4096;
   const std::array<std::byte, room> nothing{};
-  std::byte* unused = management.data() + management.size() - 2 * room;  // the search begins before the end
+  std::byte* unused = management.data() + management.size() - 2 * room;  // begins the search before the end
   while (unused > management.data() && std::memcmp(unused, nothing.data(), room) != 0) unused -= room;
   const auto distance = unused - static_cast<std::byte*>(header_->userPayload());
   if (distance < 0 || distance > 0xF000'0000) GTEST_SKIP() << "no header can point there";
@@ -430,7 +431,8 @@ TEST_F(ShmPorts, SendTheSampleThatALateReaderWasGivenWithTheHistoryBeforeItWasSe
   ASSERT_TRUE(late.port().connect({.writer = 1, .max_sample_bytes = 1000, .history_first = true}));
   ASSERT_TRUE(eventually([&] { return late.port().connected(1); }));
   const core::Route route{.reader = 5, .destination = core::DoorbellAddress{}, .selection = {}, .history = 1};
-  const SampleHandle sample = writer.loan(100);  // a publisher adds it to its history before it sends it
+  // A publisher adds a sample to its history before it sends the sample.
+  const SampleHandle sample = writer.loan(100);
   write_frame(*sample, 1, 1, 100);
   ASSERT_TRUE(writer.port().begin_with(route, {sample}, 0));
   ASSERT_EQ(sequence_of(late.next()), 1U);
@@ -448,7 +450,7 @@ TEST_F(ShmPorts, RingTheDoorbellOfALateReaderThatSleepsWhateverItsRate) {
   EXPECT_TRUE(eventually([&] { return bell.sleepers == 1; }));
   core::Route late{
       .reader = 5, .destination = core::DoorbellAddress{page->id(), 3}, .selection = {}, .history = 2};
-  late.gate = std::make_shared<core::Gate>(1'000'000);  // no sample has passed it
+  late.gate = std::make_shared<core::Gate>(1'000'000);  // no sample has passed this gate
   const auto begin = Clock::now();
   EXPECT_TRUE(writer.port().begin_with(late, {}, 0));
   sleeper.join();
@@ -485,7 +487,7 @@ class LostSamples : public ShmPorts {
       ASSERT_TRUE(reader_->take());
     }
   }
-  /// Makes a gap in the sequence numbers, as samples do that go to this reader by UDP.
+  /// Makes a gap in the sequence numbers, as samples that go to the reader by UDP do.
   void make_gap(std::uint64_t samples) { sequence_ += samples; }
   std::uint64_t counted() {
     while (reader_->take()) continue;
@@ -506,15 +508,16 @@ TEST_F(LostSamples, AreCountedOnce) {
   EXPECT_EQ(counted(), 5U);
 }
 
-// The reader does not know the first sequence number, so it cannot know how many samples were lost before
-// the first one that it takes.
+// The reader does not know the first sequence number. So the reader cannot know the number of samples that
+// were lost before the first one that it takes.
 TEST_F(LostSamples, CountAsOneBeforeTheFirstSampleThatIsTaken) {
   ASSERT_TRUE(reader_->connects_to(1));
   send(depth + 3);
   EXPECT_EQ(counted(), 1U);
 }
 
-// Gaps have other reasons, too. They must not count as samples that the queue loses long afterwards.
+// Gaps also have other reasons than lost samples. An old gap must not count when the queue loses samples long
+// afterwards.
 TEST_F(LostSamples, DoNotIncludeGapsOfLongAgo) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();
@@ -524,8 +527,8 @@ TEST_F(LostSamples, DoNotIncludeGapsOfLongAgo) {
   EXPECT_EQ(counted(), 3U);
 }
 
-// A writer reports an overflow after it has pushed a sample out. By then the reader may have taken all
-// other samples of the queue.
+// A writer reports an overflow after it has displaced a sample. By then the reader may have taken all other
+// samples of the queue.
 TEST_F(LostSamples, CountAlsoIfTheOverflowIsReportedAQueueOfSamplesLater) {
   ASSERT_TRUE(reader_->connects_to(1));
   send_and_take();

@@ -1,4 +1,4 @@
-// The page faults of a writer that takes large chunks.
+// These tests count the page faults of a writer that takes large chunks.
 #include <sys/resource.h>
 
 #include <array>
@@ -15,14 +15,15 @@ namespace {
 
 using core::SampleHandle;
 
-/// Returns how many pages this thread has touched for the first time.
+/// Returns the number of page faults of this thread. A page fault is the first access of the thread to a
+/// page.
 long page_faults_of_this_thread() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
   return usage.ru_minflt;
 }
 
-/// Takes chunks of one writer and keeps them.
+/// Takes chunks of one writer and keeps all of them.
 class ShmLargeChunks : public ShmNodeTest {
  protected:
   void SetUp() override {
@@ -48,7 +49,7 @@ class ShmLargeChunks : public ShmNodeTest {
 
 TEST_F(ShmLargeChunks, AreMappedBeforeTheirWriterTakesThemExceptTheFirst) {
   constexpr std::uint32_t bytes = 1'000'000;
-  constexpr long most_pages = 240, few_pages = 16;  // of the 245 pages of a sample
+  constexpr long most_pages = 240, few_pages = 16;  // pages out of the 245 of a sample
   constexpr int ahead = 5;
   EXPECT_GE(page_faults_of_next(bytes), most_pages) << "nobody knew that large samples would come";
   node().poll();
@@ -58,7 +59,7 @@ TEST_F(ShmLargeChunks, AreMappedBeforeTheirWriterTakesThemExceptTheFirst) {
 
 TEST_F(ShmLargeChunks, AreMappedInWhicheverOrderOthersHaveGivenThemBack) {
   constexpr std::uint32_t bytes = 1'000'000;
-  constexpr long few_pages = 16;  // of the 245 pages of a sample
+  constexpr long few_pages = 16;  // pages out of the 245 of a sample
   Writer other(node(), 2);
   std::array<SampleHandle, 12> chunks;
   for (SampleHandle& chunk : chunks) chunk = other.loan(bytes);
@@ -84,7 +85,7 @@ TEST_F(ShmLargeChunks, AreMappedAsFarAsTheLargestSampleOfTheirSizeReached) {
 
 TEST_F(ShmLargeChunks, OfTheNextSizeAreMappedBeforeThoseOfThisSizeAreUsedUp) {
   constexpr std::uint32_t bytes = 3'000'000;
-  constexpr long few_pages = 32;  // of the 733 pages of a sample
+  constexpr long few_pages = 32;  // pages out of the 733 of a sample
   const std::size_t chunks = ChunkCounter(node(), bytes).free();
   for (std::size_t i = 0; i < chunks; ++i) {
     node().poll();

@@ -19,10 +19,10 @@ namespace {
 using core::SendStatus;
 
 constexpr core::EndpointId daemons_killed = 8;
-constexpr int victims_for_each_stop = 15;         // one in this many victims is stopped before it is killed
+constexpr int victims_for_each_stop = 15;         // one in so many victims is stopped before it is killed
 constexpr core::EndpointId survivor = 2'000'000;  // an id that no ChunkCounter uses
 
-/// Returns the memory usage as sftd has written it last, which it does twice a second.
+/// Returns the memory usage that sftd has written last. sftd writes it twice a second.
 shm::Usage usage_now() {
   Process command({sftd_path(), "status", "--json"});
   return shm::parse_status(command.all_output()).value_or(shm::Status{}).usage;
@@ -37,7 +37,8 @@ std::uint32_t chunks_in_use(const shm::Usage& usage) {
 class RandomKill : public ShmTest {
  protected:
   RandomKill()
-      : ShmTest(1024) {}  // the memory of a dead daemon stays until all programs that map it are gone
+      // Leaves room for the memory of dead daemons, which stays until all programs that map it have ended.
+      : ShmTest(1024) {}
   void SetUp() override {
     ShmTest::SetUp();
     if (IsSkipped()) return;
@@ -61,7 +62,7 @@ class RandomKill : public ShmTest {
 
   std::uint32_t below(std::uint32_t end) { return static_cast<std::uint32_t>(random() % end); }
 
-  /// Kills the victim after a random time. Stops some victims before.
+  /// Kills the victim after a random time. Some victims are stopped first.
   void kill_some_time(Process& victim, int round) {
     poll(nullptr, 0, static_cast<int>(below(30)));
     if (round % victims_for_each_stop == victims_for_each_stop - 1) {
@@ -80,7 +81,7 @@ class RandomKill : public ShmTest {
     ASSERT_EQ(sequence_of(sample), writer_->sequence());
   }
 
-  /// Expects only the chunk of the survivor's last sample to be in use, and all others to be available.
+  /// Expects that only the chunk of the survivor's last sample is in use, and that all other chunks are free.
   void expect_all_memory_back(int kills) {
     shm::Usage usage;
     const std::int64_t since_ns = core::realtime_ns();
@@ -99,7 +100,8 @@ class RandomKill : public ShmTest {
                                 std::to_string(usage.users.size()) + " users";
     EXPECT_TRUE(back) << summary;
     std::printf("%s; %s\n", summary.c_str(), how_to_repeat().c_str());
-    // A death costs at most two chunks: the delivered one, and the one that it pushed out of a queue.
+    // A death costs at most two chunks: the chunk that was being delivered, and the chunk that this one
+    // displaced from a queue.
     EXPECT_LE(usage.leaks_healed, 2 * usage.deaths);
     EXPECT_TRUE(chunks_->comes_to(chunks_before_));
     EXPECT_EQ(daemon_pid(), daemon_) << "the daemon did not survive";
@@ -120,8 +122,8 @@ struct Life {
   const char* name;
   const char* role;  ///< the argument of shm_peer
   int kills;
-  bool settled;  ///< the victim is killed after it has reported success; otherwise shortly after its start
-  bool is_read = false;  ///< a reader takes its samples
+  bool settled;  ///< true: the victim is killed after it has reported success; false: shortly after its start
+  bool is_read = false;  ///< whether a reader takes the victim's samples
 };
 void PrintTo(const Life& life, std::ostream* out) { *out << life.kills << " kills"; }
 std::string name_of(const ::testing::TestParamInfo<Life>& info) { return info.param.name; }
@@ -161,7 +163,8 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfWriters,
 
 class RandomKillOfReaders : public RandomKill, public ::testing::WithParamInterface<Life> {};
 
-// A chunk that a killed reader held belongs to its writer, and becomes free when the writer has ended, too.
+// A chunk that a killed reader held belongs to its writer. The chunk becomes free when the writer has ended,
+// too.
 TEST_P(RandomKillOfReaders, CostsOtherProgramsNothingAndAllMemoryComesBack) {
   const Life& life = GetParam();
   for (int round = 0; round < life.kills; ++round) {
@@ -188,7 +191,7 @@ INSTANTIATE_TEST_SUITE_P(Lives, RandomKillOfReaders,
                                            Life{"ThatHaveHardlyBegun", "subscribe", 15, false}),
                          name_of);
 
-// The two peers do not notice the death of the daemon, and go on in its memory.
+// Neither peer notices the death of the daemon. Both continue in its memory.
 TEST_F(RandomKill, OfDaemonsNeitherBlocksNorHarmsProgramsInATightLoop) {
   for (core::EndpointId round = 0; round < daemons_killed; ++round) {
     SCOPED_TRACE(round);

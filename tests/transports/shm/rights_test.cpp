@@ -1,4 +1,4 @@
-// The rights of programs of several users: writers may write samples, readers may only read them, and other
+// The rights of programs of several users. Writers may write samples, and readers may only read them. Other
 // programs get an error that says so.
 #include "shm_transport/sftd/exit_code.h"
 #include "tests/transports/shm/accounts.h"
@@ -83,7 +83,7 @@ TEST_F(Rights, ADaemonWithoutGroupsInItsConfigurationServesItsOwnGroup) {
 
 TEST_F(Rights, ADaemonThatIsNotRootServesOtherUsers) {
   const Identity daemon_user{70'010, writers_group, {readers_group}};
-  // other users accept a daemon if /run/sft belongs to its user
+  // programs of other users accept a daemon if /run/sft belongs to the daemon's user
   const RunDirectory of_the_daemon(daemon_user.user);
   const RunningSftd daemon = start_sftd_with_groups(&daemon_user);
   Process writer = start(a_writer, {"publish", "1", "100"});

@@ -1,4 +1,4 @@
-// The files of the daemon's segments: how they are created, and what sftd does if they cannot be created.
+// The files of the daemon's segments: their creation, and the behaviour of sftd if they cannot be created.
 #include <fcntl.h>
 #include <signal.h>
 #include <sys/mman.h>
@@ -28,7 +28,7 @@ struct stat status_of(const std::string& path) {
 }
 
 std::size_t bytes_in_memory(const std::string& path) {
-  constexpr std::size_t block = 512;  // stat(2): st_blocks counts blocks of this size
+  constexpr std::size_t block = 512;  // the unit of st_blocks in bytes, see stat(2)
   return static_cast<std::size_t>(status_of(path).st_blocks) * block;
 }
 
@@ -94,7 +94,7 @@ TEST_F(SftdSegments, HaveAllTheirMemoryFromTheBeginning) {
   EXPECT_EQ(daemon.exit_code(), 0);
 }
 
-/// Returns how much of the file the process has mapped, in KiB: "Rss" of smaps, see proc(5).
+/// Returns the number of KiB of the file that are mapped in the process ("Rss" in smaps, see proc(5)).
 std::size_t mapped_kib(pid_t pid, const std::string& file) {
   std::ifstream mappings("/proc/" + std::to_string(pid) + "/smaps");
   std::size_t kib = 0;
@@ -106,7 +106,8 @@ std::size_t mapped_kib(pid_t pid, const std::string& file) {
   return kib;
 }
 
-// If the daemon mapped pages to clear them, its threads would block each other, for long on a busy machine.
+// If the daemon mapped pages to clear them, its threads would block each other, for a long time on a busy
+// machine.
 TEST_F(SftdSegments, AreClearedWithoutAnybodyWhoUsesOrMapsThem) {
   Process daemon({sftd_path(), "--foreground", "--log-level=warning"});
   ASSERT_EQ(daemon.line(), "sftd: ready");
@@ -136,7 +137,7 @@ std::size_t bytes_in_all_files() {
   return bytes;
 }
 
-/// A daemon with memory for many large chunks, which it takes only when chunks are used.
+/// A daemon with memory for many large chunks. The daemon takes this memory only when chunks are used.
 class ChunksOnDemand : public ShmNodeTest {
  protected:
   static constexpr std::uint32_t large_bytes = 30'000'000, common_bytes = 8'000'000;
@@ -150,7 +151,7 @@ class ChunksOnDemand : public ShmNodeTest {
     writer_.reset();
     ShmNodeTest::TearDown();
   }
-  /// Leaves this much of /dev/shm free.
+  /// Fills /dev/shm until only `bytes` are free.
   static void leave_free(std::uint64_t bytes) {
     const core::FileDescriptor file(open(filler, O_RDWR | O_CREAT | O_CLOEXEC, 0600));
     const std::uint64_t free = std::filesystem::space("/dev/shm").free;
@@ -182,7 +183,8 @@ TEST_F(ChunksOnDemand, AreNotLentIfTheHostHasNoMemoryForThem) {
 
 TEST_F(SftdSegments, AreAllRemovedIfOneOfThemCannotBeMade) {
   const ShmOfSize large(256);
-  // Allows the directory, the host file and the management segment, but no file for the segment of samples.
+  // Allows three files: the directory, the host file and the management segment. The segment of samples is
+  // not allowed.
   ASSERT_EQ(mount(nullptr, "/dev/shm", nullptr, MS_REMOUNT, "nr_inodes=3"), 0);
   Process daemon({sftd_path()});
   const std::string output = daemon.all_output();

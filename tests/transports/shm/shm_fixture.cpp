@@ -25,7 +25,8 @@ bool become(const Identity& identity) {
          setgid(identity.group) == 0 && setuid(identity.user) == 0;
 }
 
-/// Asks again if the daemon did not answer in time. It may be busy after the death of another process.
+/// Repeats the request if the daemon did not answer in time. The daemon may be busy after the death of
+/// another process.
 template <class Ask>
 auto patiently(Ask ask) {
   auto answer = ask();
@@ -138,7 +139,7 @@ bool is_stopped(pid_t pid) {
   const std::filesystem::path threads = "/proc/" + std::to_string(pid) + "/task";
   for (const auto& thread : std::filesystem::directory_iterator(threads)) {
     const std::string text = core::text_of(thread.path() / "stat");
-    // the state follows the name, which may contain any characters
+    // the state follows the name, and the name may contain any characters
     const auto behind_name = text.rfind(") ");
     if (behind_name == std::string::npos || text[behind_name + 2] != 'T') return false;
   }
@@ -148,7 +149,7 @@ bool is_stopped(pid_t pid) {
 shm::ShmOptions own_daemon() {
   shm::ShmOptions options;
   options.daemon_path = sftd_path();
-  options.port_wait = options.port_deadline;  // waits as long as a node that asks again
+  options.port_wait = options.port_deadline;  // waits as long as a node that repeats its requests
   return options;
 }
 
@@ -227,7 +228,7 @@ std::size_t ChunkCounter::free() {
 bool ChunkCounter::comes_to(std::size_t chunks) {
   std::size_t now_free = 0;
   const bool enough = eventually([&] {
-    node_.poll();  // gives back the ports that are no longer used
+    node_.poll();  // gives back the ports that are no longer used, to make chunks free
     return (now_free = free()) >= chunks;
   });
   if (!enough) std::printf("%zu of %zu chunks are free\n", now_free, chunks);

@@ -25,14 +25,14 @@ namespace sft::test {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// The user and groups that a process runs as. The user need not exist in /etc/passwd.
+/// The user and the groups of a process. The user need not exist in /etc/passwd.
 struct Identity {
   uid_t user;
   gid_t group;
   std::vector<gid_t> other_groups{};
 };
 
-/// Another program that the test starts. It is killed with the object.
+/// Another program that the test starts. The destructor kills it.
 class Process {
  public:
   explicit Process(const std::vector<std::string>& command, const Identity* as = nullptr);
@@ -44,9 +44,9 @@ class Process {
   bool runs() const;
   void signal(int signal) const;
   void kill();
-  /// Waits for the end of the process. Returns -1 if the process was killed.
+  /// Waits for the end of the process. Returns its exit code, or -1 if the process was killed.
   int exit_code();
-  /// Returns the next line that the process writes; empty if none comes in time.
+  /// Returns the next line that the process writes, or an empty line if there is none within that time.
   std::string line(Clock::duration within = 30s);
   std::string all_output();
 
@@ -59,20 +59,20 @@ class Process {
 };
 
 std::string sftd_path();
-/// Starts shm_peer with these arguments (shm_peer.cpp).
+/// Starts shm_peer with these arguments, which shm_peer.cpp explains.
 Process start_peer(std::vector<std::string> arguments);
 
-/// Returns the pid of the running daemon; 0 if none runs.
+/// Returns the process id of the running daemon, or 0 if no daemon runs.
 pid_t daemon_pid();
-/// Ends the running daemon, even if it is stopped, and waits for its end.
+/// Ends the running daemon, even if it is stopped, and waits until it has ended.
 void end_daemon();
 bool is_alive(pid_t pid);
-/// Returns true if all threads of the process stand still. This takes some time after SIGSTOP was sent.
+/// Returns true if all threads of the process are stopped. This takes some time after SIGSTOP was sent.
 bool is_stopped(pid_t pid);
 
 shm::ShmOptions own_daemon();  ///< options with which a node starts the sftd of this build if none runs
 shm::ShmOptions no_daemon();   ///< options with which a node starts no daemon
-/// Returns the same options for a node that holds at most this number of samples and loans.
+/// Returns the options of no_daemon() for a node that holds at most `samples` samples and loans.
 shm::ShmOptions no_daemon_and_held_at_most(std::uint32_t samples);
 
 /// The transport of one node.
@@ -92,7 +92,8 @@ class Node {
 
 class Writer {
  public:
-  /// Opens a port with a route to a reader that does not exist. Without a route the port delivers nothing.
+  /// Opens a port, with a route to a reader that does not exist. Without a route the port would deliver
+  /// nothing.
   Writer(Node& node, core::EndpointId id);
 
   core::SampleHandle loan(std::uint32_t data);
@@ -109,7 +110,7 @@ class Writer {
   std::uint64_t sequence_ = 0;
 };
 
-/// The id of the readers of these tests, unless a test uses others. Every writer serves it.
+/// The id of the reader in most of these tests. Every writer serves this reader.
 constexpr core::EndpointId reader_id = 7;
 
 class Reader {
@@ -127,12 +128,13 @@ class Reader {
 
 inline std::uint64_t sequence_of(const core::SampleHandle& sample) { return sample->header().sequence; }
 
-/// Counts the chunks for this much data that a client of the daemon can take now.
+/// Counts the chunks for `data` bytes of data that a client of the daemon can take now.
 class ChunkCounter {
  public:
   ChunkCounter(Node& node, std::uint32_t data) : node_(node), data_(data) {}
   std::size_t free();
-  /// Returns true if so many chunks become free in time. Otherwise prints how many are free.
+  /// Returns true if at least `chunks` chunks become free in time. Otherwise prints the number of free
+  /// chunks.
   bool comes_to(std::size_t chunks);
 
  private:
@@ -147,10 +149,10 @@ inline bool contains(const std::string& text, const std::string& part) {
 
 std::vector<std::string> names_in(const char* directory, const std::string& prefix = "");
 
-/// Skips a test that has no isolated host, and ends the daemon that a test leaves.
+/// Skips a test if there is no isolated host, and ends the daemon that a test leaves.
 class ShmTest : public ::testing::Test {
  protected:
-  /// `shm_mebibytes`: the size of /dev/shm, if it is not the usual one.
+  /// `shm_mebibytes` is the size of /dev/shm; nothing means the usual size.
   explicit ShmTest(std::optional<unsigned> shm_mebibytes = {}) : shm_mebibytes_(shm_mebibytes) {}
   void SetUp() override;
   void TearDown() override;

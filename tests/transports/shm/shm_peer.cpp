@@ -1,5 +1,5 @@
-// The other process in tests of shared memory. It does one task, reports that on its standard output, and
-// goes on until it is killed.
+// The other process in tests of shared memory. The process does one task, reports the result on its standard
+// output, and continues until it is killed.
 #include <signal.h>
 #include <sys/resource.h>
 #include <unistd.h>
@@ -36,7 +36,7 @@ void say(const std::string& text) {
 /// The pause between two samples, for tasks that do not run as fast as they can.
 constexpr std::chrono::microseconds pause{200};
 
-/// Publishes frames with this much data without a pause.
+/// Publishes frames with `data` bytes of data without a pause.
 void publish(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   say("publishing");
@@ -49,7 +49,8 @@ void publish_paced(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   for (sft::test::Pace pace(pause);; pace.await_turn()) writer.send_frame(data);
 }
 
-/// Takes 16 chunks and keeps them. Half of them are loans, and half are sent and kept as a history does.
+/// Takes 16 chunks and keeps them. Half of the chunks are loans. The other half are sent and kept, as a
+/// history keeps samples.
 void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   std::vector<SampleHandle> loans(16);
@@ -59,7 +60,8 @@ void hoard(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   stay();
 }
 
-/// Does the same beside a forked process that only keeps all sockets and memory of this process.
+/// Calls hoard(), after it has forked a process that does nothing but keep all sockets and memory of this
+/// process.
 void hoard_with_a_worker(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   if (fork() == 0) {
     alarm(60);
@@ -68,7 +70,7 @@ void hoard_with_a_worker(Node& node, sft::core::EndpointId id, std::uint32_t dat
   hoard(node, id, data);
 }
 
-/// Takes samples, and always holds the last few.
+/// Takes samples, and holds the last few of them.
 class Taker {
  public:
   Taker(Node& node, sft::core::EndpointId id) : reader_(node) {
@@ -94,7 +96,7 @@ void subscribe_paced(Node& node, sft::core::EndpointId id, std::uint32_t) {
   for (sft::test::Pace pace(pause);; pace.await_turn()) taker.take();
 }
 
-/// Takes a sample and gives it back, each time the parent lets it.
+/// Takes a sample and gives it back, each time the parent continues the process.
 void take_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t depth) {
   Reader reader(node, depth);
   if (!reader.connects_to(id)) say("cannot connect");
@@ -106,7 +108,7 @@ void take_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t depth) {
   }
 }
 
-/// Sends a sample each time the parent lets it.
+/// Sends a sample each time the parent continues the process.
 void send_by_steps(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Writer writer(node, id);
   sft::test::let_parent_step();
@@ -124,12 +126,12 @@ long minor_faults() {
   return usage.ru_minflt;
 }
 
-/// Takes one sample, reads its two scalars and then its data. Reports how many pages each of the two steps
-/// touched.
+/// Takes one sample, reads its two scalars and then its data. Reports the number of pages that each of the
+/// two steps touched.
 void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
   Reader reader(node);
   if (!reader.connects_to(id)) say("cannot connect");
-  reader.take();  // the first call of each function touches pages of its own, which must not count
+  reader.take();  // a first call touches pages of the functions themselves, which must not count
   minor_faults();
   say("subscribed");
   SampleHandle sample;
@@ -149,7 +151,7 @@ void count_faults(Node& node, sft::core::EndpointId id, std::uint32_t data) {
 
 std::byte* target = nullptr;
 
-/// Reads a sample, tries to write to it, and reports what it could do.
+/// Reads a sample, tries to write to the sample, and reports which of the two was possible.
 void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
   Reader reader(node);
   if (!reader.connects_to(id)) say("cannot connect");
@@ -165,7 +167,7 @@ void try_to_write(Node& node, sft::core::EndpointId id, std::uint32_t) {
   say("wrote");
 }
 
-/// Opens a port to publish, or says why it cannot.
+/// Opens a port to publish, or reports why that is impossible.
 void offer(Node& node, sft::core::EndpointId id, std::uint32_t) {
   const auto port = node->open_writer({.id = id, .type = &frame_type()});
   say(port ? "may publish" : port.error().message);
@@ -180,7 +182,7 @@ void listen(Node& node, sft::core::EndpointId, std::uint32_t) {
   stay();
 }
 
-/// Sends a sample to a reader with a doorbell in this page, or says why the reader cannot be woken.
+/// Sends a sample to a reader with a doorbell in this page, or reports why the reader cannot be woken.
 void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   Writer writer(node, 1);
   const sft::core::Route route{
@@ -191,14 +193,14 @@ void ring(Node& node, sft::core::EndpointId page, std::uint32_t) {
   say(why_not.empty() && sent ? "rang" : why_not);
 }
 
-/// Reports why the transport cannot be used as soon as that is known, or that it was not refused.
+/// Reports why the transport cannot be used, as soon as that is known, or "not refused".
 int knock(Node& node) {
   const bool refused = node.becomes(Availability::unavailable, std::chrono::seconds(2));
   say(refused ? node->description() : "not refused");
   return 0;
 }
 
-/// Reports that the node is ready, and stays.
+/// Reports that the node is ready, and waits until the process is killed.
 void attend(Node&, sft::core::EndpointId, std::uint32_t) {
   say("ready");
   stay();

@@ -27,7 +27,7 @@ Answer call(std::vector<std::string> words) {
 
 Status status_now() { return shm::parse_status(call({"status", "--json"}).text).value_or(Status{}); }
 
-/// Returns true if the status fulfils the condition in time. sftd writes its status twice a second.
+/// Returns true if the status fulfils the condition before a deadline. sftd writes its status twice a second.
 template <class Condition>
 bool status_becomes(Condition condition) {
   return eventually([&] { return condition(status_now()); });
@@ -115,7 +115,7 @@ TEST_F(SftdCommands, ShowTheMostChunksThatAPortHasHeld) {
   EXPECT_EQ(status_now().usage.pools[0].peak, 10U);
 }
 
-/// Returns how much memory of its own the process has: "RssAnon", as proc(5) says of status.
+/// Returns the size of the process's own memory in KiB ("RssAnon" in status, see proc(5)).
 std::size_t own_kib(pid_t pid) {
   std::ifstream status("/proc/" + std::to_string(pid) + "/status");
   for (std::string line; std::getline(status, line);)
@@ -130,10 +130,10 @@ TEST_F(SftdCommands, KeepNothingOfPublishersThatAreGone) {
   core::EndpointId id = 0;
   const auto open_and_close = [&](core::EndpointId publishers) {
     const auto opens = [&] { return node->open_writer({.id = id, .type = &frame_type()}).has_value(); };
-    // The daemon takes ports back ten times in a second, and has no room for more publishers until then.
+    // The daemon takes ports back ten times a second. Until then it may have no room for more publishers.
     for (const core::EndpointId end = id + publishers; ++id <= end;) ASSERT_TRUE(eventually(opens));
   };
-  open_and_close(3000);  // the daemon has the memory for all that may be under way at once
+  open_and_close(3000);  // after this the daemon has memory for all ports that may be in use at once
   const std::size_t before = own_kib(daemon.pid());
   ASSERT_GT(before, 0U);
   open_and_close(6000);
@@ -144,7 +144,8 @@ TEST_F(SftdCommands, CountDeadPrograms) {
   Process daemon = start_sftd();
   Process victim = start_peer({"publish", "1", "100"});
   ASSERT_EQ(victim.line(), "publishing");
-  Process witness = start_peer({"attend"});  // a daemon without programs would start again
+  // Keeps the daemon from restarting, as a daemon without programs does.
+  Process witness = start_peer({"attend"});
   ASSERT_EQ(witness.line(), "ready");
   victim.kill();
   EXPECT_TRUE(status_becomes(
@@ -164,7 +165,7 @@ TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) 
   EXPECT_TRUE(contains(answer.text, "0000000000000005")) << answer.text;
 }
 
-/// A stopped daemon, and a node that asks it for ports and does not wait for the answers.
+/// A stopped daemon, and a node that requests ports from the daemon without waiting for the answers.
 class PortsAnsweredLate : public SftdCommands {
  protected:
   PortsAnsweredLate() : daemon_(start_sftd()), node_(without_waiting()) {
@@ -290,7 +291,8 @@ TEST_F(SftdCommands, AMalformedStatusIsRefused) {
 TEST_F(SftdCommands, AStatusIsReadBackAsItWasWritten) {
   Status status;
   status.pid = 42;
-  status.usage.users = {{7, "sft_\xff_7", 1, 2}};  // not UTF-8: the program chose this name
+  // A name that is no UTF-8, because programs choose their names.
+  status.usage.users = {{7, "sft_\xff_7", 1, 2}};
   status.usage.publishers = {{"sft_a_7", "01", 3, {4, 5, 6}}};
   const auto read = shm::parse_status(shm::to_json(status));
   ASSERT_TRUE(read);

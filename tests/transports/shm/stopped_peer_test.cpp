@@ -1,6 +1,6 @@
-// A writer never waits for a reader that stands still during a take, nor a reader for a writer that stands
-// still during a send, at any instruction. The other process may have been killed there, be stopped by a
-// debugger, or have a lower priority.
+// A writer never waits for a reader that stands still during a take, at any instruction. Nor does a reader
+// wait for a writer that stands still during a send. The other process may have been killed there, be stopped
+// by a debugger, or have a lower priority.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -18,10 +18,11 @@ using core::SendStatus;
 
 constexpr std::uint32_t frame = 100;
 
-/// The number of steps between two calls. With more calls the peer would make no progress: iceoryx's lists
-/// of free chunks make it try again whenever another process has used them meanwhile.
+/// The number of the peer's steps between two calls of the test. With more calls the peer would make no
+/// progress, because iceoryx's lists of free chunks make the peer try again whenever another process has
+/// changed the list.
 constexpr int steps_between_stops = 128;
-constexpr int stops_at_an_instruction = 3;  // at an instruction in a loop
+constexpr int stops_at_an_instruction = 3;  // stops at the same instruction, if it is in a loop
 
 class StoppedPeer : public ShmNodeTest {
  protected:
@@ -30,9 +31,9 @@ class StoppedPeer : public ShmNodeTest {
     if (!SteppedPeer::has_breakpoints) GTEST_SKIP() << "needs breakpoints of an x86 processor";
   }
 
-  /// Lets the peer do its work again and again, and stops it at each instruction of it. There calls `act`
-  /// in another thread, and expects it to return before the peer goes on. Returns at how many instructions
-  /// the peer stood still.
+  /// Lets the peer do its work repeatedly, and stops it at each instruction of the work. At each stop calls
+  /// `act` in another thread, and expects `act` to return before the peer continues. Returns the number of
+  /// instructions at which the peer was stopped.
   static std::size_t at_each_instruction(const Process& process, const std::function<void()>& act) {
     const SteppedPeer peer(process);
     std::size_t stopped_at = 0;
@@ -52,8 +53,8 @@ class StoppedPeer : public ShmNodeTest {
   }
 
  private:
-  /// Returns the instructions of the peer's work. Steps through the work twice. The second time `act` is
-  /// called now and then, so that the peer also comes to instructions with which it tries again.
+  /// Returns the addresses of the instructions of the peer's work. Steps through the work twice. The second
+  /// time calls `act` now and then, so that the peer also executes the instructions of a retry.
   static std::set<std::uintptr_t> instructions_of_its_work(const SteppedPeer& peer,
                                                            const std::function<void()>& act) {
     std::set<std::uintptr_t> instructions;
@@ -74,7 +75,7 @@ class StoppedPeer : public ShmNodeTest {
     ADD_FAILURE() << "blocked by a peer that stands still at instruction " << peer.instruction();
     peer.clear_breakpoint();
     if (!peer.goes_to_mark()) ADD_FAILURE() << "the peer has ended";
-    return false;  // the future waits for the end of the call
+    return false;  // the destructor of the future waits for the end of the call
   }
 };
 

@@ -1,5 +1,5 @@
-// Counts each operator new of the process while samples are sent. Buffers and queues grow to what is needed
-// at the same time, and after that no sample allocates.
+// Counts the allocations by operator new of the process while samples are sent. Buffers and queues grow until
+// they suffice for all samples in use at the same time. After that no sample allocates.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
@@ -32,7 +32,7 @@ class Counting final : public core::ArrivalListener {
   std::atomic<std::size_t> samples{0};
 };
 
-/// Drops all acks to one transport until it is opened.
+/// Drops all acks to one transport until the gate is opened.
 class AckGate {
  public:
   DatagramIo put_around(DatagramIo io) {
@@ -40,8 +40,7 @@ class AckGate {
     return io;
   }
   void open() { open_ = true; }
-  /// Returns the ordinal before which all samples were acknowledged, as far as the sending thread has
-  /// processed acks.
+  /// Returns an ordinal. The sending thread has processed the acks of all samples before it.
   std::uint64_t acknowledged() const { return acknowledged_; }
 
  private:
@@ -106,19 +105,20 @@ class Stream {
     test::fill(*sample, image_, all_, 7, ++sent_);
     writer_->send(sample);
   }
-  /// Sends samples, each of them once the one before has arrived.
+  /// Sends samples one by one: each after the one before has arrived.
   void exchange(int samples) {
     for (int i = 0; i < samples; ++i) {
       const std::size_t before = came();
       send();
       const auto deadline =
-          std::chrono::steady_clock::now() + std::chrono::seconds(2);  // a best-effort sample may be lost
+          // A best-effort sample may be lost, so the wait is limited.
+          std::chrono::steady_clock::now() + std::chrono::seconds(2);
       while (came() == before && std::chrono::steady_clock::now() < deadline) std::this_thread::yield();
     }
   }
   std::size_t came() const { return listener_.samples; }
 
-  /// Lets acks pass from now on. Returns true once the writer keeps nothing for repair.
+  /// Lets acks pass from now on. Returns true when the writer keeps no more samples for repair.
   bool acknowledge_all() {
     acks_.open();
     return test::eventually([&] { return acks_.acknowledged() > sent_; });
@@ -150,13 +150,14 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   for (const Backend backend : {Backend::automatic, Backend::sockets}) {
     Stream stream(backend, GetParam());
     constexpr int bursts = 5, at_once = 12, one_by_one = 10, measured = 200;
-    // The sending thread handles an ack when it gets a processor, and until then the writer keeps the
-    // samples for repair. So no ack passes until as many samples are kept as follow. Then all of them are
-    // acknowledged, and from there on no more samples can be kept at the same time than before.
+    // The sending thread handles an ack only when it gets a processor. Until then the writer keeps samples
+    // for repair. So no ack passes until as many samples are kept as will be sent later. After these samples
+    // were acknowledged, the writer never keeps more samples at the same time, and needs no more memory.
     stream.exchange(GetParam().reliable ? bursts * (at_once + one_by_one) + measured : 50);
     ASSERT_TRUE(!GetParam().reliable || stream.acknowledge_all());
-    // A thread that has sent or received a sample may not get to give back what it took for that. No more
-    // than a few are in use at the same time here, so as many are taken now.
+    // A thread that has sent or received a sample may be delayed before it gives back the memory for the
+    // sample. Only few samples are delayed in this way at the same time. The bursts allocate enough memory
+    // for them in advance.
     for (int burst = 0; burst < bursts; ++burst) {
       for (int i = 0; i < at_once; ++i) stream.send();
       stream.exchange(one_by_one);
@@ -166,8 +167,8 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
     const std::uint64_t before = sft::test::process_allocations();
     stream.exchange(measured);
     const std::uint64_t allocations = sft::test::process_allocations() - before;
-    // The reader may request parts of a large reliable sample that comes slowly. Each request has a list of
-    // gaps of its own.
+    // If a large reliable sample arrives slowly, the reader may request parts of the sample. Each request
+    // allocates a list of gaps.
     const bool may_be_asked_for = GetParam().reliable && GetParam().bytes > 100'000;
     EXPECT_LE(allocations, may_be_asked_for ? 19U : 0U);
     if (allocations != 0) sft::test::print_allocations();
@@ -175,7 +176,7 @@ TEST_P(AllocationTest, HappensForNoSampleOnceBuffersHaveGrown) {
   }
 }
 
-/// A large sample to many masks may take longer than the agent's pauses.
+/// Sending a large sample under many masks may take longer than the pause between two runs of the agent.
 TEST(AgentAllocations, AreNoneWhileWritersAreOnlyLookedAfter) {
   const auto transport = open_udp_transport({.bind_address = INADDR_LOOPBACK}, test::make_pool()).value();
   const auto writer = transport->open_writer({7, &test::type_support<Image>()}).value();

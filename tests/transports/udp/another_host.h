@@ -14,8 +14,8 @@ namespace sft::udp::test {
 
 inline bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
-/// Runs `make` on another host, which gets that end of a link and that address. What it opens stays on that
-/// host. Returns false if no host can be made.
+/// Runs `make` on another host, which gets the end `end` of a link and the address `address`. All that `make`
+/// opens stays on that host. Returns false if no host can be made.
 inline bool on_host_behind(const std::string& end, const std::string& address,
                            const std::function<void()>& make) {
   bool made = false;
@@ -30,8 +30,8 @@ inline bool on_host_behind(const std::string& end, const std::string& address,
   return made;
 }
 
-/// Does the same with a new link. Returns the address of that host, in 10.9.`net`.0/24; 0 if no host can be
-/// made. Our end of the link is "to`net`".
+/// Makes a link and runs `make` on a host at its far end. Returns the address of that host, in
+/// 10.9.`net`.0/24, or 0 if no host can be made. The near end of the link is "to`net`".
 inline std::uint32_t on_another_host(unsigned net, const std::function<void()>& make) {
   const std::string number = std::to_string(net), link = "to" + number, end = "at" + number;
   const std::string prefix = "10.9." + number + ".";

@@ -1,4 +1,4 @@
-// Acks and reports come back to the sender.
+// Acks and reports are sent to the right port, and the sender receives them.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,8 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Records the port at which answers are requested. Counts answers and marks at the port for samples.
+/// Records the port at which the sender requests answers. Counts the answers and marks that arrive at the
+/// port for samples.
 class AnswerMonitor final : public test::PassingReceiver {
  public:
   struct Seen {
@@ -54,7 +55,7 @@ class AnswersTest : public TransportTest {
     });
   }
 
-  /// Sends enough samples to cause reports and acks.
+  /// Sends enough samples to make the receiver send reports and acks.
   void transfer(core::Network& there, core::Network& here) {
     Subscriber subscriber(here, {"*"});
     Publisher publisher(there);
@@ -90,9 +91,10 @@ TEST_P(AnswersTest, ComeToAPortOfTheirOwnAndWakeNobodyWhoReceivesSamples) {
   EXPECT_EQ(seen_there_.here, 0U);
 }
 
-// Firewalls and address translators let answers through at no other port.
+// Firewalls and address translators let answers pass only at the chosen port.
 TEST_P(AnswersTest, ComeToThePortThatWasChosenWhereOneWas) {
-  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // the port is free again
+  // This transport is closed at once, so its port is free.
+  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;
   const auto there = open(seen_there_, port), here = open(seen_here_);
   transfer(*there, *here);
   EXPECT_EQ(seen_here_.port, port);
@@ -117,7 +119,8 @@ TEST_P(AnswersTest, AreCountedAndNotHeardAtThePortForSamples) {
 }
 
 TEST_P(AnswersTest, AreCountedWhereNothingWasSentThatTheyAnswer) {
-  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;  // the port is free again
+  // This transport is closed at once, so its port is free.
+  const std::uint16_t port = TransportTest::open()->addresses().at(0).port;
   const auto there = open(seen_there_, port);
   acknowledge_what_was_never_sent(*there, 3);
   EXPECT_TRUE(eventually([&] { return there->counters().rejected == 3; }));
@@ -129,7 +132,7 @@ TEST_P(AnswersTest, AreCountedWhereTheyMakeNoSense) {
   transfer(*there, *here);
   const auto stranger = TransportTest::open();
   const auto before = there->counters().malformed;
-  Publisher publisher(*stranger);  // sends samples where answers should come
+  Publisher publisher(*stranger);  // will send samples to the port for answers
   core::UdpAddress wrong = loopback_address(*there);
   wrong.port = static_cast<std::uint16_t>(seen_here_.port);
   publisher.serve({{wrong}});

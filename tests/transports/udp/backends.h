@@ -1,4 +1,4 @@
-// Both backends, and the one reason for which a test may leave one of them out.
+// Both backends, and the only reason for which a test may omit one of them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,8 +14,9 @@
 
 namespace sft::udp::test {
 
-/// Returns why the system gives us no io_uring; empty if it does. Asks the system itself, whatever the
-/// tested code concludes. Always empty for plain sockets: if these cannot be opened, a test fails.
+/// Returns the reason why the system offers no io_uring, or "" if io_uring can be used. Asks the system
+/// itself, independently of the tested code. Always returns "" for plain sockets, because a test must fail if
+/// they cannot be opened.
 inline std::string refusal_of(Backend backend) {
   if (backend != Backend::io_uring) return {};
   io_uring_params params{};
@@ -28,7 +29,7 @@ inline std::string refusal_of(Backend backend) {
 
 inline const auto both_backends = testing::Values(Backend::io_uring, Backend::sockets);
 
-/// Names the parameter for GoogleTest.
+/// Returns the name of the backend, as GoogleTest's name for the parameter.
 inline constexpr auto backend_name = [](const auto& info) {
   const Backend backend = info.param;
   return std::string(backend == Backend::io_uring ? "IoUring" : "Sockets");

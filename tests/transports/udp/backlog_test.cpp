@@ -1,4 +1,5 @@
-// A process that does not read for long costs other processes nothing, and itself only samples.
+// A process that does not read for a long time causes no loss in other processes. Only the process itself
+// loses samples.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -25,7 +26,7 @@ using test::Subscriber;
 
 class BacklogTest : public TransportTest {
  protected:
-  /// Opens a transport that sends nothing to the gate's address until the gate is opened.
+  /// Opens a transport whose connection to the gate's address is full until the gate is opened.
   std::unique_ptr<core::Network> open_before(test::Gate& gate, std::shared_ptr<core::BufferPool> pool) {
     UdpOptions options;
     options.bind_address = INADDR_LOOPBACK;

@@ -1,4 +1,4 @@
-// A publisher and readers on a bridge that the test makes. Each reader is on a host of its own.
+// A publisher and readers, connected by a bridge that the test makes. Each reader is on a host of its own.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@
 
 namespace sft::udp::test {
 
-/// The bytes that an interface of this host has sent and received. The counters wrap around.
+/// The bytes that an interface of this host has sent and received. These counters wrap around.
 struct Traffic {
   std::uint32_t sent = 0, received = 0;
 };
@@ -36,7 +36,7 @@ inline Traffic traffic_of(const std::string& interface) {
   return traffic;
 }
 
-/// The bridge is called "bridge"; host 10.20.0.`n` is behind its "port`n`".
+/// The bridge is named "bridge". Its port "port`n`" leads to the host with the address 10.20.0.`n`.
 class BridgeTest : public testing::Test {
  protected:
   struct Host {
@@ -45,13 +45,13 @@ class BridgeTest : public testing::Test {
     core::UdpAddress address;
     std::string mask;
     bool reliable = false;
-    std::uint32_t since = 0;  ///< how many samples were published before it was served
+    std::uint32_t since = 0;  ///< the number of samples that were published before the host was served
   };
 
   void TearDown() override {
     hosts_.clear();
     for (const std::string& link : links_)
-      run("ip link delete " + link + " 2> /dev/null");  // the link may have gone with its host
+      run("ip link delete " + link + " 2> /dev/null");  // the link may have disappeared with its host
   }
 
   /// Opens the publisher on this host.
@@ -59,7 +59,7 @@ class BridgeTest : public testing::Test {
     writer_ = open_udp_transport(options, make_pool()).value();
     publisher_ = std::make_unique<Publisher>(*writer_);
   }
-  /// Makes a bridge with these options of the kernel's bridge.
+  /// Makes a bridge. `options` are those of the kernel's bridge.
   bool make_bridge(const std::string& options) {
     const bool made = run("ip link set lo up && ip link add bridge type bridge " + options);
     if (made) links_.emplace_back("bridge");
@@ -74,7 +74,8 @@ class BridgeTest : public testing::Test {
   static bool switch_on(unsigned number, const std::string& end) {
     return run("ip address add " + address_of(number) + " dev " + end + " && ip link set " + end + " up");
   }
-  /// Runs `make` on another host. What it opens stays there. Returns false if no host can be made.
+  /// Runs `make` on another host. All that `make` opens stays on that host. Returns false if no host can be
+  /// made.
   bool on_host(unsigned number, const std::function<void()>& make) {
     const std::string end = "end" + std::to_string(number);
     return plug_in(number, end) && on_host_behind(end, address_of(number), make);
@@ -83,7 +84,7 @@ class BridgeTest : public testing::Test {
   bool add_reader(unsigned number, const std::string& mask, bool reliable) {
     return add_readers(number, {mask}, reliable);
   }
-  /// Adds readers on one host. Each has a transport of its own, as several programs have.
+  /// Adds readers on one host. Each has a transport of its own, as in separate programs.
   bool add_readers(unsigned number, const std::vector<std::string>& masks, bool reliable) {
     return on_host(number, [&] {
       for (const std::string& mask : masks) hosts_.push_back(open_reader(mask, reliable));
@@ -110,7 +111,7 @@ class BridgeTest : public testing::Test {
       readers.push_back({hosts_[i].address, hosts_[i].mask, hosts_[i].reliable});
     publisher_->serve(readers);
   }
-  /// Returns true if every reader has every sample.
+  /// Returns true if all served readers get all samples that they should have.
   bool all_came() {
     for (std::size_t i = 0; i < served_; ++i) {
       const std::size_t count = published_ - hosts_[i].since;
@@ -118,7 +119,7 @@ class BridgeTest : public testing::Test {
     }
     return true;
   }
-  /// Publishes a sample once all readers have all earlier ones.
+  /// Waits until all readers have all samples, and publishes the next one.
   void publish() {
     ASSERT_TRUE(all_came());
     Image image = make_image(data_bytes, ++published_);
@@ -139,7 +140,7 @@ class BridgeTest : public testing::Test {
     }
     return true;
   }
-  /// Publishes until the condition holds.
+  /// Publishes repeatedly until the condition holds. Returns false if the condition never holds.
   template <class Condition>
   bool publish_until(const Condition& holds) {
     return eventually([&] {

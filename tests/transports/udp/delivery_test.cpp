@@ -1,4 +1,5 @@
-// A writer counts for each reader what happens to samples, while routes change and queues overflow.
+// A writer counts, for each reader, the samples that are sent, dropped and withheld, while routes change and
+// queues overflow.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
@@ -29,7 +30,7 @@ class DeliveryTest : public testing::Test {
     publisher.emplace(*transport, test::Publisher::usual_id, 0, book);
   }
   core::UdpAddress here() { return test::loopback_address(*transport); }
-  /// Returns the bytes of one body under a mask.
+  /// Returns the size of one body under a mask, in bytes.
   static std::size_t body(const std::string& mask) {
     return encoded_size(TypeTable<Image>::type, &image(),
                         test::type_support<Image>().closed(fields<Image>(mask)))
@@ -65,7 +66,8 @@ TEST_F(DeliveryTest, EachReaderHasTheBytesOfItsOwnFieldsAndSavesTheRest) {
 
 TEST_F(DeliveryTest, CountsGoOnWhileMasksChange) {
   open();
-  const auto elsewhere = open_transport();  // since readers of one process might share a copy
+  // A second process, because readers of one process might share a copy.
+  const auto elsewhere = open_transport();
   sft::test::Random random{sft::test::test_seed()};
   SCOPED_TRACE(sft::test::how_to_repeat());
   const std::vector<std::string> masks{"name", "data", "*"};
@@ -111,7 +113,8 @@ TEST_F(DeliveryTest, WhatIsPushedOutOfAQueueIsDroppedForThoseBehindItOnly) {
   far.port = elsewhere;
   publisher->serve({{here(), "name"}});
   publish(1);
-  // A retained sample is awaited, so live samples wait in the queue, which takes at most 256 small samples.
+  // The reader waits for a retained sample, so live samples wait in its queue, which takes at most 256 small
+  // samples.
   publisher->port().set_routes(
       {{1, here(), fields<Image>("name")}, {2, far, fields<Image>("name"), 0, nullptr, 1}});
   publish(300);

@@ -1,4 +1,4 @@
-// A publisher and a subscriber of images, directly on the ports of a transport.
+// A publisher and a subscriber of images, which use the ports of a transport directly.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -30,7 +30,7 @@ inline core::UdpAddress loopback_address(const core::Network& transport) {
   return address;
 }
 
-/// Returns false if the kernel has no IPv6, or it is switched off, so that tests have no IPv6 loopback.
+/// Returns false if the kernel has no IPv6 or IPv6 is switched off, so that there is no IPv6 loopback.
 inline bool has_ipv6_loopback() {
   const int fd = ::socket(AF_INET6, SOCK_DGRAM | SOCK_CLOEXEC, 0);
   sockaddr_in6 loopback{};
@@ -71,13 +71,13 @@ class Subscriber final : private core::ArrivalListener {
 
   core::NetworkReader& port() { return *port_; }
 
-  /// Returns all samples so far, once there are `count` of them; fewer after `at_most`.
+  /// Waits until there are `count` samples, and returns all samples so far. Returns fewer after `at_most`.
   std::vector<core::SampleHandle> await(std::size_t count, std::chrono::seconds at_most = hang_timeout) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, at_most, [&] { return taken_.size() >= count; });
     return taken_;
   }
-  /// Returns the samples since the last call, once there are `count`; fewer after a time-out.
+  /// Waits for `count` samples since the last call, and returns them. Returns fewer after a time-out.
   std::vector<core::SampleHandle> await_new(std::size_t count) {
     std::unique_lock lock(mutex_);
     changed_.wait_for(lock, hang_timeout, [&] { return taken_.size() >= count; });
@@ -105,7 +105,7 @@ class Subscriber final : private core::ArrivalListener {
   std::mutex mutex_;
   std::condition_variable changed_;
   std::vector<core::SampleHandle> taken_;
-  std::unique_ptr<core::NetworkReader> port_;  // destroyed first: after that no thread calls arrived()
+  std::unique_ptr<core::NetworkReader> port_;  // destroyed first; after that no thread calls arrived()
 };
 
 class Publisher {
@@ -126,7 +126,7 @@ class Publisher {
 
   struct Reader {
     core::UdpAddress address;
-    std::string mask = "*";  ///< or a selection with parts
+    std::string mask = "*";  ///< a mask, or a selection with parts
     bool reliable = false;
     std::shared_ptr<const core::Gate> gate{};  ///< not null for a reader with a maximum rate
   };
@@ -141,7 +141,7 @@ class Publisher {
     port_->set_routes(std::move(routes));
   }
 
-  /// Publishes as a program does: the image changes as soon as this function returns.
+  /// Publishes as a program does. The data of the image is overwritten before this function returns.
   core::SendStatus publish(Image image) {
     detail::PostponedCopies postponed;
     const core::SampleHandle sample = make(image, *pool_, &postponed);

@@ -1,4 +1,4 @@
-// One topic that never stops, and a stop button, that share a sending thread or a receiving thread.
+// A topic that never stops and a topic of a stop button share a sending thread or a receiving thread.
 #include <atomic>
 #include <functional>
 #include <thread>
@@ -12,7 +12,7 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Publishes for as long as it lives.
+/// Publishes until it is destroyed.
 class EndlessTopic {
  public:
   explicit EndlessTopic(std::function<void()> publish_one)
@@ -36,7 +36,7 @@ class FairTurnsTest : public TransportTest {
   static constexpr core::EndpointId cloud_id = 7, stop_id = 8;
   static constexpr std::size_t presses = 20;
 
-  /// A reader that keeps the last sample, which nobody takes.
+  /// Returns a reader whose queue holds one sample. No thread takes the sample.
   static std::unique_ptr<core::NetworkReader> reader_of_cloud(core::Network& there, bool reliable) {
     auto reader =
         there.open_reader({.id = 2, .type = &type_support<test::Image>(), .depth = 1, .doorbell = {}})
@@ -45,7 +45,7 @@ class FairTurnsTest : public TransportTest {
     EXPECT_TRUE(reader->connect({.writer = cloud_id, .reliable = reliable}));
     return reader;
   }
-  /// The stop button is pressed again and again. Each press arrives while the other topic goes on.
+  /// Presses the stop button repeatedly, while the other topic goes on. Expects each press to arrive.
   static void press(Publisher& stop, const std::vector<Subscriber*>& all, const EndlessTopic& flood) {
     for (std::size_t n = 1; n <= presses; ++n) {
       const std::size_t before = flood.published();
@@ -58,7 +58,7 @@ class FairTurnsTest : public TransportTest {
 
 INSTANTIATE_TEST_SUITE_P(Over, FairTurnsTest, all_ways, way_name);
 
-/// Each process asks for something else, so that the sending thread sends most variants.
+/// Each reading process requests other fields, so that the sending thread sends most variants.
 TEST_P(FairTurnsTest, ASendingThreadServesAStopButtonBesideAPublisherThatNeverStops) {
   const auto here = open();
   std::vector<std::unique_ptr<core::Network>> there;
@@ -95,7 +95,7 @@ TEST_P(FairTurnsTest, ASendingThreadServesAStopButtonBesideLargeSamplesWithoutEn
   press(stop, {&of_stop}, flood);
 }
 
-/// Both go out on the threads that publish as long as there is room at the receiver.
+/// The publishers' threads send both topics themselves as long as there is room at the receiver.
 TEST_P(FairTurnsTest, APublisherThatNeverStopsLeavesRoomAtTheReceiverToAStopButtonOfItsNode) {
   const auto here = open(), there = open();
   const auto of_cloud = reader_of_cloud(*there, false);

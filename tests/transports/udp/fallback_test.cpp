@@ -23,8 +23,8 @@
 namespace sft::udp {
 namespace {
 
-/// Makes a system call fail from now on, on this thread and those that it starts: with any first argument,
-/// or with `argument` only. `flags` are those of seccomp(2).
+/// Makes a system call fail from now on, in this thread and the threads that it starts. If `argument` is
+/// given, the call fails only with that first argument. `flags` are those of seccomp(2).
 void forbid(unsigned call, std::optional<unsigned> argument, int error, unsigned flags = 0) {
   const sock_filter any_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr));
   const sock_filter first_argument = BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, args));
@@ -41,7 +41,7 @@ void forbid(unsigned call, std::optional<unsigned> argument, int error, unsigned
   ASSERT_EQ(::syscall(SYS_seccomp, SECCOMP_SET_MODE_FILTER, flags, &program), 0);
 }
 
-/// Runs the action on a thread for which that system call fails. `argument`: as for forbid().
+/// Runs the action on a thread in which that system call fails, with `argument` as for forbid().
 void without(unsigned call, std::optional<unsigned> argument, int error,
              const std::function<void()>& action) {
   std::thread([&] {
@@ -50,7 +50,7 @@ void without(unsigned call, std::optional<unsigned> argument, int error,
   }).join();
 }
 
-/// Runs the action without io_uring, as containers do.
+/// Runs the action on a thread that cannot use io_uring, as in many containers.
 void without_io_uring(int error, const std::function<void()>& action) {
   without(SYS_io_uring_setup, {}, error, action);
 }
@@ -106,8 +106,8 @@ TEST(Fallback, UsesPlainSocketsForEveryOtherRefusal) {
   }
 }
 
-/// Expects plain sockets once io_uring is forbidden to the running program. Some programs restrict
-/// themselves after they have opened what they need.
+/// Forbids io_uring while a transport is open, and expects that the transport then uses plain sockets. Some
+/// programs forbid themselves system calls after they have opened their files and sockets.
 void expect_plain_sockets_after(int error) {
   const auto here = open_udp_transport({}, test::make_pool()).value();
   const auto there = open_udp_transport({}, test::make_pool()).value();
@@ -124,7 +124,7 @@ void expect_plain_sockets_after(int error) {
     EXPECT_EQ(subscriber.await_new(1).size(), 1U) << i;
   }
   EXPECT_EQ(here->poll({}), core::Availability::ready);
-  // The receiving thread may still sleep in a call that began before.
+  // The receiving thread may still sleep in a call that began before io_uring was forbidden.
   EXPECT_TRUE(eventually([&] { return here->description().find("plain sockets") != std::string::npos; }));
   EXPECT_TRUE(why_not(*here, "io_uring").starts_with("it was forbidden while it was in use"));
 }
@@ -132,7 +132,7 @@ void expect_plain_sockets_after(int error) {
 TEST(Fallback, ReceivesByPlainSocketsOnceIoUringIsForbiddenToARunningProgram) {
   if (const std::string why = test::refusal_of(Backend::io_uring); !why.empty()) GTEST_SKIP() << why;
   for (const int error : {EPERM, ENOSYS, EACCES}) {
-    const pid_t child = ::fork();  // a process of its own, since the restriction cannot be lifted
+    const pid_t child = ::fork();  // a process of its own, because the restriction is permanent
     if (child == 0) {
       expect_plain_sockets_after(error);
       std::fflush(stdout);
@@ -152,7 +152,7 @@ TEST(Fallback, DoesNotReplaceIoUringWhereItIsDemanded) {
   });
 }
 
-/// The kernel behaves like this if it was started with ipv6.disable=1.
+/// A kernel that was started with ipv6.disable=1 fails in the same way.
 TEST(Fallback, UsesIPv4AloneWhereTheSystemHasNoIPv6) {
   without(SYS_socket, AF_INET6, EAFNOSUPPORT, [] {
     const auto there = open_udp_transport({}, test::make_pool()).value();

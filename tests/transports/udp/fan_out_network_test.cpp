@@ -1,4 +1,5 @@
-// The traffic of one publisher and eight readers with two masks, each on a host of its own, on one bridge.
+// The traffic of one publisher and eight readers with two masks on one bridge. Each reader is on a host of
+// its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -72,8 +73,9 @@ TEST_P(FanOutTest, PutsBytesOnTheWireByMasksAndNotByReceivers) {
   EXPECT_TRUE(all_came());
 }
 
-/// The first sample goes to each member alone, since its size was not known. So does another one, which
-/// says to a reliable member where it is in the group. No other sample goes both ways.
+/// The first sample is sent to each member alone, because its size was not known before. One more sample is
+/// sent both alone and to the group, because a reliable member learns its place in the group from this
+/// sample. Each other sample is sent either alone or to the group.
 TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
   make_hosts({});
   serve(hosts);
@@ -86,7 +88,8 @@ TEST_P(FanOutTest, SendsTheNextSampleToGroupsAloneOnceTheirMembersWereProbed) {
     writer_->poll(now);
     if (all_are_in_groups()) return true;
     const bool probes_have_ended = writer_->next_poll() == decltype(now)::max();
-    if (probes_have_ended) publish();  // the machine was too busy to answer the probes in time
+    // The probes ended because the machine was too busy to answer the probes in time.
+    if (probes_have_ended) publish();
     return false;
   })) << publisher_->port().multicast(1);
   test::SampleTap tap("bridge");
@@ -124,7 +127,7 @@ class WaitingFanOutTest : public ManyHostsTest {
   }
 };
 
-/// The publisher may wait for a reader, even if that reader shares a group with others.
+/// The publisher may wait for a reader even if the reader shares a group with others.
 TEST_F(WaitingFanOutTest, LosesNothingToAMemberOfAGroupThatIsCutOffForAWhile) {
   constexpr std::uint32_t kept_most = ResendLimits{}.samples;
   constexpr std::uint32_t samples = kept_most + 2000;
@@ -155,7 +158,7 @@ struct Masks {
   unsigned readers;
   bool reliable;
 };
-/// Each reader has a mask of its own. There are several readers on each of the eight hosts.
+/// Each reader has its own mask. There are several readers on each of the eight hosts.
 class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<Masks> {
  protected:
   void SetUp() override {
@@ -169,8 +172,9 @@ class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<M
     }
   }
 
-  /// Returns the bytes per sample. A reliable reader that acknowledges late gets heartbeats. On a busy
-  /// machine these follow many samples, so only the half of the samples with the fewest bytes counts.
+  /// Returns the average bytes per sample. A reliable reader that acknowledges late gets heartbeats. On a
+  /// busy machine heartbeats follow many samples, so with reliable readers only the smaller half of the
+  /// samples counts.
   double bytes_of_a_sample() {
     std::vector<std::uint32_t> each;
     std::uint32_t before = test::traffic_of("bridge").sent;
@@ -185,7 +189,7 @@ class ManyMasksTest : public ManyHostsTest, public testing::WithParamInterface<M
     return std::accumulate(each.begin(), each.end(), 0.) / static_cast<double>(each.size());
   }
 
-  /// Returns one of 64 masks, since the image has six fields. The first 32 masks have the data.
+  /// Returns one of 64 masks, because the image has six fields. The first 32 masks include the data.
   static std::string mask(unsigned number) {
     std::string mask = number < 32 ? "data" : "";
     for (const char* field : {", stamp.sec", ", stamp.nanosec", ", name", ", height", ", width"}) {

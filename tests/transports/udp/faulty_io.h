@@ -1,5 +1,5 @@
-// Decorators of the I/O interfaces: receivers that lose, repeat and swap datagrams, and connections that
-// are full or refuse.
+// Decorators of the I/O interfaces: receivers that lose, repeat and swap datagrams, and connections that are
+// full or refuse to send.
 #pragma once
 
 #include <algorithm>
@@ -23,14 +23,15 @@ namespace sft::udp::test {
 struct Faults {
   double loss = 0;
   double repetition = 0;
-  double swap = 0;  ///< swapped with the next datagram
-  /// Must outlive the I/O. Null: faults may happen at any time.
+  double swap = 0;  ///< the probability that a datagram is swapped with the next one
+  /// Faults happen only while the flag is true. The flag must outlive the I/O. If the pointer is null, faults
+  /// may happen at any time.
   const std::atomic<bool>* only_while = nullptr;
 
   bool may_happen() const { return only_while == nullptr || *only_while; }
 };
 
-/// Passes everything on. The base of receivers that check what comes, or lose some of it.
+/// Passes all datagrams on. The base class of receivers that check or lose datagrams.
 class PassingReceiver : public DatagramReceiver, private DatagramSink {
  public:
   explicit PassingReceiver(std::unique_ptr<DatagramReceiver> inner) : inner_(std::move(inner)) {}
@@ -88,7 +89,7 @@ class FaultyReceiver final : public PassingReceiver {
   std::optional<std::vector<std::byte>> held_;
 };
 
-/// While `unreached` is true, this receiver gets nothing that was sent to a group.
+/// While `unreached` is true, this receiver gets no datagrams that were sent to a group.
 class UnreachedReceiver final : public PassingReceiver {
  public:
   UnreachedReceiver(std::unique_ptr<DatagramReceiver> inner, const std::atomic<bool>& unreached)
@@ -104,7 +105,7 @@ class UnreachedReceiver final : public PassingReceiver {
   const std::atomic<bool>& unreached_;
 };
 
-/// Keeps a receiving thread busy with one datagram. Records the order of samples from the sockets.
+/// Keeps a receiving thread busy in one datagram. Records the sockets from which samples arrive, in order.
 class Hold {
  public:
   void begin() {
@@ -114,7 +115,7 @@ class Hold {
     }
     held_ = true;
   }
-  /// Returns true while the thread is busy.
+  /// Returns true while the receiving thread is kept busy.
   bool stops_it() const { return stopped_; }
   void end() {
     held_ = false;
@@ -162,7 +163,7 @@ class Hold {
   std::string arrivals_;
 };
 
-/// Passes everything on. The base of connections with faults.
+/// Passes all datagrams on. The base class of connections with faults.
 class Connected : public Connection {
  public:
   explicit Connected(std::unique_ptr<Connection> inner) : inner_(std::move(inner)) {}
@@ -178,11 +179,11 @@ class Connected : public Connection {
   std::unique_ptr<Connection> inner_;
 };
 
-/// Puts a decorator around each connection of a sender.
+/// A function that puts a decorator around each connection of a sender.
 using DecorateConnection =
     std::function<std::unique_ptr<Connection>(const SocketAddress&, std::unique_ptr<Connection>)>;
 
-/// Passes everything on. The base of senders with faults.
+/// Passes all calls on. The base class of senders with faults.
 class PassingSender : public DatagramSender {
  public:
   explicit PassingSender(std::unique_ptr<DatagramSender> inner) : inner_(std::move(inner)) {}
@@ -218,7 +219,7 @@ class DecoratedSender final : public PassingSender {
   DecorateConnection decorate_;
 };
 
-/// A sender that loses some answers, and gets some twice.
+/// A sender that loses some received answers, and takes some answers twice.
 class SenderOfBadLink final : public PassingSender {
  public:
   SenderOfBadLink(std::unique_ptr<DatagramSender> inner, const Faults& faults, unsigned seed)
@@ -250,14 +251,14 @@ class SenderOfBadLink final : public PassingSender {
   SocketAddress again_from_;
 };
 
-/// Adds faults to everything that comes: samples, and answers to sent samples.
+/// Adds faults to all received datagrams: to samples, and to answers to sent samples.
 inline DatagramIo with_faults(DatagramIo io, const Faults& faults, unsigned seed) {
   io.receiver = std::make_unique<FaultyReceiver>(std::move(io.receiver), faults, seed);
   io.sender = std::make_unique<SenderOfBadLink>(std::move(io.sender), faults, ~seed);
   return io;
 }
 
-/// The send buffer for one address. It is full until the gate is opened.
+/// Simulates the send buffer for one address. The buffer is full until the gate is opened.
 class Gate {
  public:
   explicit Gate(std::uint16_t port) : port_(port) {}
@@ -302,7 +303,7 @@ class Gate {
   std::atomic<DatagramSender*> sender_{nullptr};
 };
 
-/// Is full at every other call, and sends one batch at the others.
+/// A connection that is full at every other call, and sends one batch at each call in between.
 class BusyConnection final : public Connected {
  public:
   using Connected::Connected;

@@ -1,6 +1,6 @@
-// One publisher and 64 readers with conditions on 16 hosts, on one bridge. Multicast groups serve hosts
-// that request the same under the same conditions. Each reader gets exactly what its conditions let pass,
-// as a reference confirms, and counts none of the rest as lost.
+// One publisher and 64 readers with conditions on 16 hosts, on one bridge. Multicast groups serve hosts that
+// request the same fields under the same conditions. Each reader gets exactly the samples that its conditions
+// let pass, as a reference confirms. The reader counts no other sample as lost.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -30,8 +30,8 @@ using test::Image;
 
 constexpr std::size_t gated_hosts = 16, readers_per_host = 4;
 
-/// The readers request these in turn. Several have the same fields under different conditions, or different
-/// fields under the same conditions. The last two have no conditions.
+/// The readers request these selections in turn. Several selections have the same fields under different
+/// conditions, or different fields under the same conditions. The last two have no conditions.
 const std::vector<std::string> wishes{"height, data[::2] @ height > 500",
                                       "height, data[::2] @ height <= 500",
                                       "height, data[::2] @ every 3rd",
@@ -49,7 +49,8 @@ const TypeSupport& image_type() { return test::type_support<Image>(); }
 
 std::uint64_t gate_of(const Selection& selection) { return core::gate_id(selection.gate_hash(), 0); }
 
-/// Returns the image with that number. Its fields change now and then, so that conditions have an effect.
+/// Returns the image with that number. Its fields sometimes differ from those of the image before, so that
+/// conditions have an effect.
 Image image_of(std::uint32_t number) {
   sft::test::Random random{sft::test::test_seed() + number};
   Image image = test::make_image(random() % 3000, number);
@@ -59,7 +60,7 @@ Image image_of(std::uint32_t number) {
   return image;
 }
 
-/// Returns the image as that selection requests it.
+/// Returns the image reduced to the part that the selection requests.
 Image part_of(Image image, const Selection& wanted) {
   for (const Selection::Part& part : wanted.parts())
     image.data = sft::test::cut_reference::cut(image.data, part.columns);
@@ -84,7 +85,7 @@ class CheckedGate {
     reference_.passed(values, stamp_ns);
     numbers_.emplace(sequence, static_cast<std::uint32_t>(numbers_.size() + 1));
   }
-  /// Returns the number of the sample among those that have passed; nothing if it has not passed.
+  /// Returns the number of the sample among those that have passed, or nothing if the sample has not passed.
   std::optional<std::uint32_t> number(std::uint64_t sequence) const {
     const auto found = numbers_.find(sequence);
     return found == numbers_.end() ? std::nullopt : std::optional(found->second);
@@ -93,10 +94,10 @@ class CheckedGate {
  private:
   std::shared_ptr<core::Gate> gate_;
   sft::test::GateReference reference_;
-  std::map<std::uint64_t, std::uint32_t> numbers_;  ///< by sequence
+  std::map<std::uint64_t, std::uint32_t> numbers_;  ///< the number of each passed sample, by sequence
 };
 
-/// The gates of all wishes that were ever requested.
+/// The gates of all wishes so far, with their references.
 class CheckedGates {
  public:
   /// Assigns gates to the routes. Call opened() once the routes are in force.
@@ -105,7 +106,8 @@ class CheckedGates {
     for (const core::Route& route : routes)
       if (route.gate != nullptr) checked_.try_emplace(route.gate->id(), gates_.of(route), route.selection);
   }
-  /// Call this once the routes are in force. `anew`: the gates that a reader has newly requested.
+  /// Opens the gates of the routes, which must be in force. `anew` are the ids of the gates that a reader has
+  /// newly requested.
   void opened(std::vector<core::Route> routes, const std::vector<std::uint64_t>& anew) {
     core::Serving serving;
     serving.network = std::move(routes);
@@ -119,17 +121,17 @@ class CheckedGates {
   bool let_pass(const Selection& wish, std::uint64_t sequence) const {
     return gate_of(wish) == 0 || checked_.at(gate_of(wish)).number(sequence);
   }
-  /// Returns the number of the sample behind the wish's gate; 0 if it has none.
+  /// Returns the number of the sample in the wish's gate, or 0 if the wish has no gate.
   std::uint32_t number(const Selection& wish, std::uint64_t sequence) const {
     return gate_of(wish) == 0 ? 0 : checked_.at(gate_of(wish)).number(sequence).value_or(0);
   }
 
  private:
   core::Gates gates_{image_type()};
-  std::map<std::uint64_t, CheckedGate> checked_;  ///< by id
+  std::map<std::uint64_t, CheckedGate> checked_;  ///< gates by their ids
 };
 
-/// A reader, and the samples that it must get.
+/// A reader, and the samples that it must receive.
 class GatedReader {
  public:
   GatedReader(std::shared_ptr<core::Network> transport, core::EndpointId id, const std::string& wish,
@@ -146,7 +148,7 @@ class GatedReader {
   void listen_to(core::EndpointId writer) {
     reliable_ ? subscriber_->listen_reliably_to(writer) : subscriber_->listen_to(writer);
   }
-  /// Changes the wish. Samples under former wishes may still come after that.
+  /// Changes the wish. Samples under former wishes may still arrive after that.
   void ask_for(const std::string& wish) {
     const Selection asked = test::selection_of<Image>(wish);
     const core::Wanted wanted{asked.without_rate()};
@@ -163,10 +165,11 @@ class GatedReader {
     return route;
   }
 
-  /// Notes that the sample is sent under the present wish. Other samples count as withheld.
+  /// Records that the sample must arrive under the present wish. Samples that are not recorded count as
+  /// withheld.
   void owe(std::uint64_t sequence) { owed_.push_back(sequence); }
   std::size_t owed() const { return owed_.size(); }
-  /// Takes samples until it has all that it is owed. Returns the first error; empty if there is none.
+  /// Takes samples until all that must arrive have arrived. Returns the first error, or "" if there is none.
   std::string catch_up(const CheckedGates& gates) {
     std::string wrong;
     while (wrong.empty() && got_ < owed_.size()) {
@@ -180,7 +183,7 @@ class GatedReader {
 
   std::uint64_t lost() const { return lost_; }
   std::uint64_t withheld() const { return withheld_; }
-  /// Returns how many samples are missing between the first and the last one that it is owed.
+  /// Returns the number of missing samples between the first and the last one that had to arrive.
   std::uint64_t kept_from_it() const { return owed_.back() - owed_.front() + 1 - received_; }
 
  private:
@@ -205,7 +208,7 @@ class GatedReader {
     got_ += is_next ? 1 : 0;
     return {};
   }
-  /// Returns the wish that the sample was sent under; the latest one if several match.
+  /// Returns the wish under which the sample was sent, or the latest such wish if several match.
   const Selection* named_by(const core::SampleBuffer& sample) const {
     const auto suits = [&](const Selection& wish) {
       if (gate_of(wish) != sample.gate) return false;
@@ -222,15 +225,15 @@ class GatedReader {
   core::UdpAddress address_;
   std::unique_ptr<test::Subscriber> subscriber_;
   core::AcceptedRequests requests_;
-  std::vector<Selection> asked_{};  ///< the latest wish is the last one
+  std::vector<Selection> asked_{};  ///< all wishes, the latest at the end
   core::AskedGates asked_gates_{};
   core::SequenceAccount account_{};
-  std::vector<std::uint64_t> owed_{};  ///< sequences of the samples that are owed
-  std::size_t got_ = 0;                ///< how many of the owed samples arrived
+  std::vector<std::uint64_t> owed_{};  ///< the sequences of the samples that must arrive
+  std::size_t got_ = 0;                ///< the number of these samples that have arrived
   std::uint64_t received_ = 0, lost_ = 0, withheld_ = 0;
 };
 
-/// The links of reliable readers lose, repeat and swap datagrams, once the readers are in their groups.
+/// Once the readers are in their groups, the links of reliable readers lose, repeat and swap datagrams.
 class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterface<bool> {
  protected:
   void SetUp() override {
@@ -248,7 +251,7 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     BridgeTest::TearDown();
   }
 
-  /// Adds four processes with a reader each; on the last host, one process with four readers.
+  /// Adds four processes with one reader each. The last host gets one process with four readers instead.
   void add_readers(unsigned host) {
     std::shared_ptr<core::Network> transport;
     for (std::size_t i = 0; i < readers_per_host; ++i) {
@@ -286,7 +289,8 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     const Image image = image_of(++published_);
     const core::SampleHandle sample = publisher_->make(image);
     ASSERT_TRUE(sample);
-    // As in a publisher, what the gates withhold counts from the moment at which the routes take effect.
+    // As in a publisher, the samples that gates withhold count from the moment at which the routes take
+    // effect.
     core::Transmission transmission = publisher_->port().begin();
     gates_.evaluate(image, published_);
     for (const auto& reader : readers_)
@@ -297,17 +301,17 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
   void catch_up() {
     for (const auto& reader : readers_) ASSERT_EQ(reader->catch_up(gates_), "") << "reader " << reader->id();
   }
-  /// Over good links, publishes a sample once all earlier ones have come, so that no queue is ever full.
-  /// Over bad links, many samples are under way at the same time.
+  /// Over good links, publishes each sample after all earlier ones have arrived, so that no queue is ever
+  /// full. Over bad links, many samples are under way at the same time.
   void publish_and_compare(std::size_t samples) {
     for (std::size_t i = 0; i < samples && !HasFatalFailure(); ++i) {
       publish();
       if (!is_bad_ || published_ % 64 == 0) catch_up();
     }
   }
-  /// Returns how many wishes with conditions are served by groups to all readers that may be in one.
+  /// Returns the number of wishes with conditions for which groups serve all readers that may be in one.
   std::size_t gated_groups() {
-    std::map<std::uint64_t, bool> by_group;  // by wish
+    std::map<std::uint64_t, bool> by_group;  // whether groups serve all readers of the wish, by wish
     for (const auto& reader : readers_) {
       if (gate_of(reader->wish()) == 0 || reader->id() > (gated_hosts - 1) * readers_per_host) continue;
       by_group.try_emplace(reader->wish().hash(), true).first->second &= hears(reader->id());
@@ -315,8 +319,8 @@ class GateFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     return static_cast<std::size_t>(
         std::ranges::count_if(by_group, [](const auto& wish) { return wish.second; }));
   }
-  /// Publishes until all groups are in use. A link has at most eight groups with conditions, for ten
-  /// wishes.
+  /// Publishes until as many groups are in use as possible: there are ten wishes with conditions, but a link
+  /// has at most eight groups with conditions.
   void come_together() {
     constexpr std::size_t most_groups = 8;
     ASSERT_TRUE(test::eventually([&] {
@@ -360,7 +364,8 @@ TEST_P(GateFanOutTest, GivesSixtyFourReadersJustWhatTheirOwnConditionsLetPass) {
   }
 }
 
-/// Each change removes a reader from its group. The next sample passes for all readers with its new gate.
+/// Each change removes a reader from its group. The next sample passes the new gate for all readers of the
+/// gate.
 TEST_P(GateFanOutTest, MissesNothingForReadersThatChangeTheirConditionsNorForThoseBesideThem) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   sft::test::Random random{sft::test::test_seed()};

@@ -1,4 +1,4 @@
-// Only the message of a loan leaves the host, and nothing from earlier samples in the recycled memory.
+// Only the message of a loan leaves the host. No bytes of earlier samples in the recycled memory do.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -31,7 +31,7 @@ using F = Recording::Field;
 
 constexpr std::uint8_t canary = 0xA5;
 
-/// Puts the body of a sample together from raw datagrams, and keeps the datagrams.
+/// Assembles the bodies of samples from raw datagrams, and keeps the datagrams.
 class Wire {
  public:
   Wire() {
@@ -62,7 +62,8 @@ class Wire {
       do {
         socklen_t from_bytes = sizeof from;
         n = ::recvfrom(fd_, bytes.data(), bytes.size(), 0, reinterpret_cast<sockaddr*>(&from), &from_bytes);
-      } while (n < 0 && errno == EINTR);  // with a time-out, the kernel does not restart the call
+        // Because of the socket's time-out, the kernel does not restart an interrupted call.
+      } while (n < 0 && errno == EINTR);
       if (n <= 0) return {};
       bytes.resize(static_cast<std::size_t>(n));
       if (const auto mark = parse_as<FlowMark>(bytes)) {
@@ -83,8 +84,8 @@ class Wire {
   }
   std::uint32_t sequence() const { return sequence_; }  ///< the sequence of the last body
 
-  /// Returns true if the datagrams since the last call have four canaries in a row anywhere. Ids and stamps
-  /// may have single ones by chance.
+  /// Returns true if a datagram since the last call contains four canary bytes in a row. Ids and stamps may
+  /// contain single canary bytes by chance.
   bool had_canaries() {
     const bool had = std::ranges::any_of(datagrams_, [](const std::vector<std::byte>& datagram) {
       return !std::ranges::search_n(datagram, 4, std::byte{canary}).empty();
@@ -94,7 +95,7 @@ class Wire {
   }
 
  private:
-  /// Sends a report, without which the publisher sends nothing large.
+  /// Sends a report. Without reports the publisher sends no large samples.
   void report_on(const FlowMark& mark, sockaddr_in to) {
     std::array<std::byte, report_bytes> report{};
     encode(FlowReport{.flow = mark.flow,
@@ -113,7 +114,7 @@ class Wire {
   std::uint32_t sequence_ = 0;
 };
 
-/// Shared memory with a reader that overwrites what it was sent.
+/// Shared memory with a reader that overwrites the samples that it gets.
 class ScribbledOn final : public core::IdleLendingWriter {
  public:
   core::SampleHandle loan(std::size_t bytes) noexcept override { return pool_->take(bytes); }
@@ -136,7 +137,7 @@ class LoansOnTheWire : public ::testing::TestWithParam<Backend> {
     core->serve(serving, nullptr);
   }
 
-  /// Sends a sample full of canaries, in memory that the next samples will get.
+  /// Publishes a sample full of canary bytes, in memory that the next samples will get.
   void send_canaries() {
     Recording message;
     message.left.label.assign(50, static_cast<char>(canary));

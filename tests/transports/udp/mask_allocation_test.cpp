@@ -1,5 +1,5 @@
-// Counts each operator new of the process while each sample is queued under many masks. Nothing is sent
-// here, so in each run a job comes to the same masks.
+// Counts the allocations by operator new of the process while each sample is queued under many masks. Nothing
+// is sent, so each run of the test uses the same jobs for the same masks.
 #include <gtest/gtest.h>
 
 #include <cstddef>
@@ -21,7 +21,7 @@ using test::Image;
 
 constexpr std::size_t masks = 64, lane_depth = 2;
 
-/// Returns the allocations of one call.
+/// Returns the number of allocations during one call.
 template <class Act>
 std::uint64_t allocations_of(const Act& act) {
   sft::test::note_allocations();
@@ -42,8 +42,8 @@ std::string fields_of(std::size_t number) {
   return text;
 }
 
-/// One reader for each mask, all behind a socket with a full send buffer. A lane drops its oldest sample
-/// for each new one.
+/// One reader for each mask, all behind a socket with a full send buffer. Each new sample makes a lane drop
+/// its oldest one.
 class ManyMaskAllocations : public testing::Test {
  protected:
   ManyMaskAllocations() {
@@ -64,7 +64,7 @@ class ManyMaskAllocations : public testing::Test {
     test::fill(*sample_, image, all, 7, 1);
   }
 
-  /// Sends a sample under all masks. Returns how many older samples were dropped.
+  /// Sends a sample under all masks. Returns the number of older samples that were dropped.
   std::size_t send() {
     std::size_t lost = 0;
     for (const Audience& audience : audiences_) lost += sender_.send(audience, sample_);
@@ -83,8 +83,8 @@ class ManyMaskAllocations : public testing::Test {
   core::SampleHandle sample_;
 };
 
-/// The next mask uses the job that one mask no longer needs. So each job comes to all masks, but only after
-/// 64 samples.
+/// A job that one mask no longer needs is used by the next mask. So each job is used by all masks in turn,
+/// once in 64 samples.
 TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
   for (std::size_t lost = 0; lost < 2 * lane_depth * masks;) lost += send();
   std::size_t lost = 0;
@@ -95,7 +95,7 @@ TEST_F(ManyMaskAllocations, AreNoneOnceEachJobHasComeBackTwice) {
   EXPECT_EQ(lost, 2 * masks * masks) << "each sample costs each lane one";
 }
 
-/// The sending thread takes a list of lanes, and leaves an empty list for the next ones.
+/// The sending thread takes the list of lanes, and leaves an empty list for the next lanes.
 class ScheduledWorkAllocations : public testing::Test {
  protected:
   ScheduledWorkAllocations() {

@@ -33,7 +33,7 @@ class MulticastTest : public TransportTest {
     std::unique_ptr<Subscriber> subscriber;
     std::string mask;
     bool reliable = false;
-    std::uint32_t since = 0;             ///< how many samples were published before it came
+    std::uint32_t since = 0;  ///< the number of samples that were published before the process was added
     std::shared_ptr<core::Gate> gate{};  ///< the gate of a reader with a maximum rate
   };
 
@@ -45,7 +45,8 @@ class MulticastTest : public TransportTest {
     writer_ = open(everywhere());
     publisher_ = std::make_unique<Publisher>(*writer_, own_id(), 0, book_);
   }
-  /// Groups belong to the host: a test that runs at the same time might have one with the same address.
+  /// Returns a random id, because the address of a group follows from the id of the writer, and other tests
+  /// on the same host may run at the same time.
   static core::EndpointId own_id() {
     std::random_device random;
     return core::EndpointId{random()} << 32 | random();
@@ -76,14 +77,14 @@ class MulticastTest : public TransportTest {
     const std::string state = state_of(reader);
     return state.starts_with("group ") && !state.ends_with("any more") && !state.ends_with("no more");
   }
-  /// Returns true if the group reaches all readers behind the first ones.
+  /// Returns true if a group reaches all readers except the first `first` ones.
   bool all_hear(std::size_t first = 0) {
     for (std::size_t reader = first + 1; reader <= processes_.size(); ++reader) {
       if (!hears(reader)) return false;
     }
     return true;
   }
-  /// Publishes a sample once all readers have all earlier ones, so that none has a backlog.
+  /// Waits until all readers have all samples, so that none has a backlog, and publishes the next one.
   void publish_in_turn(std::size_t bytes = 100) {
     await_all();
     publish(bytes);
@@ -93,15 +94,15 @@ class MulticastTest : public TransportTest {
       if (published_ > process.since) process.subscriber->await(published_ - process.since);
     }
   }
-  /// Publishes until a group serves all readers behind the first ones.
+  /// Publishes until groups serve all readers except the first `first` ones.
   bool come_together(std::size_t first = 0) {
     return eventually([&] {
       publish_in_turn();
       return all_hear(first);
     });
   }
-  /// Returns the bytes that one more sample puts on the wire, on average. The sample is so large that the
-  /// heartbeats to the members, which follow after a pause, do not matter: four have 128 bytes.
+  /// Returns the average number of bytes that one more sample adds to the traffic. The sample is large, so
+  /// that the heartbeats to the members do not matter: four of them have 128 bytes.
   std::uint64_t bytes_of_one() {
     constexpr int samples = 3;
     constexpr std::size_t data_bytes = 1000;
@@ -112,7 +113,7 @@ class MulticastTest : public TransportTest {
     await_all();
     return (publisher_->port().counters().bytes_sent - before) / samples;
   }
-  /// Returns the same while only the first reader is served.
+  /// Returns the same average while only the first reader is served.
   std::uint64_t bytes_of_one_to_the_first() {
     serve(1);
     for (Process& process : processes_) process.since = 4;
@@ -128,7 +129,7 @@ class MulticastTest : public TransportTest {
     for (std::size_t i = 0; i < count; ++i) ASSERT_EQ(sequences[i], processes_[process].since + 1 + i);
   }
 
-  /// Returns the sequences of this publisher in a process that also listens to others.
+  /// Returns the sequences of this publisher's samples in a process that also reads other publishers.
   std::vector<std::uint64_t> sequences_of_publisher(std::size_t process) {
     std::vector<std::uint64_t> sequences;
     for (const core::SampleHandle& sample : processes_[process].subscriber->await(0)) {
@@ -205,7 +206,7 @@ TEST_P(MulticastTest, ServesAReaderAloneAtAMaximumRateThatNobodyElseHas) {
   const auto publish_in_turn_to_others = [this] {
     for (const Process& process : std::span(processes_).first(2)) process.subscriber->await(published_);
     processes_[2].gate->consider(detail::FieldSource::of_nothing(),
-                                 published_);  // the first sample in an hour passes
+                                 published_);  // the first sample of the hour passes
     publish();
   };
   ASSERT_TRUE(eventually([&] {
@@ -220,8 +221,8 @@ TEST_P(MulticastTest, ServesAReaderAloneAtAMaximumRateThatNobodyElseHas) {
   EXPECT_EQ(processes_[2].subscriber->await_sequences(1), (std::vector<std::uint64_t>{1}));
 }
 
-/// Every second sample passes the gate. Its number among these shows a reader if a missing sample was lost
-/// or withheld.
+/// Every second sample passes the gate. A passed sample has a number, which shows a reader if a missing
+/// sample was lost or withheld.
 TEST_P(MulticastTest, ServesReadersWithOneMaximumRateByAGroupAtThatRate) {
   for (int i = 0; i < 2; ++i) add("*", false);
   for (const bool reliable : {false, true}) add("*", reliable);
@@ -270,14 +271,14 @@ TEST_P(MulticastTest, TakesInWhoComesLaterAndGoesOnWithoutWhoLeaves) {
   ASSERT_TRUE(come_together()) << state_of(3);
   for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
   std::swap(processes_[0], processes_[2]);
-  processes_.pop_back();  // the first reader
+  processes_.pop_back();  // removes the first reader
   serve();
   ASSERT_TRUE(come_together());
   expect_all_of(0);
   expect_all_of(1);
 }
 
-/// The group carries exactly what its readers request at present.
+/// The group always carries exactly the fields that its readers request.
 TEST_P(MulticastTest, FollowsMasksThatChange) {
   const std::string common = "name";
   add("data", false);
@@ -303,7 +304,7 @@ TEST_P(MulticastTest, FollowsMasksThatChange) {
   for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
 }
 
-/// The member behaves as if its switch had removed it from the group.
+/// The member receives no datagram of the group, as if its switch had removed it.
 TEST_P(MulticastTest, ServesAloneAgainWhoHearsNothingMore) {
   add("*", true);
   add("*", true, [this](DatagramIo io) {
@@ -344,8 +345,8 @@ TEST_P(MulticastTest, LosesNothingThatIsReliableOnABadNetworkWhileOneComesAndGoe
   for (std::size_t i = 0; i < 3; ++i) expect_all_of(i);
 }
 
-/// Two sockets have datagrams when the reader checks. The member's own socket comes first, since its
-/// datagram arrived first.
+/// When the busy reader continues, both of its sockets have datagrams. Its own socket is read first, because
+/// the datagram there arrived first.
 TEST_P(MulticastTest, LosesNothingWhereAMemberOfAGroupThatEndsIsBusy) {
   add("*", false, [this](DatagramIo io) { return hold_.put_around(std::move(io)); });
   for (int i = 0; i < 2; ++i) add("*", false);
@@ -360,15 +361,16 @@ TEST_P(MulticastTest, LosesNothingWhereAMemberOfAGroupThatEndsIsBusy) {
   ASSERT_TRUE(eventually([this] { return hold_.stops_it(); }));
   other.publish(make_image(100, 2));
   publish();
-  serve(2);  // two readers, which get another group
+  serve(2);  // the two readers get another group
   publish();
   hold_.end();
   processes_[0].subscriber->await(published_ + 2, 1s);
   EXPECT_EQ(sequences_of_publisher(0), first_numbers(published_)) << hold_.arrivals();
 }
 
-/// When a member's mask changes, the other members get a new group, and are served alone until they have
-/// reported. Meanwhile samples of another publisher come to their own sockets.
+/// When a member's mask changes, the other members get a new group. Until all of them have reported, each
+/// sample is also sent to each of them alone. Meanwhile samples of another publisher arrive at the members'
+/// own sockets.
 class ChangingGroupsTest : public MulticastTest {
  protected:
   static constexpr std::size_t members = 8;
@@ -390,7 +392,7 @@ class ChangingGroupsTest : public MulticastTest {
     other_->serve(others);
     serve();
   }
-  /// Changes the masks one after the other. The last two members are in each group.
+  /// Changes the masks one after the other, except those of the last two members, which are in every group.
   void change_the_masks_of_the_first_six(const char* mask, std::size_t bytes) {
     ASSERT_TRUE(come_together()) << state_of(1);
     for (std::size_t changing = 0; changing + 2 < members; ++changing) {
@@ -404,7 +406,7 @@ class ChangingGroupsTest : public MulticastTest {
   }
 
   std::unique_ptr<Publisher> other_;
-  std::vector<std::unique_ptr<Subscriber>> beside_;  ///< one for the other publisher in each process
+  std::vector<std::unique_ptr<Subscriber>> beside_;  ///< for each process a subscriber to the other publisher
 };
 
 INSTANTIATE_TEST_SUITE_P(Backends, ChangingGroupsTest, test::both_backends, test::backend_name);

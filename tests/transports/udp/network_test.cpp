@@ -1,4 +1,4 @@
-// Several readers of one publisher, one of which cannot be reached or is slow, on a network of the test.
+// Several readers of one publisher on a network of the test. One of the readers cannot be reached or is slow.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/socket.h>
@@ -36,7 +36,8 @@ using test::run;
 using test::Subscriber;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::uint32_t dead_address = 0x0A090002;  // 10.9.0.2: on the link, but no host answers for it
+// 10.9.0.2, an address on the link at which no host answers.
+constexpr std::uint32_t dead_address = 0x0A090002;
 
 class NetworkTest : public testing::TestWithParam<Backend> {
  protected:
@@ -88,7 +89,8 @@ TEST(KnownMulticastLinksTest, AreAskedForOnceUntilTheNetworkChanges) {
   EXPECT_EQ(asked, 3);
 }
 
-/// A writer that gets routes reads the links of this host, and may notice a change before the node does.
+/// A writer that gets routes reads the links of this host, and may notice a change of addresses before the
+/// node does.
 TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
   if (!sft::test::isolation_refusal().empty()) GTEST_SKIP() << sft::test::isolation_refusal();
   const auto transport = open_udp_transport({.backend = Backend::sockets}, test::make_pool()).value();
@@ -104,7 +106,7 @@ TEST(KnownMulticastLinksTest, OfRoutesDoNotHideAChangeFromTheNode) {
 
 INSTANTIATE_TEST_SUITE_P(Backends, NetworkTest, test::both_backends, test::backend_name);
 
-/// Datagrams wait some 3 s for the dead host's answer until the kernel gives up.
+/// Datagrams to the dead host wait for some 3 s until the kernel gives up.
 TEST_P(NetworkTest, ServesOthersWhileOneAddressCannotBeReached) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"*", "stamp"});
@@ -127,13 +129,13 @@ class Pair {
       : there_(std::move(there)), here_(std::move(here)) {
     subscriber_.listen_to(publisher_.id());
   }
-  /// Serves the fast reader, and a second one that reads the same.
+  /// Serves the fast reader, and a second reader with the same mask if `second` is not null.
   void serve(core::Network* second = nullptr) {
     std::vector<Publisher::Reader> readers{{test::loopback_address(*here_)}};
     if (second != nullptr) readers.insert(readers.begin(), {test::loopback_address(*second)});
     publisher_.serve(readers);
   }
-  /// Returns the time from publishing a sample until the fast reader has it.
+  /// Publishes a sample. Returns the time until the fast reader has it.
   Clock::duration time_of_one() {
     const Clock::time_point begin = Clock::now();
     publisher_.publish(make_image(4'000'000));
@@ -150,7 +152,7 @@ class Pair {
   std::size_t came_ = 0;
 };
 
-/// A reader that blocks the receiving thread at each sample until the test lets the thread go on.
+/// A reader that blocks the receiving thread at each sample until the test calls go_on().
 class SlowReader final : private core::ArrivalListener {
  public:
   SlowReader(core::Network& transport, core::EndpointId publisher) {
@@ -162,7 +164,7 @@ class SlowReader final : private core::ArrivalListener {
     EXPECT_TRUE(port_->connect({.writer = publisher}));
   }
   ~SlowReader() { let_go_of(std::numeric_limits<std::size_t>::max()); }
-  /// Lets the thread run until the next sample.
+  /// Lets the receiving thread run until the next sample.
   void go_on() { let_go_of(came_); }
   std::size_t came() const { return came_; }
 
@@ -178,11 +180,12 @@ class SlowReader final : private core::ArrivalListener {
     }
   }
   std::atomic<std::size_t> came_{0}, let_go_{0};
-  std::unique_ptr<core::NetworkReader> port_;  // destroyed first: after that no thread calls arrived()
+  std::unique_ptr<core::NetworkReader> port_;  // destroyed first; after that no thread calls arrived()
 };
 
-/// Samples to a pair with the slow reader and to one without alternate, so that both meet the same load of
-/// the machine. The slow reader goes on only after the fast one has got five more samples.
+/// Samples are published in turn to a pair with the slow reader and to a pair without it, so that both pairs
+/// have the same load of the machine. The slow reader continues only after the fast one has got five more
+/// samples.
 TEST_P(NetworkTest, KeepsThePaceOfAFastReaderBesideASlowOne) {
   Pair alone(open(), open()), beside(open(), open());
   const auto slow = open({.receive_buffer_bytes = 200'000});
@@ -222,7 +225,7 @@ TEST_P(NetworkTest, ServesOthersWhileOneLinkIsSlow) {
   }
 }
 
-/// Between two hosts that both lose, repeat and swap datagrams that come in.
+/// Both hosts lose, repeat and swap received datagrams.
 TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGetLost) {
   sft::test::Random random{sft::test::test_seed()};
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -249,7 +252,7 @@ TEST_P(NetworkTest, TransfersAThousandSamplesOfAllSizesReliablyWhereDatagramsGet
   test::transfer_all_sizes(publisher, subscriber, random);
 }
 
-/// An announcement can name the address of any host.
+/// An announcement can name the address of any host, even of one that has requested nothing.
 TEST_P(NetworkTest, SendsNextToNothingToAHostThatDidNotAskForIt) {
   int socket = -1;
   sockaddr_in at{.sin_family = AF_INET, .sin_port = 0, .sin_addr = {}, .sin_zero = {}};
@@ -372,7 +375,7 @@ TEST_P(NetworkTest, GoesOnWhenTheHostGetsAnotherAddress) {
   publisher.serve({{{0x0A090003, 5000, 32 << 20}}});
   EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
   ASSERT_TRUE(with_address("10.9.0.6"));
-  publisher.publish(make_image(5));  // the first one that may fail
+  publisher.publish(make_image(5));  // the first sample whose sending may fail
   EXPECT_EQ(publisher.publish(make_image(5)), core::SendStatus::sent);
 }
 

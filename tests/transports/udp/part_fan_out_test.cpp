@@ -1,5 +1,5 @@
-// One publisher and readers of parts of a field, each on a host of its own, on one bridge. The tests check
-// the traffic, and what arrives.
+// One publisher and readers of parts of a field on one bridge, each on a host of its own. The tests check the
+// traffic and the samples that arrive.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     open_publisher();
   }
 
-  /// Makes a reader on a host of its own for each text.
+  /// Makes a reader for each selection in `asked`, each on a host of its own.
   void make_readers(const std::vector<std::string>& asked) {
     for (const std::string& one : asked)
       ASSERT_TRUE(add_reader(static_cast<unsigned>(hosts_.size()) + 2, one, GetParam()));
@@ -47,8 +47,8 @@ class PartFanOutTest : public test::BridgeTest, public testing::WithParamInterfa
     image.data = std::move(kept);
     return image;
   }
-  /// Expects all samples of the reader to be what they name, in order and complete. Returns how many of
-  /// them have a part.
+  /// Expects the samples of the reader to be complete and in order, and to have the content that they name.
+  /// Returns the number of samples with a part.
   std::size_t check(std::size_t reader, std::size_t step) {
     const auto samples = hosts_[reader].subscriber->await(published_ - hosts_[reader].since);
     EXPECT_EQ(samples.size(), published_ - hosts_[reader].since);
@@ -103,7 +103,7 @@ TEST_P(PartFanOutTest, ServesWholePartAndScalarsBesideEachOther) {
   for (const std::size_t reader : {2U, 3U, 4U}) check(reader, 4);
 }
 
-/// Two readers of one transport, as a single program has them.
+/// Both readers are of one transport, as in a single program.
 TEST_P(PartFanOutTest, SendsAProcessWithTwoReadersOfAPartOneCopy) {
   make_readers({"data[::2]"});
   const double one_reader = bytes_of_one_sample();
@@ -118,7 +118,7 @@ TEST_P(PartFanOutTest, SendsAProcessWithTwoReadersOfAPartOneCopy) {
   EXPECT_TRUE(all_came());
 }
 
-/// The reader that changes leaves its group, is served alone, and then joins another group.
+/// The reader whose part changes leaves its group, is served alone, and then joins another group.
 TEST_P(PartFanOutTest, LosesNothingWhileAReaderChangesItsPart) {
   const std::string third = "data[::3]", half = "data[::2]";
   make_readers({third, third, half, half});

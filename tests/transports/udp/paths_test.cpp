@@ -1,4 +1,4 @@
-// Hosts behind links and routers that take packets of different lengths, over IPv4 and IPv6.
+// Hosts behind links and routers that carry packets of different lengths, over IPv4 and IPv6.
 #include <gtest/gtest.h>
 #include <sched.h>
 #include <unistd.h>
@@ -29,7 +29,7 @@ void run_all(const std::string& commands) {
   ASSERT_EQ(std::system(("sh -ec '" + commands + "'").c_str()), 0) << commands;
 }
 
-/// Records the length of the longest datagram that comes.
+/// Records the length of the longest datagram that arrives.
 class LongestSoFar final : public test::PassingReceiver {
  public:
   LongestSoFar(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& longest)
@@ -48,7 +48,7 @@ class LongestSoFar final : public test::PassingReceiver {
 constexpr const char* set_up =
     "ip link set lo up; for f in /proc/sys/net/ipv6/conf/*/accept_dad; do echo 0 > $f; done";
 
-/// A host with a network stack of its own, and a transport if a test opens one.
+/// A host with a network namespace of its own, and a transport if a test opens one.
 class Host {
  public:
   Host() {
@@ -77,11 +77,11 @@ class Host {
   Host& operator=(const Host&) = delete;
 
   bool is_own() const { return own_; }
-  /// Returns the name of the stack for `ip link ... netns`.
+  /// Returns the name of the namespace for `ip link ... netns`.
   std::string name() const {
     return "/proc/" + std::to_string(::getpid()) + "/task/" + std::to_string(thread_id_) + "/ns/net";
   }
-  /// Runs the task on that host, and waits for its end.
+  /// Runs the task in the namespace of that host, and waits for its end.
   void here(std::function<void()> task) {
     std::unique_lock lock(mutex_);
     task_ = std::move(task);
@@ -106,7 +106,7 @@ class Host {
     address.ip = ip;
     return address;
   }
-  /// Returns the bytes of the longest datagram since the last call.
+  /// Returns the length of the longest datagram since the last call, in bytes.
   std::size_t longest() { return longest_.exchange(0); }
 
  private:
@@ -145,8 +145,8 @@ class PathsTest : public testing::TestWithParam<Family> {
   }
   static std::size_t payload(std::size_t mtu) { return mtu - (ipv6() ? 48 : 28); }
 
-  /// Makes a cable from this host to that one: network `net`, in which we are number 1. Batches are cut
-  /// into frames before they reach the cable.
+  /// Makes a cable from the test's own host to `host`. The cable is network `net`, in which the test's host
+  /// is number 1. Batches are cut into frames before they reach the cable.
   static void plug_in(Host& host, unsigned net, unsigned mtu) {
     const std::string number = std::to_string(net), out = "out" + number, mtus = std::to_string(mtu);
     run_all("ip link add " + out + " mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
@@ -155,7 +155,8 @@ class PathsTest : public testing::TestWithParam<Family> {
     host.run_here(add_address(net, 2, "in0") + "; ip link set in0 up");
   }
 
-  /// Makes another cable, from a router to a host behind it: network 2, in which the router is number 1.
+  /// Makes another cable, from the router to a host behind it. The cable is network 2, in which the router is
+  /// number 1.
   static void put_behind(Host& router, Host& far, unsigned mtu) {
     const std::string mtus = std::to_string(mtu);
     router.run_here("ip link add r1 mtu " + mtus + " type veth peer name in0 mtu " + mtus + " netns " +
@@ -166,8 +167,8 @@ class PathsTest : public testing::TestWithParam<Family> {
                  address(2, 1));
     run_all("ip route add " + address(2, 0) + bits() + " via " + address(1, 2));
   }
-  /// Makes the router drop longer packets without an error from now on, as some tunnels do. The sending
-  /// host cuts batches of datagrams into packets before they reach the router.
+  /// Makes the router drop longer packets without an error from now on, as some tunnels do. The sending host
+  /// cuts batches of datagrams into packets before they reach the router.
   static void drop_longer_than(unsigned bytes, Host& router) {
     router.run_here(
         "nft add table inet silent; nft add chain inet silent f \"{ type filter hook forward "
@@ -200,7 +201,8 @@ TEST_P(PathsTest, SendsEachHostTheLongestDatagramsThatItsPathTakes) {
   EXPECT_EQ(jumbo.longest(), payload(9000));
   EXPECT_EQ(usual.longest(), payload(1500));
 
-  // First a shorter limit: a refused sample is cut again, and not lost. Then the longer limit again.
+  // First the link gets a shorter limit. A sample that the system refuses is cut again and not lost. Then the
+  // link gets the longer limit again.
   run_all("ip link set out1 mtu 1280");
   publisher.publish(make_image(300'000));
   EXPECT_EQ(of_jumbo.await(2).size(), 2U);
@@ -248,7 +250,7 @@ TEST_P(PathsTest, LearnsFromARouterWhatThePathBehindItTakes) {
   EXPECT_EQ(far.longest(), payload(1400));
 }
 
-/// The far end of the cable accepts less than the near end knows, and drops longer packets silently.
+/// The far end of the cable takes shorter packets than the near end, and drops longer ones silently.
 TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   Host far;
   plug_in(far, 1, 9000);
@@ -272,7 +274,7 @@ TEST_P(PathsTest, FindsOutReliablyWhatAPathTakesThatDropsLongerOnesSilently) {
   EXPECT_EQ(longest, payload(1450));
 }
 
-/// With best effort, where nothing is sent again.
+/// Best-effort samples are not sent again.
 TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   Host far;
   plug_in(far, 1, 9000);
@@ -294,7 +296,7 @@ TEST_P(PathsTest, LosesNoneOfManySmallSamplesWhereALinkTakesLessFromNowOn) {
   }
 }
 
-/// Data of samples that fit into one datagram, just do not, or take a few or many datagrams.
+/// Bytes of data. The samples fit into one datagram, just do not fit, or take a few or many datagrams.
 constexpr std::size_t all_sizes[] = {100, 1300, 1400, 9000, 1'600'000};
 
 TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPacketsSilently) {
@@ -325,7 +327,7 @@ TEST_P(PathsTest, BringReliableSamplesOfEverySizeBothWaysWhereARouterDropsLongPa
   }
 }
 
-/// Samples are lost until the limit of the length is known. From then on they arrive.
+/// Samples are lost until the sender knows the longest length that the path carries. Later samples arrive.
 TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
   Host router, far;
   plug_in(router, 1, 9000);

@@ -1,4 +1,4 @@
-// Reliable delivery between transports, while datagrams get lost, repeated and swapped in both directions.
+// Reliable delivery between transports while datagrams are lost, repeated and swapped in both directions.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 
@@ -34,7 +34,7 @@ class ReliableTest : public testing::TestWithParam<Backend> {
     if (const std::string why = test::refusal_of(GetParam()); !why.empty()) GTEST_SKIP() << why;
   }
 
-  /// Opens a transport with datagrams of 1,400 bytes, so that large samples need many.
+  /// Opens a transport with datagrams of 1,400 bytes, so that large samples need many datagrams.
   std::unique_ptr<core::Network> open(const test::Faults& faults = {}, UdpOptions options = {}) {
     options.bind_address = INADDR_LOOPBACK;
     options.backend = GetParam();
@@ -84,7 +84,7 @@ TEST_P(ReliableTest, DeliversTheLastSampleAlthoughNothingFollowsIt) {
   EXPECT_EQ(subscriber.await_sequences(1), up_to(1));
 }
 
-/// Counts what comes, except for marks.
+/// Counts all received datagrams except marks.
 class CountingReceiver final : public test::PassingReceiver {
  public:
   CountingReceiver(std::unique_ptr<DatagramReceiver> inner, std::atomic<std::size_t>& count)
@@ -167,11 +167,11 @@ TEST_P(ReliableTest, FallsSilentOnceAllHasCome) {
   EXPECT_TRUE(test::eventually(rests));
 }
 
-/// A publisher that has retained samples, and a reader that comes later.
+/// A publisher that has retained samples, and a reader that is opened later.
 class LateReaderTest : public ReliableTest {
  protected:
   /// Returns the sequences that a late reader gets if `retained` samples of `bytes` bytes are retained, and
-  /// `live` ones follow. The publisher keeps what it retains, as on a reliable topic.
+  /// `live` samples follow. The publisher holds the retained samples, as on a reliable topic.
   std::vector<std::uint64_t> numbers_of(std::size_t retained, std::size_t bytes, std::size_t live = 0) {
     const auto there = open({}, full_length), here = open({}, full_length);
     const auto pool = core::BufferPool::make(std::size_t{512} << 20);

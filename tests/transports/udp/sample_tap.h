@@ -1,5 +1,5 @@
 // Counts the bytes of samples that an interface of this host sends. The interface's own counters would
-// include what is sent at other times: heartbeats, offers, and packets of the kernel.
+// include other traffic: heartbeats, offers, and packets of the kernel.
 #pragma once
 
 #include <arpa/inet.h>
@@ -25,18 +25,19 @@ namespace sft::udp::test {
 class SampleTap {
  public:
   explicit SampleTap(const std::string& interface)
-      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {  // receives nothing yet
+      // With protocol 0, the socket receives nothing yet.
+      : socket_(::socket(AF_PACKET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0)) {
     sockaddr_ll place{};
     place.sll_family = AF_PACKET;
     place.sll_protocol = htons(ETH_P_ALL);
     place.sll_ifindex = static_cast<int>(::if_nametoindex(interface.c_str()));
-    open_ = place.sll_ifindex > 0 &&  // 0 would mean all interfaces
+    open_ = place.sll_ifindex > 0 &&  // the index 0 would stand for all interfaces
             ::bind(socket_.get(), reinterpret_cast<const sockaddr*>(&place), sizeof place) == 0;
   }
   bool is_open() const { return open_; }
 
-  /// Returns the bytes of the datagrams with samples that were sent over IPv4 since the last call,
-  /// including our own headers.
+  /// Returns the number of bytes in datagrams with samples that were sent over IPv4 since the last call.
+  /// Headers of SFT count, those of UDP and IP do not.
   std::size_t bytes() {
     std::size_t sum = 0;
     sockaddr_ll from{};
@@ -57,7 +58,7 @@ class SampleTap {
     std::memcpy(&ip, frame.data(), sizeof ip);
     const std::size_t headers_bytes = ip.ihl * std::size_t{4} + sizeof(udphdr);
     if (ip.protocol != IPPROTO_UDP || frame.size() <= headers_bytes) return 0;
-    // an offload may join several datagrams of the same kind
+    // a frame may contain several datagrams of the same kind, joined by an offload
     const auto datagrams = frame.subspan(headers_bytes);
     return is_of_sample(kind_of(datagrams).value_or(DatagramKind::heartbeat)) ? datagrams.size() : 0;
   }

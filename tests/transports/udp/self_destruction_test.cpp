@@ -1,5 +1,5 @@
 // A transport is destroyed within its listener. Not run under the thread sanitizer, which does not notice
-// that liburing unmaps a ring, and mistakes the next ring at that address for the same memory.
+// that liburing unmaps a ring, and takes the next ring at that address for the same memory.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 

@@ -1,4 +1,4 @@
-// Small samples beside large ones, on a link that is far too slow for the large ones.
+// Small samples beside large samples, on a link that is far too slow for the large ones.
 #include <gtest/gtest.h>
 #include <sched.h>
 
@@ -33,7 +33,7 @@ using sft::test::StandstillMonitor;
 using WatchedClock = StandstillMonitor::Clock;
 using Standstills = std::vector<StandstillMonitor::Standstill>;
 
-/// A publisher on this host, and its reader on the other one.
+/// A publisher on this host, and its reader on the other host.
 struct Topic {
   Topic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id,
         std::uint32_t depth)
@@ -45,7 +45,7 @@ struct Topic {
   Subscriber subscriber;
 };
 
-/// A topic of small samples, whose times to arrival are measured.
+/// A topic of small samples. Measures the time until each arrives.
 class SmallTopic {
  public:
   SmallTopic(core::Network& near, core::Network& far, const Publisher::Reader& reader, core::EndpointId id)
@@ -54,9 +54,9 @@ class SmallTopic {
     published_at_.push_back(WatchedClock::now());
     topic_.publisher.publish(make_image(100));
   }
-  /// Returns the times from publication to arrival of all samples since the last call, sorted, without the
-  /// time in which the machine stood still. A lost sample counts as the longest time, unless the machine
-  /// stood still while it was under way.
+  /// Returns the sorted times from publication to arrival of all samples since the last call. Times during
+  /// which the machine stood still are subtracted. A lost sample counts as the longest time, unless the
+  /// machine stood still while the sample was under way.
   std::vector<WatchedClock::duration> times(const Standstills& standstills = {}) {
     std::vector<std::int64_t> came_ns(published_at_.size());
     for (const auto& sample : topic_.subscriber.await(published_at_.size(), 1s))
@@ -97,13 +97,14 @@ class LargeTopic {
   Topic topic_;
 };
 
-/// Binds this thread, and those that it starts, to one CPU. If threads of one side ran on two CPUs, the
-/// kernel would swap datagrams on the shaped link, and best effort drops what comes behind a newer sample.
+/// Binds this thread, and the threads that it starts, to one CPU. If threads of one side ran on two CPUs, the
+/// kernel would swap datagrams on the shaped link, and best-effort readers would drop samples that arrive
+/// after a newer one.
 void run_on(int cpu) {
   cpu_set_t cpus;
   CPU_ZERO(&cpus);
   CPU_SET(cpu, &cpus);
-  ::sched_setaffinity(0, sizeof cpus, &cpus);  // has no effect on a machine with one CPU
+  ::sched_setaffinity(0, sizeof cpus, &cpus);  // fails harmlessly on a machine with one CPU
 }
 
 class ShapedLinkTest : public testing::TestWithParam<Backend> {
@@ -135,7 +136,7 @@ class ShapedLinkTest : public testing::TestWithParam<Backend> {
 
 INSTANTIATE_TEST_SUITE_P(Backends, ShapedLinkTest, test::both_backends, test::backend_name);
 
-/// Samples are published at fixed times, whatever the link takes.
+/// Samples are published at fixed times, even if the link cannot carry all of them.
 TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
   std::vector<std::unique_ptr<LargeTopic>> large;
   std::vector<std::unique_ptr<SmallTopic>> small;
@@ -143,7 +144,7 @@ TEST_P(ShapedLinkTest, KeepsSmallSamplesFastWhileLargeOnesFillTheLink) {
     large.push_back(std::make_unique<LargeTopic>(*near_, *far_, reader(id % 2 == 0), id));
   for (core::EndpointId id = 5; id <= 6; ++id)
     small.push_back(std::make_unique<SmallTopic>(*near_, *far_, reader(id % 2 == 0), id));
-  small[0]->publish();  // makes the kernel look up the other host's address
+  small[0]->publish();  // makes the kernel resolve the other host's address
   ASSERT_LT(small[0]->times().back(), 1s);
 
   StandstillMonitor monitor(2);

@@ -1,4 +1,5 @@
-// Reliable readers that take less than is published, with publishers that wait for them or do not.
+// Reliable readers that take fewer samples than are published. Some publishers wait for these readers, others
+// do not.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -22,7 +23,7 @@ using test::loopback_address;
 using test::make_image;
 
 constexpr std::uint32_t depth = 4;
-constexpr std::uint64_t under_way_max = 4096;  // how many samples a channel keeps
+constexpr std::uint64_t under_way_max = 4096;  // the number of samples that a channel keeps
 
 /// A subscriber that takes samples only when the test calls it.
 class SlowSubscriber final : private core::ArrivalListener {
@@ -38,7 +39,8 @@ class SlowSubscriber final : private core::ArrivalListener {
     port_->accept({{.wanted = {fields<Image>("*")}}});
     EXPECT_TRUE(port_->connect(source));
   }
-  /// Takes samples until `last` has come, and returns them; fewer after a time-out.
+  /// Takes samples until the one with sequence `last`, and returns the sequences. Returns fewer after a
+  /// time-out.
   std::vector<std::uint64_t> take_until(std::uint64_t last) {
     std::vector<std::uint64_t> sequences;
     eventually([&] {
@@ -71,7 +73,8 @@ class SlowReaderTest : public TransportTest {
       port->send(sample);
       published_ = sequence;
     }
-    eventually([&] { return over_.load(); });  // before the port ends with the samples that it keeps
+    // Waits before the port is closed, because closing a port discards the samples that the port keeps.
+    eventually([&] { return over_.load(); });
   }
 
   std::unique_ptr<core::Network> here_ = nullptr, there_ = nullptr;

@@ -1,5 +1,6 @@
-// A publisher, two readers and a host without readers, on a switch with IGMP snooping. With a querier it
-// passes a group only to ports that have reported membership. Without one it passes on nothing.
+// A publisher, two readers and a host without readers, on a switch with IGMP snooping. If there is a querier,
+// the switch forwards the datagrams of a group only to ports that have reported membership. Without a querier
+// it forwards none.
 #include <arpa/inet.h>
 #include <gtest/gtest.h>
 #include <netinet/in.h>
@@ -15,12 +16,13 @@ namespace sft::udp {
 namespace {
 
 constexpr std::size_t samples_watched = 100;
-constexpr std::size_t sample_bytes = 8000;  // a lower bound
+constexpr std::size_t sample_bytes = 8000;  // a lower bound of the bytes of a sample
 constexpr const char* bystander = "port4";
 
-/// The bridge uses IGMPv3. With an older version it would pass each host's report to all others during its
-/// first seconds. These would then suppress their own reports, and the bridge would not learn of them. It
-/// filters groups without members once a querier has waited for its response interval, here 0.1 s.
+/// The bridge uses IGMPv3. With an older version the bridge would forward each host's report to all other
+/// hosts during its first seconds. The other hosts would then suppress their own reports, and the bridge
+/// would not learn of their memberships. The bridge filters groups without members once a querier has waited
+/// for its response interval, here 0.1 s.
 class SnoopingSwitchTest : public test::BridgeTest {
  protected:
   void SetUp() override {
@@ -35,8 +37,8 @@ class SnoopingSwitchTest : public test::BridgeTest {
   static void switch_querier_on() {
     ASSERT_TRUE(test::run("ip link set bridge type bridge mcast_querier 1"));
   }
-  /// Waits until the switch filters. A group that is joined before that is received although the switch
-  /// does not know its members yet, because their kernels report some milliseconds later. If the switch
+  /// Waits until the switch filters. Before that, a host receives a group at once although the switch does
+  /// not know of its membership, because the host's kernel reports some milliseconds later. If the switch
   /// began to filter in between, best-effort samples would be lost, and no publisher could know.
   bool holds_back_what_nobody_joined() {
     const core::FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -48,8 +50,9 @@ class SnoopingSwitchTest : public test::BridgeTest {
       const std::uint32_t before = test::traffic_of(bystander).sent;
       const auto came = [before] { return test::traffic_of(bystander).sent - before; };
       send(socket, "239.255.1.1", sample_bytes);
-      send(socket, "10.20.0.255", 2 * sample_bytes);  // reaches all ports, and comes last
-      // A port that has just come up may have dropped both: then they are sent again.
+      // A broadcast, which reaches all ports, and arrives last.
+      send(socket, "10.20.0.255", 2 * sample_bytes);
+      // A port that has just come up may have dropped both datagrams. Then both are sent again.
       return test::eventually([&] { return came() >= 2 * sample_bytes; }, std::chrono::seconds(1)) &&
              came() < 3 * sample_bytes;
     });
@@ -69,7 +72,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     ASSERT_TRUE(add_reader(3, "*", reliable));
     ASSERT_TRUE(on_host(4, [&] { bystander_ = open_udp_transport({}, test::make_pool()).value(); }));
   }
-  /// Publishes until groups serve all readers, and the switch filters.
+  /// Publishes until groups serve all readers and the switch filters.
   bool group_passes_to_members_only() {
     return publish_until([this] {
       if (!all_are_in_groups()) return false;
@@ -79,7 +82,7 @@ class SnoopingSwitchTest : public test::BridgeTest {
     });
   }
 
-  std::unique_ptr<core::Network> bystander_;  ///< keeps its host alive
+  std::unique_ptr<core::Network> bystander_;  ///< held so that its host stays
 };
 
 TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
@@ -99,7 +102,7 @@ TEST_F(SnoopingSwitchTest, PassesAGroupOnToItsMembersOnly) {
   EXPECT_LT(test::traffic_of(bystander).sent - to_bystander, sample_bytes);
 }
 
-/// Such a switch never floods, or has removed the members because no querier asks for them.
+/// Such a switch never floods, or it has removed the members because no querier queries them.
 TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) {
   add_hosts(false);
   for (const char* port : {"port1", "port2", "port3", "port4"})
@@ -119,9 +122,8 @@ TEST_F(SnoopingSwitchTest, CostsNoSampleWhilePassingNothingOnForWantOfAQuerier) 
   EXPECT_TRUE(group_passes_to_members_only()) << publisher_->port().multicast(1);
 }
 
-/// For instance, the switch was restarted, or the cable was moved to another port. Hosts report a
-/// membership on their own only when it begins, and once more within a second. The next query comes much
-/// later.
+/// For instance, the switch was restarted, or the cable was moved to another port. Hosts report a membership
+/// unasked only when the membership begins, and once more within a second. The next query comes much later.
 TEST_F(SnoopingSwitchTest, IsToldAgainOfAMemberThatItHasForgotten) {
   switch_querier_on();
   add_hosts(true);

@@ -60,7 +60,8 @@ TEST_F(SocketSenderTest, OpensNoMoreSocketsThanItMay) {
   EXPECT_EQ(open_files(), before + 1);
 }
 
-/// In the second round the datagrams go through the one socket that further connections share.
+/// In the second round all sockets are taken, so the datagrams use the one socket that all further
+/// connections share.
 TEST_F(SocketSenderTest, SendsOnToAnotherAddressOfEitherFamily) {
   const auto at_ipv6 = open_udp_socket({.bind = {core::loopback_ipv6, 0}, .receive_buffer_bytes = 200'000});
   if (!at_ipv6) GTEST_SKIP() << at_ipv6.error().message;
@@ -120,7 +121,8 @@ TEST_F(SocketSenderTest, GoesOnAfterItReconnected) {
 TEST_F(SocketSenderTest, SendsToAPortThatNobodyHadAMomentAgo) {
   const auto connection = sender_->connect(there_);
   receiver_.reset();
-  EXPECT_EQ(send(*connection), SendOutcome::sent);  // is refused, since nobody has the port
+  // The system refuses this datagram later, because no socket has the port.
+  EXPECT_EQ(send(*connection), SendOutcome::sent);
   receiver_ = open_udp_socket({.bind = there_}).value();
   EXPECT_EQ(send(*connection), SendOutcome::sent);
   EXPECT_EQ(received(*receiver_), 1U);

@@ -1,5 +1,5 @@
-// A process receives by two sockets: its own one, and one for multicast groups. Neither keeps the other one
-// out.
+// A process receives by two sockets: its own socket, and the socket for multicast groups. Neither socket may
+// starve the other.
 #include <gtest/gtest.h>
 #include <netinet/in.h>
 #include <sys/epoll.h>
@@ -36,7 +36,7 @@ FileDescriptor open_on_loopback() {
   return socket;
 }
 
-/// Two sockets of this host, of which one stands for the socket for groups.
+/// Opens two sockets of this host. One of them stands for the socket for groups.
 std::shared_ptr<const UdpSocket> open_both() {
   auto both = std::make_shared<UdpSocket>();
   both->fd = open_on_loopback();
@@ -53,7 +53,7 @@ std::shared_ptr<const UdpSocket> open_both() {
 class SocketTurnsTest : public testing::TestWithParam<Backend>, private DatagramSink {
  protected:
   static constexpr std::size_t flood_bytes = 100, stop_bytes = 10;
-  /// There are always that many datagrams more: for each that is received another one is sent.
+  /// The number of datagrams that always wait: for each one that is received another one is sent.
   static constexpr int flood_max = 40;
 
   void SetUp() override {
@@ -65,13 +65,13 @@ class SocketTurnsTest : public testing::TestWithParam<Backend>, private Datagram
   void TearDown() override {
     if (receiver_ != nullptr) receiver_->finish();
   }
-  /// From now on somebody sends to that socket without end.
+  /// Floods that socket from now on: sends a datagram for each one that is received.
   void flood(const FileDescriptor& to) {
     flooded_ = to.get();
     for (int i = 0; i < flood_max; ++i) send(flooded_, flood_bytes);
   }
   void stop(const FileDescriptor& to) { send(to.get(), stop_bytes); }
-  /// True if the stop has come before very many others.
+  /// Returns true if the stop arrives before very many other datagrams.
   template <class Receive>
   bool stop_comes(Receive receive) {
     while (!stopped_ && others_ < 1000) receive();

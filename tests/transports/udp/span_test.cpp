@@ -24,7 +24,7 @@ using test::Subscriber;
 
 class SpanTest : public TransportTest {
  protected:
-  /// Opens a transport with the datagram length of an Ethernet.
+  /// Opens a transport with datagrams of the length that Ethernet carries.
   std::unique_ptr<core::Network> open(double loss = 0) {
     return TransportTest::open({.max_datagram_bytes = 1472}, [&](DatagramIo io) {
       return test::with_faults(std::move(io), {.loss = loss}, static_cast<unsigned>(sft::test::test_seed()));
@@ -34,7 +34,7 @@ class SpanTest : public TransportTest {
     core::Batch batch = publisher.port().batch(core::BatchTimeout::fresh);
     for (const std::size_t bytes : data_bytes) {
       core::SampleHandle sample = publisher.make(make_image(bytes));
-      sample->source_stamp_ns = 7;  // the stamp of the whole span
+      sample->source_stamp_ns = 7;  // all samples of a span have this stamp
       publisher.port().send(sample);
     }
     EXPECT_EQ(std::move(batch).flush(), 0U);
@@ -108,7 +108,7 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   const auto open_writer = [&](core::EndpointId id, std::chrono::nanoseconds max_blocking) {
     return there->open_writer({id, &test::type_support<Image>(), true, max_blocking}).value();
   };
-  auto port = open_writer(7, 1s);  // a long time, since a busy machine may not run the reader's thread
+  auto port = open_writer(7, 1s);  // a long time, because a busy machine may run the reader's thread late
   subscriber.listen_reliably_to(7);
   core::Route route{1, loopback_address(*here), fields<Image>("*")};
   route.reliable = true;
@@ -128,7 +128,7 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   EXPECT_EQ(subscriber.await_sequences(10'000), first_numbers(10'000));
 
   port = open_writer(8, 50ms);
-  route.destination = core::UdpAddress{0x7f000001, 9, 0};  // a port that nobody has
+  route.destination = core::UdpAddress{0x7f000001, 9, 0};  // a port at which no process receives
   port->set_routes({route});
   const auto begin = std::chrono::steady_clock::now();
   for (int i = 0; i < 4100; ++i) {
@@ -139,7 +139,7 @@ TEST_P(SpanTest, WaitsForAReaderThatDoesNotKeepUpAsLongAsItMay) {
   EXPECT_GE(std::chrono::steady_clock::now() - begin, 50ms);
 }
 
-/// Samples for processes that do not exist, until each new sample pushes out the oldest one.
+/// Sends samples to processes that do not exist, until each new sample displaces the oldest one.
 class FullSpanTest : public SpanTest {
  protected:
   static constexpr auto max_blocking = std::chrono::milliseconds(200);
@@ -159,7 +159,7 @@ class FullSpanTest : public SpanTest {
     port_->set_routes(routes);
     for (int i = 0; i < 4; ++i) EXPECT_EQ(send(1024, core::BatchTimeout::fresh), 0U);
   }
-  /// Sends samples together. Returns how many were missed.
+  /// Sends samples together. Returns the number of samples that were missed.
   std::size_t send(std::size_t samples, core::BatchTimeout hang_timeout) {
     core::Batch batch = port_->batch(hang_timeout);
     for (; samples > 0; --samples) {
@@ -196,7 +196,7 @@ TEST_P(FullSpanTest, WaitsForItsPartsTogetherNoLongerThanForOne) {
 }
 
 TEST_P(FullSpanTest, CountsASampleOnceThatSeveralMiss) {
-  open_to({9, 10}, 1);  // a rate at which hardly anything leaves
+  open_to({9, 10}, 1);  // a rate at which nearly no sample is sent
   for (int i = 0; i < 2; ++i) send(1024, core::BatchTimeout::fresh);
   EXPECT_EQ(send(10, core::BatchTimeout::fresh), 10U);
 }

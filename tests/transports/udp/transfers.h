@@ -14,7 +14,7 @@
 
 namespace sft::udp::test {
 
-/// Sends the samples, several of them at the same time. Expects each to arrive, in order and unchanged.
+/// Sends the samples, several of them at the same time. Expects each to arrive in order and unchanged.
 inline void transfer_all_sizes(Publisher& publisher, Subscriber& subscriber, sft::test::Random& random) {
   constexpr std::size_t samples = 1000, outstanding_max = 8;
   std::uniform_real_distribution<> exponent(0, std::log(6.3e6));

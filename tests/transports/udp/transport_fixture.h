@@ -1,4 +1,4 @@
-// Transports on loopback, over both backends and both families.
+// Transports on loopback, with both backends and both address families.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ struct Way {
 inline const auto all_ways = testing::Values(Way{Backend::io_uring}, Way{Backend::sockets},
                                              Way{Backend::sockets, core::loopback_ipv6});
 
-/// Names the parameter for GoogleTest.
+/// Returns the name of the way, as GoogleTest's name for the parameter.
 inline constexpr auto way_name = [](const testing::TestParamInfo<Way>& info) {
   return test::backend_name(info) + (info.param.loopback.is_ipv4() ? "" : "IPv6");
 };

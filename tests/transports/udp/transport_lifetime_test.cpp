@@ -1,4 +1,4 @@
-// Readers, writers and transports end while datagrams are sent and received.
+// Readers, writers and transports are destroyed while datagrams are sent and received.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -36,7 +36,7 @@ TEST_P(TransportTest, TellsPortsThatItIsGone) {
   EXPECT_FALSE(subscriber.port().take());
 }
 
-/// Publishes without pause from a thread of its own.
+/// Publishes without a pause, on a thread of its own.
 class Flood {
  public:
   Flood(core::Network& transport, const core::UdpAddress& to, std::size_t bytes) : publisher_(transport) {
@@ -110,7 +110,8 @@ TEST_P(TransportTest, LetsAListenerDestroyItsReader) {
                                          .doorbell = {}})
                           .value();
     listener.reader->accept({{.wanted = {fields<Image>("*")}}});
-    // A new writer, since the receiving thread would not take the first sample of a known writer again.
+    // Uses a new writer, because the receiving thread would discard the repeated first sample of a known
+    // writer.
     Publisher publisher(*there, Publisher::usual_id + static_cast<core::EndpointId>(i));
     ASSERT_TRUE(listener.reader->connect({publisher.id(), 0}));
     publisher.serve({{loopback_address(*here)}});

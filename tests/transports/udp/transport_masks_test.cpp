@@ -1,4 +1,4 @@
-// Many readers request different fields, and each gets its own.
+// Many readers request different fields, and each reader gets its own.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -21,7 +21,7 @@ using test::make_image;
 using test::Publisher;
 using test::Subscriber;
 
-/// Readers behind one socket, each with a mask of its own.
+/// Readers behind one socket. Each reader has a mask of its own.
 class Audience {
  public:
   explicit Audience(core::Network& here) : here_(here) {
@@ -40,7 +40,7 @@ class Audience {
     }
     publisher.serve(readers_);
   }
-  /// Serves the readers in reverse order.
+  /// Serves the readers in the reverse of their present order.
   void ask_in_reverse(Publisher& publisher) {
     std::reverse(readers_.begin(), readers_.end());
     publisher.serve(readers_);
@@ -48,7 +48,7 @@ class Audience {
 
   const std::vector<std::string>& masks() const { return masks_; }
   Subscriber& subscriber(std::size_t number) { return *subscribers_[number]; }
-  /// Expects each reader to get these samples in the end, and no others.
+  /// Expects each reader to get the samples with these sequences and no others.
   void expect_sequences(const std::vector<std::uint64_t>& sequences) {
     for (std::size_t i = 0; i < masks_.size(); ++i)
       EXPECT_EQ(subscribers_[i]->await_sequences(sequences.size()), sequences) << masks_[i];
@@ -123,7 +123,8 @@ TEST_P(TransportTest, SendsReadersOfOneProcessOneCopy) {
   EXPECT_EQ(publisher.port().counters().bytes_sent, FirstHeader{}.bytes_in_single() + 4 + 1000);
 }
 
-/// The first sample is measured. Each later one is sent once for all 16 masks, half of which have the data.
+/// The first sample is measured. Each later sample is sent once for all 16 masks. Half of the masks include
+/// the data.
 TEST_P(TransportTest, SendsReadersOfOneProcessWithDifferentMasksOneCopyThatHasTheFieldsOfAll) {
   const auto there = open({.send_queue_depth = 100}), here = open();
   Publisher publisher(*there);

@@ -31,7 +31,7 @@ TEST_P(TransportTest, QueuesSamplesWhileTheSendBufferIsFull) {
   publisher.serve({{loopback_address(*here)}});
   for (int i = 0; i < 50; ++i) ASSERT_EQ(publisher.publish(make_image(50)), core::SendStatus::sent);
   EXPECT_EQ(subscriber.await_sequences(50), first_numbers(50));
-  publisher.publish(make_image(1'000'000));  // a sample of which each call sends a part
+  publisher.publish(make_image(1'000'000));  // a large sample, which is sent in several calls
   ASSERT_EQ(subscriber.await(51).size(), 51U);
   EXPECT_EQ(test::body_of(*subscriber.await(51)[50]),
             encoded_body(make_image(1'000'000), fields<Image>("*")));
@@ -47,7 +47,7 @@ TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
   subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
   gate.open();
-  publisher.publish(make_image(100'000));  // a large sample leaves once its receiver has reported
+  publisher.publish(make_image(100'000));  // a large sample is sent only after its receiver has reported
   ASSERT_EQ(subscriber.await_sequences(1), first_numbers(1));
   gate.close();
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
@@ -70,7 +70,7 @@ TEST_P(TransportTest, LetsOneDestinationFallBehindAlone) {
   fast_one.listen_to(publisher.id());
   publisher.serve({{loopback_address(*slow)}, {loopback_address(*fast)}});
   gate.open();
-  publisher.publish(make_image(100'000));  // a large sample leaves once its receiver has reported
+  publisher.publish(make_image(100'000));  // a large sample is sent only after its receiver has reported
   ASSERT_EQ(slow_one.await_sequences(1), first_numbers(1));
   gate.close();
   for (std::size_t n = 2; n <= 21; ++n) {

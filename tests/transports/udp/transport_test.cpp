@@ -254,7 +254,7 @@ TEST_P(TransportTest, DeliversEachSampleOnceOrCountsIt) {
   EXPECT_EQ(std::adjacent_find(sequences.begin(), sequences.end()), sequences.end());
 }
 
-/// A single sample waits neither for others to share its datagram nor for another thread.
+/// A single sample does not wait for further samples for its datagram, nor for another thread.
 TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   const auto there = open(), here = open();
   Subscriber subscriber(*here, {"*"});
@@ -262,7 +262,7 @@ TEST_P(TransportTest, HandsASingleSampleToTheSystemBeforeItReturns) {
   subscriber.listen_to(publisher.id());
   publisher.serve({{loopback_address(*here)}});
   const std::size_t body = encoded_body(make_image(10), fields<Image>("*")).size();
-  publisher.publish(make_image(100'000));  // a large sample leaves once its receiver has reported
+  publisher.publish(make_image(100'000));  // a large sample is sent only after its receiver has reported
   ASSERT_EQ(subscriber.await(1).size(), 1U);
   ASSERT_TRUE(eventually(sft::test::all_other_threads_sleep))
       << "the sending thread may not have put the large one away, which what follows must not overtake";

@@ -1,5 +1,5 @@
-// Threads that wait for samples, and receive while they wait. The tests do not poll for what a thread waits
-// for: if it is not woken, the test fails.
+// Threads that wait for samples, and receive while they wait. The tests do not poll, so a test fails if a
+// waiting thread is not woken.
 #include <gtest/gtest.h>
 #include <pthread.h>
 #include <sys/resource.h>
@@ -30,7 +30,7 @@ using test::loopback_address;
 using test::make_image;
 using test::Publisher;
 
-/// A reader that only threads in receive() wait for.
+/// A reader whose samples are awaited only by threads in receive().
 class Waited final : private core::ArrivalListener {
  public:
   explicit Waited(core::Network& transport, core::EndpointId id = 1) {
@@ -42,7 +42,8 @@ class Waited final : private core::ArrivalListener {
   }
   void listen_to(const Publisher& publisher) { EXPECT_TRUE(port_->connect({publisher.id(), 0})); }
 
-  /// Returns the next sample; empty after `at_most`. Counts how often the calling thread received.
+  /// Waits for the next sample and returns it. Returns an empty handle after `at_most`. Counts how often the
+  /// calling thread received.
   core::SampleHandle next(std::chrono::nanoseconds at_most = test::hang_timeout,
                           std::chrono::nanoseconds spin = 0ns) {
     const auto deadline = Clock::now() + at_most;
@@ -66,9 +67,9 @@ class Waited final : private core::ArrivalListener {
   void share() { port_->share_reader(); }
   int received() const { return received_; }
   int received_itself() const { return received_itself_; }
-  /// Returns true if the waiting thread is in receive(), or about to be.
+  /// Returns true if the waiting thread is in receive(), or about to enter it.
   bool waits() const { return waits_; }
-  /// Returns how many samples that thread received for this reader.
+  /// Returns the number of samples that the thread received for this reader.
   int received_by(std::thread::id thread) const {
     const std::scoped_lock lock(mutex_);
     return static_cast<int>(std::ranges::count(called_by_, thread));
@@ -89,7 +90,7 @@ class Waited final : private core::ArrivalListener {
   std::atomic<bool> waits_{false};
   mutable std::mutex mutex_;
   std::vector<std::thread::id> called_by_;
-  std::unique_ptr<core::NetworkReader> port_;  // destroyed first: after that no thread calls arrived()
+  std::unique_ptr<core::NetworkReader> port_;  // destroyed first; after that no thread calls arrived()
 };
 
 class WaitingThread : public TransportTest {
@@ -107,7 +108,8 @@ class WaitingThread : public TransportTest {
   std::unique_ptr<Publisher> publisher;
 };
 
-/// A thread that is delayed before it waits may miss its turn. Most of the time it is not delayed.
+/// A thread that is delayed before it waits may miss its turn. The test requires only that most samples are
+/// not delayed in this way.
 TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   constexpr std::uint64_t samples = 200;
   Waited reader(*here);
@@ -123,7 +125,7 @@ TEST_P(WaitingThread, GetsWhatComesWithoutAnotherThreadBetween) {
   EXPECT_GT(reader.received_itself(), static_cast<int>(samples / 2));
 }
 
-/// Returns how often this thread has gone to sleep.
+/// Returns the number of times that this thread has gone to sleep.
 long times_asleep() {
   rusage usage{};
   ::getrusage(RUSAGE_THREAD, &usage);
@@ -217,8 +219,7 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
   publisher->publish(make_image(10));
 }
 
-/// If the role was vacant for a moment, samples might fall behind those that come by the reader's other
-/// path.
+/// If no thread received for a moment, later samples on the reader's other path might overtake these samples.
 TEST_P(WaitingThread, DoesNotReceiveForAReaderWithAnotherWay) {
   Waited reader(*here);
   reader.listen_to(*publisher);
@@ -250,18 +251,18 @@ TEST_P(WaitingThread, IsNotNeededForLookingBeforeSleeping) {
   called_back.publisher = publisher.get();
   reader->accept({{.wanted = {fields<Image>("*")}}});
   ASSERT_TRUE(reader->connect({publisher->id(), 0}));
-  Publisher first(*there, 7);  // the listener uses the other one, perhaps before publish() returns here
+  Publisher first(*there, 7);  // the listener uses the other publisher, perhaps before publish() returns here
   first.serve({{loopback_address(*here)}});
   ASSERT_TRUE(reader->connect({first.id(), 0}));
   first.publish(make_image(10));
   EXPECT_TRUE(eventually([&] { return called_back.taken == 300; }));
   reader.reset();
-  here.reset();  // returns long before the hour of spinning is over
+  here.reset();  // must return long before the hour of spinning is over
 }
 
 std::atomic<bool> held{false}, may_go{false};
 
-/// A debugger or an application's signal handler can delay any thread like this.
+/// The test delays a thread in the same way as a debugger or an application's signal handler can.
 TEST_P(WaitingThread, LosesTheRoleWhileItIsHeldUp) {
   struct sigaction action {};
   action.sa_handler = [](int) {

@@ -1,4 +1,4 @@
-// Which thread sends a sample: the publisher's, or the sending thread of the transport.
+// The thread that sends a sample: the publisher's thread, or the sending thread of the transport.
 #include <gtest/gtest.h>
 
 #include <atomic>
@@ -40,8 +40,9 @@ class CountsBytesOfThread final : public test::Connected {
 
 class WhoSendsTest : public TransportTest {
  protected:
-  /// Returns the part of a sample that this thread sends while nothing else is under way. That sample is
-  /// the second one or, if its part is less than `least`, a later one, up to `samples_max`.
+  /// Returns the fraction of a sample that this thread sends while nothing else is under way. The sample is
+  /// the second one. If the fraction is less than `least`, later samples are tried, up to number
+  /// `samples_max`.
   double own_part(std::size_t bytes, bool asynchronous, double least = 0) {
     constexpr std::size_t samples_max = 50;
     std::atomic<std::size_t> own{0};
@@ -59,7 +60,7 @@ class WhoSendsTest : public TransportTest {
     publisher.serve({{test::loopback_address(*here)}});
     const auto part = [&] { return static_cast<double>(own) / static_cast<double>(bytes); };
     for (std::size_t n = 1; n <= 2 || (n <= samples_max && part() < least); ++n) {
-      // The first sample waits for a report.
+      // The first sample waits for a report of the receiver.
       own = 0;
       publisher.publish(make_image(bytes));
       EXPECT_EQ(subscriber.await(n).size(), n);
@@ -72,7 +73,8 @@ class WhoSendsTest : public TransportTest {
 
 INSTANTIATE_TEST_SUITE_P(Backends, WhoSendsTest, all_ways, way_name);
 
-/// After a sample for which the receiver was slow, the window is small, and grows again.
+/// If the receiver was slow for one sample, the window is small after that, and grows again with later
+/// samples.
 TEST_P(WhoSendsTest, ThePublishersThreadSendsALargeSampleUntilTheWindowIsFull) {
   EXPECT_GT(own_part(2'000'000, false, 0.1), 0.1);
 }

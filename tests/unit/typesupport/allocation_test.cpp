@@ -1,4 +1,4 @@
-// These operations allocate nothing.
+// These tests check operations that must not allocate memory.
 #include <gtest/gtest.h>
 
 #include <ranges>

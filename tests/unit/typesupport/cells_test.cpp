@@ -1,4 +1,4 @@
-// Typed cells of fields: pixels, map cells, beams and other numbers; and fields without cells.
+// Typed cells of fields: pixels, map cells, beams and other numbers. Some fields have no cells.
 #include "sft/cells.h"
 
 #include <algorithm>
@@ -37,7 +37,7 @@ static_assert(std::ranges::random_access_range<Cells<float>> && std::ranges::siz
 static_assert(std::ranges::view<Cells<float>> && std::ranges::borrowed_range<Cells<float>>);
 static_assert(std::is_trivially_copyable_v<Cells<Rgb>> && sizeof(Cells<Rgb>) <= 48);
 
-/// Returns an image in which each pixel holds its position. Three bytes follow each row.
+/// Returns an image in which each pixel holds its position. Three bytes of padding follow each row.
 Image image(std::uint32_t height, std::uint32_t width) {
   Image made;
   made.height = height;
@@ -240,8 +240,8 @@ TEST(CellsTest, AFieldThatWasNotSentIsAnErrorThatNamesIt) {
   const auto selected_view = detail::view_of<Image, selected>(sample.state());
   EXPECT_EQ(message_of(selected_view.data<Rgb>()), "'encoding' was not sent in this sample");
   EXPECT_EQ(selected_view.data<Rgb>().error().code, Errc::unavailable);
-  // A sample in shared memory has more fields than are declared. Using one of them is the same error as in
-  // a sample from another host.
+  // A sample in shared memory also has fields that are not declared. The error for using such a field is the
+  // same as in a sample from another host.
   const Arrived full(message);
   const FieldMask declared(Image::Field::data);
   const DynamicView view(full.state(), type_support<Image>().type(), declared);

@@ -1,5 +1,5 @@
-// Gates over recorded streams: those samples pass that a plain implementation of the specification names.
-// Needs the recordings beside the repository.
+// Gates over recorded streams pass the same samples as a plain implementation of the specification. Needs the
+// recordings beside the repository.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -40,7 +40,7 @@ struct Stamped {
   T message;
 };
 
-/// Returns the cells of a table without its first line, which has the names.
+/// Returns the cells of a table, without its first line, which has the names of the columns.
 std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file) {
   const test::Payload bytes = test::read_recording(file).value();
   std::istringstream text(std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size()));
@@ -54,13 +54,13 @@ std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file
   return rows;
 }
 
-/// A rate as a number of coins. Each period that begins, on the grid of the stamps, adds a coin, up to two.
-/// Each sample costs one. In the period of the first sample there is one coin.
+/// A rate limit as a number of coins. Periods begin at the multiples of the period. Each new period adds a
+/// coin, up to two coins. Each sample costs a coin. At the first sample there is one coin.
 class RateReference {
  public:
   explicit RateReference(std::chrono::microseconds period) : period_ns_(period.count() * 1000) {}
 
-  /// Returns true if there is a coin. Stamps must be positive and must not go back.
+  /// Returns true if there is a coin. Stamps must be positive and must not decrease.
   bool permits(std::int64_t stamp_ns) {
     if (period_ns_ == 0) return true;
     const std::int64_t period = stamp_ns / period_ns_;
@@ -100,7 +100,8 @@ std::vector<Stamped<T>> read_messages(const std::filesystem::path& file) {
 
 class ConditionsCorpus : public ::testing::Test {
  protected:
-  /// Returns the samples that pass the gate. Expects the references to let the same ones pass.
+  /// Returns the indices of the samples that pass the gate. Expects the reference implementations to pass the
+  /// same samples.
   template <class T>
   std::vector<std::size_t> passing(std::string_view text, const std::vector<Stamped<T>>& stream) {
     const TypeSupport& type = type_support<T>();
@@ -136,7 +137,7 @@ class ConditionsCorpus : public ::testing::Test {
     return result;
   }
 
-  /// Returns how many samples pass.
+  /// Returns the number of samples that pass.
   template <class T>
   std::size_t passed(std::string_view text, const std::vector<Stamped<T>>& stream) {
     const std::size_t count = passing(text, stream).size();
@@ -155,8 +156,8 @@ class ConditionsCorpus : public ::testing::Test {
     for (const auto& [count, text] : expected) EXPECT_EQ(passed(text, stream), count) << text;
   }
 
-  /// Takes gates that let a sample pass only after a change or after some time. Expects that a sample that
-  /// is published twice does not pass twice, and that what has passed one gate passes an equal one.
+  /// Takes gates that pass a sample only after a change or after some time. Expects that a sample that is
+  /// published twice passes once, and that all samples that passed a gate pass an equal gate.
   template <class T>
   void expect_none_passes_twice(const std::vector<Stamped<T>>& stream,
                                 const std::vector<std::string_view>& texts) {
@@ -212,7 +213,7 @@ TEST_F(ConditionsCorpus, ABatteryThatIsUsedPassesOnChangeAndAsAHeartbeat) {
     stream.push_back({std::llround(std::stod(row.at(0)) * 1e9), {}});
     BatteryState& battery = stream.back().message;
     battery.percentage = std::stof(row.at(1)) / 100;
-    const auto number = [&](std::size_t cell) {  // fields may be empty
+    const auto number = [&](std::size_t cell) {  // a cell of the table may be empty
       return cell >= row.size() || row[cell].empty() ? NAN : std::stof(row[cell]);
     };
     battery.voltage = number(2) / 1000;
@@ -253,7 +254,7 @@ std::vector<Stamped<BatteryState>> read_px4(const std::filesystem::path& file) {
     battery.voltage = number(voltage);
     battery.current = number(current);
     battery.percentage = number(remaining);
-    battery.temperature = number(temperature);  // not measured: a NaN
+    battery.temperature = number(temperature);  // the temperature was not measured: a NaN
     battery.capacity = number(capacity) / 1000;
   }
   return stream;
@@ -273,9 +274,11 @@ TEST_F(ConditionsCorpus, TwoPacksOnOneTopicAreAlwaysAChangeForEachOther) {
   if (!std::filesystem::exists(file)) GTEST_SKIP() << "there is no " << file;
   const std::vector<Stamped<BatteryState>> both = read_px4(file);
   ASSERT_EQ(both.size(),
-            42U);  // 21 of a pack with 23 V and 30 Ah, each followed by one of a pack with 50 V and 6 Ah
+            // 21 samples of a pack with 23 V and 30 Ah, each followed by one of a pack with 50 V and 6 Ah.
+            42U);
   expect_passed(both, {{42, "voltage @ changed 1%"},
-                       {2, "voltage @ changed 60%"},  // from 23 V to 50 V, but never back
+                       // Passes on the change from 23 V to 50 V, but never on the way back.
+                       {2, "voltage @ changed 60%"},
                        {42, "* @ changed(location)"},
                        {1, "* @ changed(temperature)"},
                        {42, "* @ temperature != 0"},
@@ -285,7 +288,8 @@ TEST_F(ConditionsCorpus, TwoPacksOnOneTopicAreAlwaysAChangeForEachOther) {
                        {11, "current @ voltage > 40 and changed 1"},
                        {9, "* @ every 5th"},
                        {8, "* @ capacity == 6 and every 3rd"},
-                       {1, "* @ capacity == 6 and every 4th"},  // each fourth sample is of the other pack
+                       // Each fourth sample is of the other pack, so only the first one passes.
+                       {1, "* @ capacity == 6 and every 4th"},
                        {6, "* @ every 1 s"},
                        {7, "* @ at most 1 Hz"},
                        {13, "* @ at most one per 500 ms"},
@@ -361,7 +365,7 @@ TEST_F(ConditionsCorpus, ABatteryOnTheBenchPassesWhenSomeCurrentFlows) {
                "voltage @ changed 2% or every 2 s", "voltage @ changed 1% at most 1 Hz"});
 }
 
-// ---- messages of another implementation, one number of which follows a sine: 25 a second for 62.6 s ----
+// ---- messages of another implementation: one number follows a sine, 25 messages a second for 62.6 s ----
 
 TEST_F(ConditionsCorpus, AVoltageThatSwingsPassesByHowFarItHasSwung) {
   const auto file = path_of("rosbag2/extracted/plotjuggler_test__battery.cdrlog");
@@ -373,7 +377,7 @@ TEST_F(ConditionsCorpus, AVoltageThatSwingsPassesByHowFarItHasSwung) {
                  {563, "voltage @ changed 0.05"},
                  {60, "voltage @ changed 0.5"},
                  {20, "voltage @ changed 1.5"},
-                 {1, "voltage @ changed 2"},  // the voltage is between -1 and 1
+                 {1, "voltage @ changed 2"},  // the voltage stays between -1 and 1
                  {664, "voltage @ changed 10%"},
                  {226, "voltage @ changed 50%"},
                  {1, "* @ changed(temperature, serial_number, present)"},

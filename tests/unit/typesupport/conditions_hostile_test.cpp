@@ -1,5 +1,5 @@
-// Conditions on anything but single values are refused. Samples with false lengths are read only within
-// their bytes.
+// Conditions on fields that are not single values are refused. If a sample has false lengths, only bytes of
+// the sample are read.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,7 @@ using test::OwnedValue;
 
 constexpr std::int64_t any_ns = 1'700'000'000'123'456'789;
 
-/// Returns the first leaf that the path names.
+/// Returns the number of the first leaf that the path names.
 template <class T>
 std::uint32_t leaf(std::string_view path) {
   return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
@@ -112,8 +112,8 @@ class HostileSample : public test::RandomTest {
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
   bool one_in(std::uint64_t n) { return random() % n == 0; }
 
-  /// Evaluates the conditions. The answers do not matter, but a sanitizer checks that only bytes of the
-  /// sample are read.
+  /// Evaluates the conditions and ignores the results. A sanitizer checks that only bytes of the sample are
+  /// read.
   static void ask(const StructType& type, const std::vector<Condition>& conditions,
                   const detail::SampleState& state) {
     detail::Conditions asked(type, conditions);
@@ -123,7 +123,7 @@ class HostileSample : public test::RandomTest {
       asked.passed(sample, any_ns + i);
     }
   }
-  /// Returns a condition on each single value.
+  /// Returns one condition for each field that is a single value.
   static std::vector<Condition> on_all_fields(const StructType& type) {
     std::vector<Condition> conditions;
     for (const test::SingleField& field : test::single_fields(type)) {

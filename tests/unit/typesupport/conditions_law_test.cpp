@@ -1,5 +1,5 @@
-// Random conditions over random streams hold for exactly those samples that a second, plain implementation
-// of the specification names, wherever the fields are read from.
+// Random conditions over random streams hold for exactly the samples for which a second, plain implementation
+// of the specification says so. The fields are read from messages and from samples.
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -31,7 +31,7 @@ using test::RandomConditions;
 
 constexpr std::int64_t begin_ns = 1'700'000'000'123'456'789;
 
-/// Returns the values of the fields that conditions are on, for messages of failures.
+/// Returns the values of the fields that the conditions use, for messages of failures.
 std::string described(const std::vector<Condition>& conditions, const FieldValues& values) {
   FieldMask leaves(conditions.empty() ? 1 : 1000);
   std::ostringstream text;
@@ -50,7 +50,7 @@ class ConditionsLaw : public test::RandomTest {
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
   bool one_in(std::uint64_t n) { return random() % n == 0; }
 
-  /// Returns all fields, or those that the conditions are on and random others.
+  /// Returns the mask of all fields, or of the fields that the conditions use and random other ones.
   FieldMask mask_for(const TypeSupport& type, const std::vector<Condition>& conditions) {
     if (one_in(2)) return type.full();
     FieldMask mask = values.mask(type.leaves());
@@ -59,8 +59,9 @@ class ConditionsLaw : public test::RandomTest {
     return type.closed(mask);
   }
 
-  /// Follows a stream, in which readers begin now and then. Some samples do not pass although the
-  /// conditions hold, as with a rate, and some pass although they do not hold.
+  /// Checks the conditions on each sample of a stream. Now and then a new reader begins. Some samples do not
+  /// pass although the conditions hold, as under a rate limit. Some samples pass although the conditions do
+  /// not hold.
   void follow(const MessageType& type, RandomConditions& any, const std::vector<Condition>& said,
               Asked& asked) {
     constexpr int samples = 30;
@@ -79,7 +80,8 @@ class ConditionsLaw : public test::RandomTest {
       const std::string sample = std::to_string(stamp_ns - begin_ns) + " ns" + described(said, now);
       bool expected = reference.holds(now, stamp_ns);
       const bool holds = asked.holds(message.get(), stamp_ns, mask);
-      if (reference.was_close()) expected = holds;  // ConditionsTest checks what is known of rounding
+      // ConditionsTest checks the results that are known in spite of rounding.
+      if (reference.was_close()) expected = holds;
       ASSERT_EQ(holds, expected) << "for sample " << i << " at " << sample << "\nbehind " << former;
       ++(holds ? held : not_held);
       if (i == 0 || (expected ? !one_in(4) : one_in(20))) {

@@ -1,4 +1,5 @@
-// The meaning of conditions, sentence by sentence (selection.md, "Conditions").
+// The meaning of conditions. The tests follow the specification sentence by sentence (selection.md,
+// "Conditions").
 #include "sft/detail/conditions.h"
 
 #include <gtest/gtest.h>
@@ -31,14 +32,14 @@ std::vector<Condition> conditions_of(const TypeSupport& type, std::string_view t
   return type.parse_selection(text).value().gate().conditions;
 }
 
-/// The stream of a gate without a rate: all samples pass that fulfil the conditions.
+/// The stream of samples of a gate without a rate limit. All samples that fulfil the conditions pass.
 template <class T>
 class Stream {
  public:
   explicit Stream(std::string_view text)
       : asked_(type_support<T>().type(), conditions_of(type_support<T>(), text)) {}
 
-  /// Passes the first sample of the stream, which later ones are compared with.
+  /// Passes the first sample of the stream. Later samples are compared with the last one that passed.
   Stream& first(const T& message, std::int64_t stamp_ns = now_ns) {
     asked_.holds(&message, stamp_ns, mask_);
     asked_.passed(&message, stamp_ns, mask_);
@@ -65,7 +66,8 @@ bool is_true(std::string_view condition, const T& message) {
   return Stream<T>("* @ " + std::string(condition)).holds(message);
 }
 
-/// Returns true if the condition, which has a `changed`, holds for `to` after `from` has passed.
+/// Returns true if the condition, which has a `changed`, holds for the sample `to` after the sample `from`
+/// has passed.
 template <class T>
 bool has_changed(std::string_view condition, const T& from, const T& to) {
   return Stream<T>("* @ " + std::string(condition)).first(from).holds(to);

@@ -1,4 +1,4 @@
-// Foreign encodings as Cyclone DDS's serializer writes them, in both versions and both byte orders.
+// Converts the encodings that Cyclone DDS's serializer writes, in both versions of CDR and both byte orders.
 #include <foreign.h>
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
@@ -36,14 +36,14 @@ namespace {
 
 using namespace detail;
 
-constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
+constexpr int rounds = SFT_TEST_ROUNDS;  // rounds per type and encoding
 
 using test::CStruct;
 using test::ForeignEncoding;
 using test::MessageType;
 using test::OwnedValue;
 
-/// A type as both implementations describe it.
+/// A type, described for both implementations.
 struct Contestant {
   MessageType ours;
   const dds_topic_descriptor_t* theirs;
@@ -117,7 +117,7 @@ INSTANTIATE_TEST_SUITE_P(Of, ForeignDifferential,
                                   std::get<1>(of.param).name;
                          });
 
-/// In C every enumeration is an int, whatever its size on the wire.
+/// In C every enumeration is an int, whatever its size in the encoding.
 class EnumeratedC {
  public:
   explicit EnumeratedC(const foreign::Enumerated& from) {
@@ -189,7 +189,7 @@ class EnumeratedDifferential : public test::RandomTest,
   }
 };
 
-// In XCDR2 enumerations do not count as primitives, so collections of them have a delimiter.
+// XCDR2 does not count enumerations as primitives, so their collections have a delimiter.
 TEST_P(EnumeratedDifferential, WhatCycloneWritesIsConvertedToOurBytes) {
   constexpr const StructType& type = TypeTable<foreign::Enumerated>::type;
   for (int round = 0; round < rounds; ++round) {

@@ -1,4 +1,5 @@
-// Payloads of other implementations are converted to the bytes that we would have written, or refused.
+// Payloads of other implementations are converted to the bytes that SFT would have written, or they are
+// refused.
 #include "sft/detail/convert.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +26,7 @@ namespace {
 
 using namespace detail;
 
-constexpr int rounds = SFT_TEST_ROUNDS;  // per type and encoding
+constexpr int rounds = SFT_TEST_ROUNDS;  // rounds per type and encoding
 
 using test::ForeignEncoding;
 using test::MessageType;
@@ -44,7 +45,8 @@ struct Converted {
   std::vector<std::byte> body{};
 };
 
-/// Converts a payload as a publisher does, from memory of exactly its size.
+/// Converts a payload as a publisher does. The payload is in memory of exactly its size, so that a sanitizer
+/// notices reads beyond it.
 Converted converted(const StructType& type, std::span<const std::byte> payload) {
   const std::unique_ptr<std::byte[]> memory(new std::byte[payload.size()]);
   std::copy(payload.begin(), payload.end(), memory.get());
@@ -65,26 +67,26 @@ Converted converted(const StructType& type, std::span<const std::byte> payload) 
 const foreign::Small small{
     .a = 1, .b = 0x0203040506070809, .c = {foreign::Color::BLUE}, .d = "hi", .e = 0x0a0b};
 
-// Written by hand from XTypes 1.3, 7.4.3.4.
+// Bytes that were written by hand, following XTypes 1.3, 7.4.3.4.
 const std::vector<std::byte> small_cdr2_be =
-    bytes({0,    6,    0, 2,                                                           //
-           1,    0,    0, 0,                                                           // a
-           2,    3,    4, 5, 6,   7,   8, 9,                                           // b, aligned to 4
-           0,    0,    0, 8, 0,   0,   0, 1, 0, 0, 0, 2,                               // delimiter, c
-           0,    0,    0, 3, 'h', 'i', 0, 0,                                           // d
-           0x0a, 0x0b, 0, 0});                                                         // e, padding
-const std::vector<std::byte> small_cdr2_le = bytes({0,    7,    0, 2,                  //
-                                                    1,    0,    0, 0,                  //
-                                                    9,    8,    7, 6, 5,   4,   3, 2,  //
+    bytes({0,    6,    0, 2,                              //
+           1,    0,    0, 0,                              // field a
+           2,    3,    4, 5, 6,   7,   8, 9,              // field b, aligned to 4
+           0,    0,    0, 8, 0,   0,   0, 1, 0, 0, 0, 2,  // the delimiter of field c, and field c
+           0,    0,    0, 3, 'h', 'i', 0, 0,              // field d
+           0x0a, 0x0b, 0, 0});                            // field e and padding
+const std::vector<std::byte> small_cdr2_le = bytes({0,    7,    0, 2,                              //
+                                                    1,    0,    0, 0,                              //
+                                                    9,    8,    7, 6, 5,   4,   3, 2,              //
                                                     8,    0,    0, 0, 1,   0,   0, 0, 2, 0, 0, 0,  //
                                                     3,    0,    0, 0, 'h', 'i', 0, 0,              //
                                                     0x0b, 0x0a, 0, 0});                            //
 const std::vector<std::byte> small_cdr_be = bytes({0,    0,    0, 2,                               //
-                                                   1,    0,    0, 0, 0,   0,   0, 0,               // a
-                                                   2,    3,    4, 5, 6,   7,   8, 9,  // b, aligned to 8
-                                                   0,    0,    0, 1, 0,   0,   0, 2,  // c
-                                                   0,    0,    0, 3, 'h', 'i', 0, 0,  // d
-                                                   0x0a, 0x0b, 0, 0});                // e, padding
+                                                   1,    0,    0, 0, 0,   0,   0, 0,               // field a
+                                                   2,    3,    4, 5, 6,   7,   8, 9,  // field b, aligned to 8
+                                                   0,    0,    0, 1, 0,   0,   0, 2,  // field c
+                                                   0,    0,    0, 3, 'h', 'i', 0, 0,  // field d
+                                                   0x0a, 0x0b, 0, 0});                // field e and padding
 
 TEST(ConvertTest, BytesWrittenByHandBecomeTheBytesThatWeWrite) {
   const std::vector<std::byte> ours = test::Encoded(small).bytes();
@@ -176,7 +178,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Conversion,
                            return std::get<0>(of.param).short_name() + "_from_" + std::get<1>(of.param).name;
                          });
 
-/// The same payloads are accepted in every encoding.
+/// The tests run once for each encoding, with the same payload.
 class ForeignPayloads : public ::testing::TestWithParam<ForeignEncoding> {
  protected:
   static constexpr const StructType& type = TypeTable<sensor_msgs::msg::PointCloud2>::type;
@@ -190,7 +192,7 @@ class ForeignPayloads : public ::testing::TestWithParam<ForeignEncoding> {
     return converted(type, test::foreign_payload(changed, GetParam()));
   }
 
-  /// The body ends with is_dense, and begins with the stamp (8 bytes) and the frame id.
+  /// The body begins with the stamp (8 bytes) and the frame id, and ends with is_dense.
   const std::vector<std::byte> body = body_of({.header = {.frame_id = "abc"}, .is_dense = true});
 };
 
@@ -252,7 +254,7 @@ TEST_P(ForeignPayloads, WhosePaddingIsLongerThanTheyAreRefused) {
   EXPECT_FALSE(parse_payload(payload));
 }
 
-// A few bytes that claim to be many cost neither time nor memory.
+// A false length must cost neither time nor memory.
 TEST_P(ForeignPayloads, WhoseLengthsLeadOutsideAreRefused) {
   for (std::size_t at = 0; at + 4 <= body.size(); at += 4) {
     std::vector<std::byte> changed = body;

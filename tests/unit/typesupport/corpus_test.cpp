@@ -1,4 +1,4 @@
-// Recorded payloads of others decode to what is known of them, encode to the same bytes, and obey the
+// Recorded payloads of other programs decode to known values, encode to the same bytes again, and obey the
 // projection law. Needs the recordings beside the repository.
 #include <gtest/gtest.h>
 
@@ -39,7 +39,8 @@ V value_at(std::span<const std::uint8_t> bytes, std::size_t offset) {
   return value;
 }
 
-/// A recorded payload as a receiver holds it: its body was walked, in aligned memory of exactly its size.
+/// A recorded payload as a receiver holds it: the body is in aligned memory of exactly its size, and was
+/// walked.
 template <class T>
 class Received {
  public:
@@ -68,7 +69,7 @@ class Received {
 
  private:
   static constexpr Req<T> R = all<T>;
-  std::vector<std::byte> body_;  // heap memory is aligned to 16 bytes
+  std::vector<std::byte> body_;  // aligned, because heap memory is aligned to 16 bytes
   FieldMask full_ = FieldMask::full(leaf_count_of<T>);
   std::vector<std::uint32_t> index_ = std::vector<std::uint32_t>(slot_count(TypeTable<T>::type));
   SampleState state_{};
@@ -84,7 +85,7 @@ class CorpusTest : public test::RandomTest {
     }
   }
 
-  /// Checks what holds for each payload of a message of type T.
+  /// Checks the laws that hold for each payload of a message of type T.
   template <class T>
   void check(const Payload& payload, int masks = 5) {
     const Received<T> received(payload);

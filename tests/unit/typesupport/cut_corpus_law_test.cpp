@@ -1,5 +1,5 @@
-// Random parts of recorded clouds, scans and maps are byte by byte what the reference cuts, and Cyclone DDS
-// can read them. Needs the recordings beside the repository.
+// Random parts of recorded clouds, scans and maps equal, byte by byte, the parts that the reference cuts.
+// Cyclone DDS can read them. Needs the recordings beside the repository.
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <sensor_msgs/msg/Image.h>
 #include <sensor_msgs/msg/LaserScan.h>
@@ -26,7 +26,7 @@ class CutCorpusLaw : public CutLawTest {
       GTEST_SKIP() << "there are no recordings in " << test::recorded_data();
   }
 
-  /// Decodes the payload. Bytes up to a multiple of 4 may follow the message.
+  /// Decodes the payload. Padding to a multiple of 4 bytes may follow the message.
   template <class T>
   static T decoded(const test::Payload& payload) {
     const StructType& type = detail::TypeTable<T>::type;
@@ -46,7 +46,7 @@ class CutCorpusLaw : public CutLawTest {
     return decoded<PointCloud2>(test::read_recording(test::recorded_data() / file).value());
   }
 
-  /// Returns a part with channels that the cloud has, and now and then one that it lacks.
+  /// Returns a part with channels that the cloud has, and sometimes a channel that the cloud lacks.
   Part any_part_of(const PointCloud2& cloud) {
     Part part{.leaf = leaf<PointCloud2>("data"),
               .rows = layouts.range(cloud.height),
@@ -58,7 +58,8 @@ class CutCorpusLaw : public CutLawTest {
     return part;
   }
 
-  /// Returns the whole message with only these parts, as Cyclone DDS reads it; null if it cannot read it.
+  /// Returns the whole message with only these parts, as Cyclone DDS reads it; null if Cyclone DDS cannot
+  /// read it.
   template <class C, class T>
   static const C* read(test::CycloneReader& reader, const T& message, std::vector<Part> parts) {
     const Selection selection =

@@ -1,5 +1,6 @@
-// Parts of recorded clouds and scans hold what the recording has at these places, according to a parser
-// that is independent of the runtime, and to Cyclone DDS. Needs the recordings beside the repository.
+// Parts of recorded clouds and scans have the bytes that the recording has at these places. A parser that is
+// independent of the runtime checks this, and so does Cyclone DDS. Needs the recordings beside the
+// repository.
 #include <gtest/gtest.h>
 #include <sensor_msgs/msg/LaserScan.h>
 #include <sensor_msgs/msg/PointCloud2.h>
@@ -26,7 +27,7 @@ using test::Payload;
 
 constexpr std::size_t head_bytes = 4;  ///< the bytes of the encapsulation
 
-/// Reads XCDR1, little-endian, value by value. The test fails if it reads beyond the end.
+/// Reads XCDR1, little-endian, value by value. The test fails if a read reaches beyond the end.
 class CdrCursor {
  public:
   explicit CdrCursor(std::span<const std::byte> bytes) : bytes_(bytes) {}
@@ -47,7 +48,7 @@ class CdrCursor {
     const std::span<const std::byte> bytes = list(1);
     return bytes.empty() ? "" : std::string(reinterpret_cast<const char*>(bytes.data()), bytes.size() - 1);
   }
-  /// Returns the bytes of a sequence with elements of this size, which is at most 4.
+  /// Returns the bytes of a sequence whose elements have `element` bytes, at most 4.
   std::span<const std::byte> list(std::size_t element) {
     const std::size_t size = std::size_t{number<std::uint32_t>()} * element;
     if (size > bytes_.size() - at_) {
@@ -91,7 +92,7 @@ struct ParsedCloud {
     is_dense = cdr.number<std::uint8_t>();
     left = cdr.left();
   }
-  /// Returns the first 12 bytes of a point, which are x, y and z in all clouds here.
+  /// Returns the first 12 bytes of a point, which are x, y and z in all recorded clouds.
   std::span<const std::byte> coordinates(std::size_t row, std::size_t column) const {
     return data.subspan(row * row_step + column * point_step, 12);
   }
@@ -142,7 +143,7 @@ class CutCorpusTest : public ::testing::Test {
     return std::span(payload).subspan(head_bytes);
   }
 
-  /// Returns the whole message, with only those parts of fields that the text names.
+  /// Returns the whole message, with only the parts of fields that the text names.
   template <class T>
   static std::vector<std::byte> taken(const Payload& payload, std::string_view text) {
     const TypeSupport& type = type_support<T>();

@@ -1,5 +1,5 @@
-// What a part keeps: points, pixels, cells and beams keep their values and places, and a part of a part is
-// the part that both ranges name. The tests do not use the reference.
+// The geometry of parts: points, pixels, cells and beams keep their values and places. A part of a part
+// equals the part that both ranges together name. The tests do not use the reference.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -39,7 +39,7 @@ class CutGeometry : public test::RandomTest {
 
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
 
-  /// Returns a selection of the whole message, with only this part of one field.
+  /// Returns a selection of the whole message, with only the given part of one field.
   template <class T>
   static Selection selection(std::string_view path, Part part) {
     const TypeSupport& type = type_support<T>();
@@ -56,7 +56,7 @@ class CutGeometry : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// Returns the first field with this name; null if it cannot be read.
+/// Returns the first channel with this name, or null if that channel cannot be read.
 const PointField* readable_channel(const PointCloud2& cloud, std::string_view name) {
   constexpr std::array<std::uint64_t, 9> bytes{0, 1, 1, 2, 2, 4, 4, 4, 8};
   const auto field = std::ranges::find(cloud.fields, name, &PointField::name);
@@ -65,7 +65,7 @@ const PointField* readable_channel(const PointCloud2& cloud, std::string_view na
   return size == 0 || field->offset + size > cloud.point_step ? nullptr : &*field;
 }
 
-/// Returns true if channels overlap so much that the part's points would be larger than the cloud's.
+/// Returns true if channels overlap so much that the part's points would be larger than the cloud's points.
 bool larger_than_the_point(const PointCloud2& cloud, const Selection::Part& part) {
   std::uint64_t bytes = 0;
   for (const std::string& name : part.channels) {
@@ -185,7 +185,7 @@ TEST_F(CutGeometry, CellsKeepTheirLowerLeftCorners) {
     ASSERT_EQ(some.info.height, part.rows.size_of(whole.info.height));
     ASSERT_EQ(some.info.width, part.columns.size_of(whole.info.width));
     const std::size_t cells = std::size_t{some.info.height} * some.info.width;
-    // The resolution is rounded to 24 bits, an error that each cell adds.
+    // The resolution is rounded to 24 bits. Each cell adds this error to its place.
     const double size = double{whole.info.resolution} * (whole.info.height + whole.info.width);
     for (std::size_t cell = 0; cell < cells; ++cell) {
       const std::size_t row = cell / some.info.width, column = cell % some.info.width;
@@ -207,7 +207,7 @@ TEST_F(CutGeometry, AGridWithDifferentStepsStaysWhole) {
   EXPECT_EQ(taken(whole, "data", {.columns = {.step = 3}}), whole);
 }
 
-/// Returns two units in the last place of the largest angle, or of the beams' span if that is larger.
+/// Returns two units in the last place of the largest angle, or of the span of the beams if that is larger.
 double two_ulp(const LaserScan& scan) {
   const double last = double{scan.angle_min} + double{scan.angle_increment} * double(scan.ranges.size());
   const double span = std::abs(last - double{scan.angle_min});
@@ -250,7 +250,7 @@ TEST_F(CutGeometry, BeamsKeepTheirAngles) {
   }
 }
 
-/// Returns the letter of the colour. Those of two rows follow "bayer_".
+/// Returns the letter of a pixel's colour. The letters of two rows follow "bayer_".
 char colour(const Image& image, std::size_t row, std::size_t column) {
   return image.encoding.at(6 + row % 2 * 2 + column % 2);
 }
@@ -274,7 +274,7 @@ TEST_F(CutGeometry, PixelsKeepTheirBytesAndTheirColours) {
     ASSERT_EQ(some.width, part.columns.size_of(whole.width));
     ASSERT_EQ(some.step, some.width * bytes);
     ASSERT_EQ(some.data.size(), std::size_t{some.height} * some.step);
-    const std::size_t letters = is_bayer ? 10 : 0;  // the letters of the colours may change
+    const std::size_t letters = is_bayer ? 10 : 0;  // the letters of the colours may change in a part
     ASSERT_EQ(some.encoding.substr(letters), whole.encoding.substr(letters));
     for (std::size_t row = 0; row < some.height; ++row) {
       for (std::size_t column = 0; column < some.width; ++column) {
@@ -329,7 +329,7 @@ TEST_F(CutGeometry, ImagesOfWhichNoPartIsAnImageStayWhole) {
   EXPECT_EQ(taken(image, "data", {.columns = {.begin = 1}}).data.size(), 8U) << "a pixel has two bytes";
 }
 
-/// Parts of parts. A range that keeps one index loses its step, so that such parts cannot be compared.
+/// Parts of parts. A range that keeps one index loses its step, so such parts are not compared.
 class CutTwice : public CutGeometry {
  protected:
   struct Twice {
@@ -414,7 +414,7 @@ TEST_F(CutTwice, ScansAreThoseOfTheComposedRange) {
     };
     LaserScan two = of(of(whole, t.first), t.second);
     const LaserScan one = of(whole, t.both);
-    // Cutting in two steps rounds the least angle and the increment once more than cutting in one step.
+    // Two steps round the least angle and the increment once more than one step does.
     ASSERT_NEAR(two.angle_min, one.angle_min, 1.5 * two_ulp(whole));
     ASSERT_NEAR(two.angle_max, one.angle_max, 1.5 * two_ulp(whole));
     ASSERT_FLOAT_EQ(two.angle_increment, one.angle_increment);

@@ -1,5 +1,5 @@
-// Parts of messages with headers that contradict themselves or their data. Whatever the header claims, the
-// part is a consistent message, and takes a time that the message's bytes justify.
+// Parts of messages whose headers contradict themselves or the data. Whatever the header says, the part is a
+// consistent message, and cutting takes no more time than the message's bytes justify.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -50,7 +50,7 @@ class CutHostile : public test::RandomTest {
     EXPECT_LT(seconds, 60);
   }
 
-  /// Returns the part. The test fails if it is refused, is no message, or takes a second.
+  /// Returns the part. The test fails if the part is refused or is no message, or if cutting takes a second.
   template <class T>
   static T taken(const T& message, const Selection& selection) {
     const std::clock_t begin = std::clock();
@@ -69,7 +69,7 @@ class CutHostile : public test::RandomTest {
         0, 1, 2, 3, 7, 16, 255, 65536, 1U << 31, (1U << 31) + 1, most - 1, most};
     return values[layouts.below(values.size())];
   }
-  /// Replaces the number by a neighbour or by an extreme value, or keeps it.
+  /// Replaces the number by a neighbouring or an extreme number, or leaves it unchanged.
   void distort(std::uint32_t& number) {
     if (layouts.one_in(2)) return;
     number = layouts.one_in(2) ? extreme() : number + layouts.below(5) - 2;
@@ -107,10 +107,11 @@ PointField field_of(std::string_view name, std::uint32_t offset, std::uint8_t da
   return field;
 }
 
-/// Makes the data longer than the cells. If it has exactly their size, the length of rows is ignored.
+/// Makes the data longer than the cells. If the data had exactly the size of the cells, the length of rows
+/// would be ignored.
 void pad(std::vector<std::uint8_t>& data) { data.push_back(0); }
 
-/// Returns 2 rows of 3 points with x, y and z, without padding.
+/// Returns a cloud of 2 rows of 3 points with x, y and z, without padding.
 PointCloud2 honest_cloud() {
   PointCloud2 cloud;
   cloud.header.frame_id = "lidar";
@@ -130,7 +131,8 @@ AssertionResult has_no_points(const PointCloud2& cloud) {
                             << " bytes, " << cloud.data.size() << " bytes";
 }
 
-/// Checks what holds for each part of a cloud: rows are long enough, and the data is as long as the rows.
+/// Checks the rules for each part of a cloud: rows have room for their points, and the data is as long as the
+/// rows.
 AssertionResult tells_the_truth(const PointCloud2& cloud) {
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.height > 0 && row > cloud.row_step) return AssertionFailure() << "a row is too short";
@@ -491,7 +493,7 @@ TEST_F(CutHostile, LengthsThatLeadOutsideTheBodyAreRefused) {
   const TypeSupport& type = type_support<PointCloud2>();
   const detail::ProjectionPlan plan(type, type.closed(all_with<PointCloud2>("data{x}[::2]")));
   detail::Projection projection;
-  for (const std::size_t slot : {2U, 5U, 9U}) {  // frame_id, fields, data
+  for (const std::size_t slot : {2U, 5U, 9U}) {  // the slots of frame_id, fields and data
     for (const std::uint32_t length : {1'000U, 1'000'000U, most}) {
       test::Encoded changed(honest_cloud());
       std::memcpy(changed.body() + changed.index()[slot], &length, sizeof length);
@@ -514,7 +516,8 @@ TEST_F(CutHostile, SamplesWithAnyBitsGiveMessagesOrAreRefused) {
       body[layouts.below(header)] ^= static_cast<std::byte>(1U << layouts.below(8));
     detail::SampleState state = honest.state();
     state.body = body.data();
-    if (projection.project(state, plan)) test::gathered(projection);  // with the index of other bytes
+    // The index is that of the unchanged body.
+    if (projection.project(state, plan)) test::gathered(projection);
 
     std::vector<std::uint32_t> index(honest.slots());
     if (detail::build_index(state, type.type(), index) != detail::WalkStatus::ok) continue;

@@ -1,4 +1,4 @@
-// The law of parts of messages with layouts: a projection of a part is, byte by byte, the encoding of the
+// The law of parts of messages with layouts: a projection of a part equals, byte by byte, the encoding of the
 // message that the reference cuts.
 #pragma once
 
@@ -30,15 +30,15 @@ using test::Cut;
 using test::is_encoded;
 namespace cut_reference = test::cut_reference;
 
-/// Adapts `expected` where two results are right: a part without bytes may have the rows and columns of its
-/// ranges, or none at all.
+/// Adapts `expected` to `taken` if two results are right: a part without bytes may have the rows and columns
+/// of its ranges, or none at all.
 inline void settle(const PointCloud2& taken, PointCloud2& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.row_step == 0) expected.row_step = 0;
   if (taken.height == 0 && taken.width == 0) expected.height = expected.width = expected.row_step = 0;
 }
 
-/// Adapts `expected` likewise. A Bayer pattern without pixels may begin with any colour.
+/// Adapts `expected` in the same way. Besides, a Bayer pattern without pixels may begin with any colour.
 inline void settle(const Image& taken, Image& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.step == 0) expected.step = 0;
@@ -49,8 +49,8 @@ inline void settle(const Image& taken, Image& expected) {
   }
 }
 
-/// Adapts `expected` likewise. The reference turns by another formula, which rounds differently. A grid
-/// without cells may be anywhere.
+/// Adapts `expected` in the same way. The reference rotates by another formula, which rounds differently. A
+/// grid without cells may have any origin.
 inline void settle(const OccupancyGrid& taken, OccupancyGrid& expected) {
   const auto& at = taken.info.origin.position;
   auto& right = expected.info.origin.position;
@@ -64,8 +64,8 @@ inline void settle(const OccupancyGrid& taken, OccupancyGrid& expected) {
   right = at;
 }
 
-/// Returns false if two rules of the specification could both apply: to an empty part of an image that
-/// would stay whole, or to a step of which only the first index is within the image.
+/// Returns false if two rules of the specification contradict each other. This happens if the part is empty
+/// and the image would stay whole. It also happens if only the first index of a step is within the image.
 inline bool is_settled(const Image& image, const Selection::Part& part) {
   const std::uint32_t rows = part.rows.size_of(image.height), columns = part.columns.size_of(image.width);
   const bool is_named = cut_reference::bytes_of_encoding(image.encoding).has_value();
@@ -86,7 +86,7 @@ class CutLawTest : public test::RandomTest {
     return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
   }
 
-  /// Returns a selection of these parts and of random other fields.
+  /// Returns a selection of the given parts and of random other fields.
   template <class T>
   Selection with_other_fields(std::vector<Part> parts) {
     FieldMask mask = values.mask(type_support<T>().leaves());
@@ -111,7 +111,8 @@ class CutLawTest : public test::RandomTest {
     return part;
   }
 
-  // The projection is, byte by byte, what the reference cuts.
+  // Each of the functions below expects that a projection equals, byte by byte, the part that the reference
+  // cuts.
 
   void expect_points(const PointCloud2& cloud, const Part& wanted) {
     const Selection selection = with_other_fields<PointCloud2>({wanted});
@@ -146,7 +147,7 @@ class CutLawTest : public test::RandomTest {
     if (part != nullptr && part->rows.step != part->columns.step) {
       const bool is_empty =
           part->rows.size_of(grid.info.height) == 0 || part->columns.size_of(grid.info.width) == 0;
-      if (is_empty) return;  // an empty grid and the whole one would both be right
+      if (is_empty) return;  // both an empty grid and the whole grid would be right
     }
     const Cut<OccupancyGrid> cut(grid, selection);
     if (part != nullptr) settle(cut.decoded(grid), expected);

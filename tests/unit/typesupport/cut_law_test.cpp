@@ -1,5 +1,5 @@
-// A projection of a part is, byte by byte, the encoding of the message that the reference cuts: for random
-// messages with layouts, lists without one, random parts and random other fields.
+// A projection of a part equals, byte by byte, the encoding of the message that the reference cuts. The tests
+// use random messages with layouts, lists without a layout, random parts and random other fields.
 #include <gtest/gtest.h>
 
 #include <nav_msgs/msg/Odometry.hpp>
@@ -73,7 +73,7 @@ TEST_F(CutLaw, LayoutsHoldWhereTheirTypesAreMembersOfOthers) {
 
 class CutListLaw : public CutLaw {
  protected:
-  /// Checks the list at `path`, which list(message) returns.
+  /// Checks ranges of the list at `path`. `list` returns the list of a message.
   template <class T, class List>
   void expect_elements_of_its_range(const char* path, List list) {
     for (int round = 0; round < rounds() / 4; ++round) {
@@ -152,8 +152,7 @@ TEST_F(CutListLaw, ArraysAreAlwaysWhole) {
 
 class CutNeeds : public CutLaw {
  protected:
-  /// Expects the closed selection to have exactly the fields in `fields`, and the parts that were
-  /// requested.
+  /// Expects the closed selection to have exactly the fields in `fields` and the parts in `text`.
   template <class T>
   static void expect_needs(std::string_view text, std::string_view fields) {
     const TypeSupport& type = type_support<T>();

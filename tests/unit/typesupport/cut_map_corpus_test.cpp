@@ -1,5 +1,5 @@
-// Windows of a recorded map, as an occupancy grid and as a grey image. Cyclone DDS can read them. Each cell
-// keeps its value and its place in the world, and each pixel its value. Needs the recordings beside the
+// Windows of a recorded map, as an occupancy grid and as a grey image. Cyclone DDS can read the windows. Each
+// cell keeps its value and its place in the world, and each pixel its value. Needs the recordings beside the
 // repository.
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
@@ -27,8 +27,8 @@ struct Point {
   double x = 0, y = 0;
 };
 
-/// Returns the centre of a cell in the world: its place on the grid, turned and moved as the origin says
-/// (see the comments in nav_msgs/msg/OccupancyGrid). The grid is turned about the vertical axis only.
+/// Returns the centre of a cell in the world. The origin of the map rotates and moves the cell's place on the
+/// grid (see the comments in nav_msgs/msg/OccupancyGrid). The grid is rotated about the vertical axis only.
 template <class Info>
 Point centre(const Info& info, double column, double row) {
   const double z = info.origin.orientation.z, w = info.origin.orientation.w;

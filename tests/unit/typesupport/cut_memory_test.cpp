@@ -1,5 +1,5 @@
-// A part that a writer sends is in one piece of memory that is taken for it. The message may still be in
-// the process of being copied when the part is taken.
+// A writer that sends a part takes one piece of memory for it. The message may still be in the process of
+// being copied when the part is cut.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
@@ -96,7 +96,7 @@ TEST_F(CutMemory, GetsPartsOfWhatHasNotBeenCopiedYet) {
     EXPECT_EQ(test::gathered(projection), test::gathered(expected)) << text;
   }
 
-  postponed.make(50'000);  // the first row is in the body now, and the second row partly
+  postponed.make(50'000);  // now the first row and some bytes of the second row are in the body
   const auto is_possible = [&](const char* text) {
     const detail::ProjectionPlan plan(type, type.closed(type.parse_selection(text).value()));
     detail::Projection projection;

@@ -1,4 +1,4 @@
-// Kept inputs of fuzz_decoder, and randomly damaged bodies. fuzz_decoder.cpp has the checks.
+// Stored inputs of fuzz_decoder, and randomly damaged bodies. fuzz_decoder.cpp has the checks.
 #include <gtest/gtest.h>
 
 #include <filesystem>

@@ -1,5 +1,5 @@
-# Compares our types with Cyclone DDS's types of the same IDL files. These are the files of this folder and of
-# tests/generators/idl, and the IDL that ROS 2's own tool makes of the common packages and of ROS 2's test messages.
+# Compares SFT's types with Cyclone DDS's types of the same IDL files. These are the IDL files of this folder and of
+# tests/generators/idl, and those that ROS 2's own tool makes of the common packages and of ROS 2's test messages.
 find_package(CycloneDDS REQUIRED)
 
 file(GLOB ros_packages LIST_DIRECTORIES true ${PROJECT_SOURCE_DIR}/typesupport/interfaces/*_*)
@@ -28,7 +28,8 @@ add_custom_command(
   VERBATIM)
 sft_generate(TARGET sft_ros_idl_interfaces FILES ${ros_idl} BASE_DIR ${ros_idl_dir})
 
-# C types of all IDL files. Their output is hidden, since idlc prints for each member that its C has no default values.
+# C types of all IDL files. The output of idlc is hidden, because idlc prints for each member that its C has no default
+# values.
 set(cyclone_dir ${CMAKE_CURRENT_BINARY_DIR}/cyclone)
 set(cyclone_c)
 function(cyclone_types base_dir)
@@ -83,9 +84,9 @@ endfunction()
 sft_differential_test(differential_test
   PARTS 2 SHARDS 2
   INTERFACES sft_common_interfaces sft_proof_interfaces sft_test_interfaces
-  OURS_ONLY torture.hpp  # stock idlc crashes on its members called `int` and its bitmask constants
+  OURS_ONLY torture.hpp  # stock idlc crashes on members called `int` and on bitmask constants in this file
   SOURCES differential_projection_test.cpp)
-if(NOT SFT_SANITIZE)  # the same types once more, from IDL files of ROS 2's tool
+if(NOT SFT_SANITIZE)  # the same types again, made from IDL files of ROS 2's tool
   sft_differential_test(ros_differential_test
     PARTS 6 SHARDS 4
     INTERFACES sft_ros_idl_interfaces)

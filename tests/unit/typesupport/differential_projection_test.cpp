@@ -1,4 +1,4 @@
-// Cyclone DDS's serializer reads masked payloads as the projected types of proof.idl.
+// Cyclone DDS's serializer reads masked payloads as values of the projected types in proof.idl.
 #include <gtest/gtest.h>
 #include <proof.h>
 
@@ -18,7 +18,7 @@ using test::Encoded;
 using test::MessageType;
 using test::OwnedValue;
 
-/// A type, a mask of it, and the projected type as Cyclone knows it.
+/// A type, a mask of the type, and the projected type in Cyclone's description.
 struct ProjectedType {
   MessageType whole;
   std::string mask;
@@ -30,7 +30,8 @@ void PrintTo(const ProjectedType& type, std::ostream* out) { *out << type.projec
 class DifferentialProjection : public test::RandomTest,
                                public ::testing::WithParamInterface<ProjectedType> {};
 
-// Cyclone reads our masked payload as the type with only those members, and writes the same bytes.
+// Cyclone reads the masked payload as the type with only the members in the mask, and writes the same bytes
+// again.
 TEST_P(DifferentialProjection, AMaskedPayloadIsTheCdrOfTheProjectedType) {
   const auto& [whole, mask, projected] = GetParam();
   const FieldMask closed = whole.support->closed(whole.support->parse_mask(mask).value());

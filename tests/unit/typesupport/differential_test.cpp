@@ -1,4 +1,4 @@
-// Comparison with Cyclone DDS's serializer, which uses stock idlc's C types of the same IDL.
+// Comparison with Cyclone DDS's serializer, which uses C types that stock idlc makes of the same IDL.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -129,9 +129,9 @@ TEST_P(Differential, BothRefuseTruncatedBodies) {
   }
 }
 
-// We are stricter in one point: we refuse a NUL within a string. We are more lenient in others. Real
-// payloads have strings of length 0 (without a NUL) and trailing bytes, which shows when the value is
-// encoded again. Values of enumerations and bitmasks may be unknown to us.
+// SFT is stricter in one point: it refuses a NUL within a string. SFT is more lenient in other points. It
+// accepts strings of length 0 (without a NUL) and trailing bytes, because real payloads have them; the
+// encoded value then differs from these bytes. SFT also accepts unknown values of enumerations and bitmasks.
 TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   test::CycloneReader reader(theirs());
   for (int round = 0; round < rounds; ++round) {
@@ -148,8 +148,8 @@ TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   }
 }
 
-// Checks the same through writers and readers of a domain: what holds for the serializer also holds on the
-// wire, behind the encapsulation that we imply.
+// Repeats the comparison with writers and readers of a domain. So the results for the serializer also hold on
+// the wire, behind the encapsulation that SFT assumes.
 TEST_P(Differential, WhatACycloneWriterSendsIsOurEncapsulationAndOurBytes) {
   test::CycloneLoopback loopback(theirs());
   if (!loopback.ok()) GTEST_SKIP() << "no DDS participant on the loopback interface: " << loopback.error();
@@ -173,7 +173,7 @@ TEST_P(Differential, ACycloneReaderTakesOurPayload) {
   }
 }
 
-/// Tests all types, also those that Cyclone does not know, with random integers in enumerations.
+/// Tests all types, including those that Cyclone does not know, with random integers in enumerations.
 class RoundTrip : public Differential {};
 
 TEST_P(RoundTrip, ThroughTheBytesOfThePlainestEncoderGivesTheSameValue) {

@@ -1,6 +1,6 @@
-// A program that has only the description of a type reads fields by name, and prints them: for a dozen
-// types with all kinds of fields, random values and random masks. every_type_law_test.cpp shows that such a
-// program reads and projects the same as a program that was compiled with the type.
+// A program that has only the description of a type reads fields by name, and prints them. These tests use a
+// dozen types with all kinds of fields, random values and random masks. every_type_law_test.cpp shows that
+// such a program reads and projects the same as a program that was compiled with the type.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -72,7 +72,7 @@ TEST_P(DynamicLaw, TextsHaveNoMoreElementsThanTheLimit) {
     const DynamicView view(sample.state(), parsed.type());
     const auto yaml = to_yaml(view, {.elements_max = 2, .text_bytes_max = 10});
     ASSERT_TRUE(yaml) << yaml.error().message;
-    // Three levels of at most two elements, with names and numbers of at most some 40 bytes.
+    // The message has three levels of at most two elements. Names and numbers have at most some 40 bytes.
     ASSERT_LT(yaml->size(), 2 * 2 * 2 * 80 * compiled.leaves() + 100);
     const auto json = to_json(view, {.elements_max = 2});
     ASSERT_TRUE(json) << json.error().message;

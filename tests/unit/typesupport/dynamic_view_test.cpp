@@ -1,4 +1,4 @@
-// Reading by name: what can be read, and the errors if there is nothing to read.
+// Reading by name: the fields that can be read, and the errors for fields that are absent.
 #include "sft/dynamic_view.h"
 
 #include <gmock/gmock.h>
@@ -276,9 +276,9 @@ TEST_F(DynamicViewTest, LengthsBeyondTheBodyAreMalformed) {
   const auto put = [&](std::size_t slot, std::uint32_t length) {
     std::memcpy(encoded.body() + encoded.index()[slot], &length, sizeof length);
   };
-  put(2, 1000);  // header.frame_id
+  put(2, 1000);  // the length of header.frame_id
   EXPECT_EQ(view.find("header.frame_id").as<std::string>().error().code, Errc::malformed);
-  put(9, 0xffffffff);  // data
+  put(9, 0xffffffff);  // the length of data
   EXPECT_EQ(view["data"].size().error().code, Errc::malformed);
   EXPECT_EQ(view["data"][0].error()->code, Errc::malformed);
   EXPECT_EQ(view["data"].as<std::span<const std::uint8_t>>().error().code, Errc::malformed);
@@ -289,7 +289,7 @@ TEST_F(DynamicViewTest, LengthsBeyondTheBodyAreMalformed) {
 
 TEST_F(DynamicViewTest, IterationOverElementsThatTheBytesDoNotHoldEndsWithAnError) {
   const std::uint32_t length = 0xffffffff;
-  std::memcpy(encoded.body() + encoded.index()[5], &length, sizeof length);  // fields
+  std::memcpy(encoded.body() + encoded.index()[5], &length, sizeof length);  // the length of fields
   std::size_t n = 0;
   bool malformed = false;
   for (const DynamicView& e : view["fields"].elements()) {

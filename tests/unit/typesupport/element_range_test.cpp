@@ -1,4 +1,4 @@
-// Ranges of structs and strings: random access finds the elements that a walk finds.
+// Ranges of structs and strings. Random access finds the same elements as a walk.
 #include "sft/detail/element_range.h"
 
 #include <gtest/gtest.h>
@@ -39,7 +39,7 @@ static_assert(std::ranges::view<Range<PointCloud2>>);
 static_assert(std::random_access_iterator<StringRange::iterator>);
 static_assert(std::ranges::view<StringRange> && std::ranges::borrowed_range<StringRange>);
 
-/// A sample, with memory for offsets as subscribers get it, or without.
+/// A sample, with or without memory for the offsets of elements. Subscribers have such memory.
 class Sample {
  public:
   template <class T>
@@ -60,7 +60,8 @@ class Sample {
   SampleState state_;
 };
 
-/// Returns fields with the names "field 0000", "field 0001" ..., each followed by more characters.
+/// Returns a cloud with fields named "field 0000", "field 0001" and so on, each with more characters behind
+/// the number.
 PointCloud2 cloud_with_fields(std::size_t count) {
   PointCloud2 cloud;
   cloud.fields.resize(count);
@@ -174,7 +175,7 @@ TEST(NestedAndRecordedRanges, OfRecordedSamplesOutlivesItsOptional) {
   EXPECT_EQ((*view.fields())[20].offset(), 80U);
 }
 
-/// Compares each position that element_begin() returns, in any order, with the one that a walk finds.
+/// Compares each position that element_begin() returns, in any order, with the position that a walk finds.
 class ElementBeginTest : public test::RandomTest, public ::testing::WithParamInterface<test::MessageType> {
  protected:
   void check_collections(const SampleState& s, const StructType& type, std::size_t leaf,
@@ -252,7 +253,7 @@ TEST(HostileElements, ALengthThatTheBytesCannotHoldReadsAsEmpty) {
 
 TEST(HostileElements, JumpsBehindTheLastOneThatIsThereGiveEmptyValues) {
   Sample sample(cloud_with_fields(10));
-  put_u32(sample, fields_slot, 60);  // as many as there are bytes, but there are fewer fields
+  put_u32(sample, fields_slot, 60);  // the length counts one field per byte, but there are fewer fields
   const auto fields = sample.view<PointCloud2>().fields();
   ASSERT_EQ(fields.size(), 60U);
   EXPECT_EQ(fields[9].offset(), 36U);
@@ -336,7 +337,8 @@ TEST(ElementIndexTest, SeveralThreadsReadOneSampleAtOnce) {
   }
 }
 
-// The table that is finished second is discarded, and does not use up the share of other collections.
+// The table that is finished second is discarded, and does not reduce the memory for tables of other
+// collections.
 TEST(ElementIndexTest, ATableThatTwoThreadsBuildAtOnceCountsOnce) {
   constexpr std::uint32_t strings = 50'000;
   std::vector<std::uint32_t> body;  // empty strings: the length, a NUL and padding

@@ -1,5 +1,5 @@
-// These tests check which values cannot be encoded, which bytes must not be decoded, and what is written
-// beside the leaves.
+// These tests check which values cannot be encoded, which bytes must not be decoded, and which lengths are
+// written in addition to the leaves.
 #include <gtest/gtest.h>
 
 #include <cstring>
@@ -109,7 +109,7 @@ TEST(EncodeTest, PaddingIsZeroWhateverWasInTheMemory) {
   EXPECT_EQ(body, expected.bytes());
 }
 
-// Collections of booleans are held as bytes, which an application may have set to anything.
+// Collections of booleans are held as bytes. An application may have set such a byte to any value.
 TEST(EncodeTest, ABooleanThatIsNoneIsRefusedAsTheReceiverWould) {
   proof::Bounded bounded;
   bounded.flags = {0, 1, 7};
@@ -121,7 +121,7 @@ TEST(EncodeTest, ABooleanThatIsNoneIsRefusedAsTheReceiverWould) {
   EXPECT_EQ(encoding(arrays), EncodeStatus::bad_boolean);
 }
 
-/// A valid body with bytes that a test changes before it walks or decodes the body.
+/// A valid body. A test changes bytes of the body before it walks or decodes the body.
 template <class T>
 class Changed {
  public:
@@ -144,7 +144,7 @@ class Changed {
 
 TEST(DecodeTest, LengthsBeyondABoundAreRefused) {
   const proof::Bounded valid{.tags = {"a"}, .doubles = {1, 2, 3}, .pairs = {{}, {}, {}}};
-  for (const std::size_t slot : {4U, 5U}) {  // doubles, pairs
+  for (const std::size_t slot : {4U, 5U}) {  // the slots of doubles and pairs
     Changed changed(valid);
     changed.put(slot, 0, std::uint32_t{4});
     proof::Bounded value;
@@ -157,12 +157,12 @@ TEST(DecodeTest, StringsBeyondTheirBoundAreRefused) {
   proof::Bounded longer;
   longer.name = "12345678";
   Changed changed(longer);
-  changed.put(0, 0, std::uint32_t{10});  // `name` now takes the padding behind it
+  changed.put(0, 0, std::uint32_t{10});  // `name` now includes the padding byte behind it
   changed.put(0, 4, std::array{'1', '2', '3', '4', '5', '6', '7', '8', '9', '\0'});
   EXPECT_EQ(changed.walked(), WalkStatus::bad_length);
 }
 
-// In shared memory, bytes may change after the walk.
+// In shared memory, another process may change bytes after the walk.
 TEST(DecodeTest, ABooleanThatIsNoneIsRefusedAndDoesNotStayInTheValue) {
   Changed changed(PointCloud2{.is_dense = true});
   changed.put(10, 0, std::uint8_t{6});
@@ -177,7 +177,7 @@ TEST(DecodeTest, NoMoreElementsAreMadeThanTheBytesCanHold) {
   torture::Sequences sequences;
   sequences.texts = {"a"};
   sequences.points = {{1, 2}};
-  for (const std::size_t slot : {3U, 4U, 8U, 10U}) {  // eight, texts, points, headers
+  for (const std::size_t slot : {3U, 4U, 8U, 10U}) {  // the slots of eight, texts, points and headers
     Changed changed(sequences);
     changed.put(slot, 0, std::uint32_t{0x1000'0000});
     torture::Sequences value;

@@ -1,4 +1,4 @@
-// Why a value cannot be encoded: the error names the field, its size and the limit.
+// The errors for values that cannot be encoded. An error names the field, its size and the limit.
 #include "sft/detail/encode_fault.h"
 
 #include <gtest/gtest.h>

@@ -25,8 +25,8 @@ function(sft_list_types variable name)
   set(${variable} ${parts} PARENT_SCOPE)
 endfunction()
 
-# Divides the tests of a program among few processes. A process for each test of each type would take longer than the
-# test.
+# Divides the tests of a program among few processes. Starting a process for each test of each type would take longer
+# than the tests themselves.
 function(sft_add_shards name shards)
   math(EXPR last "${shards} - 1")
   foreach(shard RANGE ${last})
@@ -61,12 +61,12 @@ sft_unit_test(every_type_text_test SEARCH
 target_compile_definitions(every_type_text_test PRIVATE SFT_INTERFACES="${PROJECT_SOURCE_DIR}/typesupport/interfaces")
 
 if(SFT_SANITIZE)
-  return() # the rest is only compiled
+  return() # the sanitizers run only the tests above; the rest is only compiled
 endif()
 
 # Every getter of every view of the common packages compiles.
 sft_list_types(every_view_parts every_view PARTS 4 INTERFACES sft_common_interfaces OPTIONS --views)
-list(POP_FRONT every_view_parts)  # the first file only joins the lists
+list(POP_FRONT every_view_parts)  # the first file only joins the lists of the other files
 add_library(sft_every_view OBJECT ${every_view_parts})
 target_link_libraries(sft_every_view PRIVATE sft_typesupport_test_support sft_warnings)
 target_compile_options(sft_every_view PRIVATE -O0 -g0)

@@ -1,7 +1,7 @@
-// The projection law, for all types that the tests have. The fields in a mask have the same values, however
-// they are obtained: encoded under the mask or projected from a larger sample; with the compiled type or
-// with one that was parsed from its description; decoded into the owned struct or read through a dynamic
-// view. The plainest implementation (reference.h) gives the same.
+// The projection law, for all types that the tests have. The fields in a mask have the same values in all
+// ways of getting them. The sample is encoded under the mask, or projected from a larger sample. The type is
+// compiled, or parsed from its description. The sample is decoded into the owned struct, or read through a
+// dynamic view. The plainest implementation (reference.h) gives the same values.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -33,7 +33,8 @@ using test::MessageType;
 using test::OwnedValue;
 namespace reference = test::reference;
 
-constexpr std::size_t triples_wanted = SFT_TEST_TRIPLES;  // each of a type, a value and a mask
+// The number of triples of a type, a value and a mask.
+constexpr std::size_t triples_wanted = SFT_TEST_TRIPLES;
 constexpr std::size_t masks_per_value = 4;
 
 std::vector<std::byte> bytes_of(const Projection& projection) {
@@ -67,8 +68,8 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     return value;
   }
 
-  /// Returns a mask of a random kind: of some density, a single leaf, all leaves but one, lengths only,
-  /// none, or all. It is not closed.
+  /// Returns a mask of a random kind: of some density, a single leaf, all leaves but one, lengths only, none,
+  /// or all. The mask is not closed.
   FieldMask random_mask() {
     const std::size_t leaves = compiled.leaves();
     switch (random() % 8) {
@@ -104,7 +105,8 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     shows_what_is_declared(expected, full, mask);
   }
 
-  /// Projects `source` by a plan of the compiled type and by one of the parsed type, and expects `sample`.
+  /// Projects `source` by a plan of the compiled type and by one of the parsed type. Expects both results to
+  /// equal `sample`.
   void projections_are_the_sample(const Encoded& source, const Encoded& sample) {
     for (const StructType* of : {&type, &parsed.type()}) {
       ASSERT_TRUE(projection.project(source.state(), ProjectionPlan(*of, *sample.state().mask)));
@@ -113,7 +115,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     }
   }
 
-  /// Expects the bytes of copies to be found in the value until the copies are made.
+  /// Encodes with postponed copies. Expects that the bytes are found in the value until the copies are made.
   void postponed_copies_are_made_later(const OwnedValue& value, const Encoded& sample) {
     std::vector<std::uint64_t> memory(sample.bytes().size() / 8 + 1, 0x5a5a5a5a5a5a5a5a);
     const std::span body(reinterpret_cast<std::byte*>(memory.data()), sample.bytes().size());
@@ -149,7 +151,7 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     ASSERT_TRUE(same_value(decoded, expected));
   }
 
-  /// Expects a view to show the members that are present, with their values, and no others.
+  /// Expects a view to show the members that are present, with their values, and no other members.
   void shows(const OwnedValue& expected, const Encoded& sample) {
     SampleState state = sample.state();
     if (random() % 2 == 0) state.index = nullptr;
@@ -157,20 +159,21 @@ class EveryTypeLaw : public test::RandomTest, public ::testing::WithParamInterfa
     ASSERT_FALSE(state.is_malformed());
   }
 
-  /// Expects a reader of a full sample to see what it declared, as if the sample had nothing else.
+  /// Expects that a reader of a full sample sees exactly the members that the reader declared.
   void shows_what_is_declared(const OwnedValue& expected, const Encoded& full, const FieldMask& mask) {
     SampleState state = full.state();
     if (random() % 2 == 0) state.index = nullptr;
     ASSERT_EQ(test::value_tree(DynamicView(state, parsed.type(), mask)), test::value_tree(expected, mask));
   }
 
-  static inline std::size_t checked_in_all = 0;  // in this process, which may be one of several shards
+  // The triples of this process, which may run one of several shards.
+  static inline std::size_t checked_in_all = 0;
 
   const TypeSupport& compiled = *GetParam().support;
   const StructType& type = compiled.type();
   const DynamicType parsed = DynamicType::parse(describe(type)).value();
   const FieldMask lengths = lengths_of(compiled);
-  Projection projection;  // one for all rounds: it must keep nothing of a previous sample
+  Projection projection;  // used in all rounds, so that a remainder of a previous sample would be noticed
   test::RandomValues values{random};
 };
 
@@ -194,7 +197,7 @@ TEST(EveryType, IsThereOnce) {
   for (const MessageType& type : test::every_type())
     EXPECT_TRUE(names.insert(type.support->name()).second) << type.support->name();
   EXPECT_GE(names.size(),
-            200U);  // 118 of the common packages, 11 of ROS 2's tests, and some made to be difficult
+            200U);  // 118 of the common packages, 11 of ROS 2's tests, and some difficult ones
 }
 
 INSTANTIATE_TEST_SUITE_P(Of, EveryTypeLaw, ::testing::ValuesIn(test::every_type()),

@@ -1,4 +1,4 @@
-// Messages that are read from YAML.
+// Reading messages from YAML.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -75,7 +75,7 @@ TEST(FromYamlTest, AScalarIsWhatItsFieldNeeds) {
   EXPECT_TRUE(means("{x: 1, y: -.5, z: -.inf}", point));
 }
 
-/// Writes numbers as in much of Europe: 1.000.000,5.
+/// A locale's punctuation of numbers as in much of Europe: 1.000.000,5.
 class Punctuation : public std::numpunct<char> {
   char do_decimal_point() const override { return ','; }
   char do_thousands_sep() const override { return '.'; }

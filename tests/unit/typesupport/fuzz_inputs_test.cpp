@@ -1,5 +1,5 @@
-// This test does for a moment, and under any compiler, what a fuzzer does: it runs the kept inputs, and
-// randomly damaged ones. The fuzzer's fuzz_*.cpp, which is linked with this test, has the checks.
+// This test does briefly, and under any compiler, the work of a fuzzer: it runs the stored inputs and
+// randomly damaged copies of them. The fuzzer's fuzz_*.cpp, which is linked with this test, has the checks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -19,7 +19,8 @@ class SFT_FUZZ_TEST_NAME : public RandomTest {
     for (const auto& file : std::filesystem::directory_iterator(SFT_FUZZ_CORPUS))
       inputs.push_back(read_recording(file.path()).value());
     std::ranges::sort(
-        inputs);  // directories have different orders, and a seed has to give the same everywhere
+        // File systems list files in different orders, but a seed has to give the same test everywhere.
+        inputs);
   }
 
   static void try_input(const std::vector<std::byte>& input) {

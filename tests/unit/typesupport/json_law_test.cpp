@@ -1,4 +1,4 @@
-// A message of any type that is printed as JSON or YAML and read back is the same message.
+// Messages of all types are printed as JSON or YAML and read back. The result is the same message.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -27,8 +27,8 @@ using test::OwnedValue;
 
 class JsonLaw : public test::RandomTest {
  protected:
-  /// Expects that random messages of each type have the same bytes after `print` has made text from a view
-  /// of them, and `read` a payload from that text and the type.
+  /// Checks random messages of each type. `print` makes text from a view of the message. `read` makes a
+  /// payload from that text and the type. Expects the payload to have the bytes of the message.
   template <class Print, class Read>
   void expect_to_come_back(int rounds, Print print, Read read) {
     test::RandomValues values{random};

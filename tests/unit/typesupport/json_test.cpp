@@ -1,4 +1,4 @@
-// Samples as JSON. dynamic_law_test.cpp checks that the text has every value.
+// Samples as JSON. dynamic_law_test.cpp checks that the JSON text has every value.
 #include "sft/json.h"
 
 #include <gtest/gtest.h>

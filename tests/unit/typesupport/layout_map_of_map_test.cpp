@@ -1,6 +1,6 @@
-// Parts of parts of maps and lists with a layout rule of the user: two steps take what one step takes with
-// the combined selection, at the same place. Two steps may round numbers once more. If the numbers of a
-// message have so few bits that nothing is ever rounded, all bytes are the same.
+// Parts of parts of maps and lists with a layout rule of the user. Two steps take the same elements, at the
+// same place, as one step with the combined selection. Two steps may round numbers once more than one step.
+// If the numbers of a message have so few bits that they are never rounded, all bytes are the same.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -24,7 +24,7 @@ using layout_msgs::msg::HeightMap;
 using layout_msgs::msg::Spectrum;
 using nav_msgs::msg::OccupancyGrid;
 
-/// Where the cells of a map are.
+/// The place of a map's cells.
 struct Placement {
   double scale;
   std::array<double, 3> at;
@@ -70,19 +70,21 @@ void copy_pose(Pose& to, const OtherPose& from) {
   to.orientation.w = from.orientation.w;
 }
 
-/// The relative rounding errors of a scale, and of a place computed from it with double precision.
+/// The relative rounding errors of a scale, and of a place that is computed from the scale with double
+/// precision.
 struct Rounding {
   double scale;
   double place;
 };
 constexpr Rounding exact{0, 0};
-// A place is computed three times, twice in two steps and once in one, from some 20 rounded numbers each.
+// A place is computed three times: twice by two steps and once by one step. Each computation uses some 20
+// rounded numbers.
 constexpr Rounding of_floats{0x1p-24, 64 * 0x1p-53}, of_doubles{0x1p-53, 64 * 0x1p-53};
 
 class UserMapsOfMaps : public PartOfPartTest {
  protected:
-  /// Returns a grid that is turned by right angles only, and has numbers that are sums of few powers of
-  /// two, so that nothing is ever rounded.
+  /// Returns a grid whose numbers are sums of few powers of two and which is rotated by right angles only. So
+  /// nothing is ever rounded.
   OccupancyGrid any_exact_grid() {
     constexpr std::array<std::array<double, 4>, 4> turns{
         {{0, 0, 0, 1}, {0, 0, 1, 0}, {1, 0, 0, 0}, {0.5, 0.5, 0.5, 0.5}}};
@@ -122,8 +124,8 @@ class UserMapsOfMaps : public PartOfPartTest {
     return map;
   }
 
-  /// Returns parts whose rows and columns mostly have the same step, without which a map stays whole. Now
-  /// and then fields that share the layout have different parts.
+  /// Returns parts whose rows and columns mostly have the same step, because a map with different steps stays
+  /// whole. Sometimes the fields that share the layout have different parts.
   std::vector<Part> any_parts_of_map(std::span<const std::uint32_t> leaves, std::uint32_t rows,
                                      std::uint32_t columns) {
     std::vector<Part> parts;
@@ -136,19 +138,20 @@ class UserMapsOfMaps : public PartOfPartTest {
     }
     return parts;
   }
-  /// Returns the part that is taken: everything if rows and columns have different steps.
+  /// Returns the part that is taken. If rows and columns have different steps, this is the whole map.
   static Part taken_part(const Selection& selection, std::span<const std::uint32_t> leaves) {
     const Part part = common_part(selection, leaves);
     return part.rows.step == part.columns.step ? part : Part{};
   }
-  /// Returns true if the part is empty and the map would also stay whole: both results are right.
+  /// Returns true if the part is empty and its steps differ. Then an empty map and the whole map are both
+  /// right.
   static bool is_ambiguous(const Part& part, std::uint32_t rows, std::uint32_t columns) {
     return part.rows.step != part.columns.step &&
            (part.rows.size_of(rows) == 0 || part.columns.size_of(columns) == 0);
   }
 
-  /// Expects the numbers of `two`, taken in two steps, to be close to those of `one`. Then sets them to
-  /// those of `one`.
+  /// Expects the numbers of `two`, which two steps took, to be close to the numbers of `one`. Then copies the
+  /// numbers of `one` to `two`.
   template <class T>
   static void settle(T& two, const T& one, const Placement& whole, const Steps& steps,
                      std::span<const std::uint32_t> leaves, const Rounding& rounding) {
@@ -168,7 +171,8 @@ class UserMapsOfMaps : public PartOfPartTest {
     place(two, of_one);
   }
 
-  /// Compares both ways. Returns true if the result has cells and is a part. `leaves` share the layout.
+  /// Compares two steps with one step. Returns true if the result has cells and is a part. The fields in
+  /// `leaves` share the layout.
   template <class T>
   bool expect_same_map(const T& map, const OccupancyGrid& grid, std::span<const std::uint32_t> leaves,
                        const Rounding& rounding) {
@@ -183,7 +187,7 @@ class UserMapsOfMaps : public PartOfPartTest {
           both = together(taken_part(before, leaves), taken_part(behind, leaves));
           return parts_of(behind, leaves, both);
         });
-    // A part of one row loses its step, so the map would stay whole if its columns have a step.
+    // A part of one row loses its step. If the columns of such a part keep a step, the map would stay whole.
     if (both.rows.step != both.columns.step) return false;
     if (is_ambiguous(common_part(steps.first, leaves), rows, columns)) return false;
     rows = taken_part(steps.first, leaves).rows.size_of(rows);
@@ -194,12 +198,12 @@ class UserMapsOfMaps : public PartOfPartTest {
     T of_two = two.message();
     const T of_one = one.message();
     if (has_cells(of_one)) settle(of_two, of_one, placement_of(map), steps, leaves, rounding);
-    place(of_two, placement_of(of_one));  // maps without cells may be anywhere
+    place(of_two, placement_of(of_one));  // maps without cells may have any place
     EXPECT_TRUE(is_same(Taken<T>(of_two, two.mask()), one)) << words<T>(steps);
     return has_cells(of_one) && !both.is_whole();
   }
 
-  /// Checks the law for maps that `make_map` makes from grids.
+  /// Checks the law for maps that `make_map` makes from random grids.
   template <class T, class MakeMap>
   void expect_law(const std::vector<std::uint32_t>& leaves, const Rounding& rounding, MakeMap make_map) {
     int with_cells = 0;
@@ -219,7 +223,7 @@ TEST_F(UserMapsOfMaps, HaveTheScaleAndTheOriginOfBothSteps) {
   map.rows = map.columns = 9;
   map.resolution = 0.25F;
   map.origin.position.x = 10;
-  map.origin.orientation.z = 1;  // turned by half a turn
+  map.origin.orientation.z = 1;  // rotated by half a turn
   map.origin.orientation.w = 0;
   for (int cell = 0; cell < 81; ++cell) map.heights.push_back(static_cast<float>(cell));
   map.variances = map.heights;
@@ -297,8 +301,9 @@ Lists lists_of(const Echoes& echoes) { return {doubles(echoes.echoes), doubles(e
 
 class UserListsOfLists : public PartOfPartTest {
  protected:
-  /// Compares both ways with exact numbers: all bytes are the same, except for lists that are empty or have
-  /// lost their step. `leaves` share the layout. Returns true if the bytes were compared.
+  /// Compares two steps with one step, with exact numbers. Expects the same bytes, unless the lists are empty
+  /// or have lost their step. The fields in `leaves` share the layout. Returns true if the bytes were
+  /// compared.
   template <class T>
   bool expect_same_lists(const T& message, const std::vector<std::uint32_t>& leaves) {
     const auto count = static_cast<std::uint32_t>(lists_of(message)[0].size());
@@ -361,7 +366,7 @@ TEST_F(UserListsOfLists, OfASpectrumAreThoseOfTheSelectionOfBoth) {
     Spectrum spectrum;
     spectrum.first_frequency = 100 + layouts.below(64) / 64.0;
     spectrum.frequency_step = static_cast<float>(1 + layouts.below(16)) / 16;
-    spectrum.last_frequency = 1e9;  // must be ignored
+    spectrum.last_frequency = 1e9;  // last_frequency must be ignored
     spectrum.power = numbers<double>(any_count());
     return spectrum;
   });

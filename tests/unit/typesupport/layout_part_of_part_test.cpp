@@ -1,5 +1,5 @@
-// Parts of parts of cells, records, points and pictures with a layout rule of the user: two steps take,
-// byte by byte, what one step takes with the combined selection.
+// Parts of parts of cells, records, points and pictures with a layout rule of the user. Two steps take, byte
+// by byte, the same part as one step with the combined selection.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -29,7 +29,7 @@ using sensor_msgs::msg::PointField;
 
 class UserPartsOfParts : public PartOfPartTest {
  protected:
-  /// Changes one of the numbers now and then.
+  /// Sometimes changes one of the numbers, so that the message contradicts itself.
   void lie_about(std::span<std::uint32_t* const> members) {
     constexpr std::array lies{0U, 1U, 1U << 20, ~0U};
     if (!layouts.one_in(6)) return;
@@ -77,7 +77,8 @@ TEST_F(UserPartsOfParts, OfCellsAreThoseOfTheSelectionOfBoth) {
 
 // ---- records of bytes ----
 
-/// Expects a part of records to say their byte order, and to be empty if the packet contradicts itself.
+/// Expects a part of records to have the packet's byte order, and to be empty if the packet contradicts
+/// itself.
 void expect_honest_part(const Packet& packet, const Taken<Packet>& some, const Steps& steps) {
   if (steps.both.parts().empty()) return;
   EXPECT_TRUE(some.mask().contains(*type_support<Packet>().find("is_bigendian")));
@@ -152,7 +153,7 @@ class UserPointsOfPoints : public UserPartsOfParts {
     if (!layouts.one_in(3)) part.channels = layouts.channels();
     return part;
   }
-  /// Returns true if the first step has channels that can be read and that are not larger than the point.
+  /// Returns true if the first step has readable channels that together are not larger than a point.
   static bool has_points_between(const PointCloud2& cloud, const Part& first) {
     if (first.channels.empty()) return true;
     std::uint64_t bytes = 0;
@@ -197,22 +198,23 @@ class UserPicturesOfPictures : public UserPartsOfParts {
     return picture;
   }
 
-  /// Returns true if such a part of the format cannot be a picture, so that the picture stays whole.
+  /// Returns true if the part cannot be a picture of that format, so that the picture stays whole.
   static bool stays_whole(std::string_view format, const Part& part, std::uint32_t columns) {
     if (format.starts_with("nv")) return true;
     if (format.starts_with("bayer_")) return part.rows.step % 2 == 0 || part.columns.step % 2 == 0;
     if (!format.starts_with("yu") && format != "uyvy") return false;
     return part.columns.step != 1 || part.columns.begin % 2 != 0 || part.columns.size_of(columns) % 2 != 0;
   }
-  /// Returns true if the part is empty, or has a step of which only one index is left, and the picture
-  /// would also stay whole: two rules could apply.
+  /// Returns true if two rules contradict each other for a picture that would stay whole: the part is empty,
+  /// or only one index of a step is left.
   static bool is_ambiguous(const Part& part, std::uint32_t rows, std::uint32_t columns) {
     const std::uint32_t some_rows = part.rows.size_of(rows), some_columns = part.columns.size_of(columns);
     return some_rows == 0 || some_columns == 0 || (some_rows == 1 && part.rows.step != 1) ||
            (some_columns == 1 && part.columns.step != 1);
   }
 
-  /// Compares both ways. Returns the bytes of their pixels; 0 if the rules leave the result open.
+  /// Compares two steps with one step. Returns the number of bytes of the pixels; 0 if the rules contradict
+  /// each other.
   std::size_t expect_same_picture(const Picture& picture) {
     std::uint32_t rows = picture.lines, columns = picture.columns;
     Part both;

@@ -1,4 +1,4 @@
-// Layout rules as text: which texts are rules, which rules do not suit their type, and where an error is.
+// Layout rules as text: texts that are rules, rules that do not suit their type, and the positions of errors.
 #include "layout/rule.h"
 
 #include <gmock/gmock.h>
@@ -14,7 +14,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-/// Returns "" if the text is a rule; otherwise the position of the error in bytes, and its text.
+/// Returns "" if the text is a rule; otherwise the error's position in bytes, and its message.
 std::string fault_of(std::string_view rule) {
   const auto read = layout::read_rule(rule);
   return read ? "" : std::to_string(read.error().at) + ": " + read.error().text;
@@ -74,7 +74,7 @@ TEST(LayoutRuleTest, NamesMembersThatHaveTwoRoles) {
 
 // ---- rules and their types ----
 
-/// Returns the error of a message with these fields, without the name of the message.
+/// Returns the error for a message with these fields, without the name of the message.
 std::string fault_in(std::string_view fields) {
   constexpr std::string_view nested =
       "===\nMSG: geometry_msgs/Pose\ngeometry_msgs/Point position\ngeometry_msgs/Quaternion orientation\n"

@@ -1,5 +1,5 @@
-// Parts of fields with a layout rule of the user: of compiled types from .msg and IDL, and of types that
-// the program gets as text or as a description at run time.
+// Parts of fields with a layout rule of the user. The types are compiled from .msg and IDL, or the program
+// gets them as text or as a description at run time.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -62,10 +62,10 @@ std::vector<Cell> window(const std::vector<Cell>& all, std::size_t rows, std::si
   return kept;
 }
 
-/// Computes where the corner of a cell is. The rotation is q v q*, with a quaternion q of length 1.
+/// Computes the place of a cell's corner. The rotation is q v q*, with a quaternion q of length 1.
 template <class Pose>
 std::array<double, 3> corner_of(const Pose& pose, double x, double y) {
-  using Quaternion = std::array<double, 4>;  // w, x, y, z
+  using Quaternion = std::array<double, 4>;  // in the order w, x, y, z
   const auto times = [](const Quaternion& a, const Quaternion& b) {
     return Quaternion{a[0] * b[0] - a[1] * b[1] - a[2] * b[2] - a[3] * b[3],
                       a[0] * b[1] + a[1] * b[0] + a[2] * b[3] - a[3] * b[2],
@@ -82,7 +82,7 @@ class UserLayoutTest : public test::RandomTest {
  protected:
   Part part(std::uint32_t rows, std::uint32_t columns) {
     Part part{.rows = layouts.range(rows), .columns = layouts.range(columns)};
-    part.columns.step = part.rows.step;  // otherwise a map stays whole
+    part.columns.step = part.rows.step;  // with different steps a map stays whole
     part.rows = part.rows.canonical();
     part.columns = part.columns.canonical();
     return part;
@@ -125,7 +125,7 @@ class UserLayoutTest : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// Expects `some` to be that part of `whole`.
+/// Expects `some` to equal that part of `whole`.
 void expect_part(const HeightMap& whole, const Part& part, const HeightMap& some) {
   EXPECT_EQ(some.heights, window(whole.heights, whole.rows, whole.columns, part));
   EXPECT_EQ(some.rows, indices(part.rows, whole.rows).size());
@@ -210,7 +210,7 @@ TEST_F(UserLayoutTest, APartOfASpectrumSaysOfWhichFrequenciesItIs) {
     whole.first_frequency = 100.5;
     whole.frequency_step = 0.5F;
     whole.power = cells<double>(layouts.below(40));
-    whole.last_frequency = 1e9;  // must be ignored
+    whole.last_frequency = 1e9;  // last_frequency must be ignored
     const Selection::Range range = layouts.range_with_some(40);
     if (range.is_all()) continue;
     const std::vector<std::size_t> kept = indices(range, whole.power.size());
@@ -319,7 +319,7 @@ TEST_F(UserLayoutTest, AMapThatContradictsItselfGivesAnEmptyPart) {
 
 // ---- types that are known only by text or description ----
 
-/// Returns the part of a compiled message that the type takes, which is not compiled.
+/// Returns the part of a compiled message that the type, which is not compiled, takes.
 template <class T>
 std::vector<std::byte> part_by(const DynamicType& type, const T& message, std::string_view text) {
   const TypeSupport& support = type.support();

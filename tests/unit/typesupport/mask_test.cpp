@@ -1,4 +1,4 @@
-// Sets of fields at compile time, and combined with their types at run time.
+// Sets of fields at compile time, and their combination with types at run time.
 #include "sft/mask.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The generated getters return the values that were encoded, for samples that have only some fields.
+// The generated getters return the values that were encoded, for samples that lack some fields.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -26,7 +26,7 @@ using sensor_msgs::msg::BatteryState;
 using sensor_msgs::msg::PointCloud2;
 using test::Encoded;
 
-// Compares what a getter returned with the owned struct, by bits, so that a NaN equals itself.
+// Compares a getter's result with the owned struct, by bits, so that a NaN equals itself.
 template <class V>
 requires std::is_arithmetic_v<V> || std::is_enum_v<V>
 bool same(V got, V owned) { return std::memcmp(&got, &owned, sizeof got) == 0; }
@@ -45,8 +45,8 @@ bool same(std::span<const E> got, const std::array<E, N>& owned) {
 
 bool same(StringRange got, const std::vector<std::string>& owned) { return std::ranges::equal(got, owned); }
 
-/// Returns true if a range of views has as many elements as `owned`, and same_element(view, element) holds
-/// for each.
+/// Returns true if the range of views is as long as `owned`, and same_element(view, element) is true for each
+/// pair.
 template <class Range, class Owned, class SameElement>
 bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
   return got.size() == owned.size() && std::ranges::equal(got, owned, same_element);
@@ -54,8 +54,8 @@ bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
 
 class MaskedViewTest : public test::RandomTest {
  protected:
-  /// Calls check(view, message) with what a reader that declared R sees of a sample with only those fields,
-  /// and of a sample with all fields, as readers on the publisher's host get it.
+  /// Calls check(view, message) for a reader that declared R, with two samples. One sample has only the
+  /// fields of R. The other one has all fields, as readers on the publisher's host get it.
   template <class T, Req<T> R, class Check>
   void for_samples(Check check) {
     for (int round = 0; round < 400 && !HasFailure(); ++round) {
@@ -181,7 +181,8 @@ TEST_F(MaskedViewTest, EnumerationsStringsAndBooleansInSequences) {
   });
 }
 
-/// Returns true if the optional getter has a value exactly if that is `expected`, and the value is `owned`.
+/// Returns true if the optional result of a getter has a value exactly if `expected` is true, and that value
+/// equals `owned`.
 template <class V, class Owned>
 bool there_if(bool expected, const std::optional<V>& got, const Owned& owned) {
   return got.has_value() == expected && (!expected || same(*got, owned));

@@ -1,4 +1,4 @@
-// Types as .msg text, written and read back, and read from files.
+// Types as .msg text, which is written and read back, or read from files.
 #include "sft/msg_text.h"
 
 #include <unistd.h>
@@ -152,7 +152,7 @@ TEST(MsgFileTest, EveryMessageOfTheCommonPackagesIsFoundByItsName) {
   for (const test::MessageType& each : test::every_type()) {
     const std::string name(each.support->name());
     const fs::path package = name.substr(0, name.find("::"));
-    if (name.find("::msg::") == name.npos) continue;  // a part of a service
+    if (name.find("::msg::") == name.npos) continue;  // skips the parts of services
     if (!fs::exists(roots[0] / package / "msg" / (each.short_name() + ".msg"))) continue;
     ++found;
     const auto type = find_msg(name, roots);
@@ -163,7 +163,7 @@ TEST(MsgFileTest, EveryMessageOfTheCommonPackagesIsFoundByItsName) {
   EXPECT_EQ(find_msg("sensor_msgs/PointCloud2", roots)->hash(), type_of<PointCloud2>().hash());
 }
 
-/// Packages in a temporary directory, which is removed with the object.
+/// Packages in a temporary directory. The destructor removes the directory.
 class OwnPackages {
  public:
   OwnPackages() { fs::create_directories(root_ / "my_msgs" / "msg"); }

@@ -1,4 +1,4 @@
-// A struct is copied in one piece if CDR encodes it without padding at any offset.
+// A struct is copied in one piece if its encoding in CDR has no padding at any offset.
 #include <gtest/gtest.h>
 
 #include <geometry_msgs/msg/PoseWithCovariance.hpp>
@@ -43,7 +43,8 @@ TEST(PackingTest, PaddingWithinIsNotPacked) {
 
 constexpr StructType struct_of(std::span<const Member> members) { return {"", members}; }
 
-// {uint32, uint32, double} has padding if it follows 4 bytes, and none if it follows 8.
+// {uint32, uint32, double} has padding if it begins 4 bytes behind a multiple of 8, and none if it begins at
+// a multiple of 8.
 TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   const Member members[] = {member<std::uint32_t>("a", Kind::uint32, 0),
                             member<std::uint32_t>("b", Kind::uint32, 4),
@@ -64,7 +65,7 @@ TEST(PackingTest, OtherPlacesInMemoryAreNoticed) {
   EXPECT_FALSE(struct_of(members).is_packed_in_memory);
 }
 
-// A hostile description may have 2^64 + 1 bytes, which must not count as one byte.
+// A hostile description may describe 2^64 + 1 bytes, which must not count as one byte.
 TEST(PackingTest, SizesThatOverflowAreNotPacked) {
   const Member gigabytes[] = {{.name = "a", .kind = Kind::octet, .shape = Shape::array, .count = 1U << 31}};
   const StructType inner = struct_of(gigabytes);

@@ -1,5 +1,5 @@
-// Parts of parts. A message is cut in two steps, the second of which takes a part of the first one's
-// result. The same message is also cut in one step, by the selection that combines both.
+// Parts of parts. A message is cut in two steps: the second step takes a part of the first step's result. The
+// same message is also cut in one step, by the selection that combines both.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -31,12 +31,12 @@
 
 namespace sft {
 
-/// A message, or a part of it that selections took, encoded in memory of exactly its size.
+/// A message, or a part that selections took from it, encoded in memory of exactly its size.
 template <class T>
 class Taken {
  public:
   explicit Taken(const T& message) : Taken(message, FieldMask::full(detail::leaf_count_of<T>)) {}
-  /// Encodes only these fields of the message. `mask` must be closed.
+  /// Encodes the fields of the message that are in `mask`, which must be closed.
   Taken(const T& message, const FieldMask& mask)
       : mask_(mask), bytes_(test::Encoded(detail::TypeTable<T>::type, &message, mask).bytes()) {}
 
@@ -86,8 +86,8 @@ struct Steps {
   Selection both;
 };
 
-/// Returns the part of the selected fields that share a layout. If they are requested with different parts,
-/// that is everything.
+/// Returns the part of the selected fields among `leaves`, which share a layout. Returns the whole if these
+/// fields are requested with different parts.
 inline Selection::Part common_part(const Selection& selection, std::span<const std::uint32_t> leaves) {
   std::optional<Selection::Part> common;
   for (const std::uint32_t leaf : leaves) {
@@ -100,7 +100,8 @@ inline Selection::Part common_part(const Selection& selection, std::span<const s
   return common.value_or(Selection::Part{});
 }
 
-/// Combines the parts of two steps. If no channel is in both, the result names one that no message has.
+/// Combines the parts of two steps. If no channel is in both parts, the result names a channel that no
+/// message has.
 inline Selection::Part together(const Selection::Part& first, const Selection::Part& second) {
   Selection::Part both{.rows = first.rows.then(second.rows), .columns = first.columns.then(second.columns)};
   both.channels = first.channels.empty() ? second.channels : first.channels;
@@ -111,7 +112,7 @@ inline Selection::Part together(const Selection::Part& first, const Selection::P
   return both;
 }
 
-/// Returns the part for each of these fields that is selected.
+/// Returns the part once for each of the fields in `leaves` that is selected.
 inline std::vector<Selection::Part> parts_of(const Selection& selection,
                                              std::span<const std::uint32_t> leaves, Selection::Part part) {
   std::vector<Selection::Part> parts;
@@ -122,20 +123,20 @@ inline std::vector<Selection::Part> parts_of(const Selection& selection,
   return parts;
 }
 
-/// Returns how much larger the step of both steps together is than that of the combined part. The part of a
-/// single index does not keep its step.
+/// Returns the product of both steps, divided by the step of the combined part. The quotient exceeds 1 only
+/// if the part has a single index, because such a part does not keep its step.
 inline double forgotten_step(const Selection::Range& first, const Selection::Range& second,
                              const Selection::Range& both) {
   return static_cast<double>(first.step) * second.step / both.step;
 }
 
-/// Returns true if the data of a message is too short for the number and size of the cells that it claims.
+/// Returns true if the data of a message is too short for the number and size of its cells.
 inline bool lacks_room(std::uint64_t rows, std::uint64_t columns, std::uint64_t cell_bytes,
                        std::uint64_t row_bytes, std::uint64_t data_bytes) {
   if (rows == 0 || columns == 0) return false;
   const std::uint64_t row_end = columns * cell_bytes;
   if (cell_bytes == 0 || row_end > data_bytes) return true;
-  if (data_bytes % rows == 0 && data_bytes / rows == row_end) return false;  // row_bytes does not matter then
+  if (data_bytes % rows == 0 && data_bytes / rows == row_end) return false;  // here row_bytes does not matter
   return rows > 1 && (row_end > row_bytes || (rows - 1) * row_bytes > data_bytes - row_end);
 }
 
@@ -151,8 +152,8 @@ class PartOfPartTest : public test::RandomTest {
     return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
   }
 
-  /// Returns a range that mostly has some indices. Now and then it is empty or begins behind the end, or
-  /// its step is larger than `count`.
+  /// Returns a range that mostly has some indices. Sometimes the range is empty, begins behind the end, or
+  /// has a step larger than `count`.
   Range any_range(std::uint32_t count) {
     if (count > 0 && !layouts.one_in(3)) return layouts.range_with_some(count);
     Range range = layouts.range(count);
@@ -175,7 +176,7 @@ class PartOfPartTest : public test::RandomTest {
     return {.rows = any_range(rows), .columns = any_range(columns)};
   }
 
-  /// Returns both steps, with random other fields. The first step takes what the second one needs.
+  /// Returns both steps, with random other fields. The first step takes all fields that the second one needs.
   /// `make_both` returns the combined parts of both selections.
   template <class T, class MakeBoth>
   Steps steps_of(const std::vector<Part>& first, const std::vector<Part>& second, MakeBoth make_both) {
@@ -186,11 +187,11 @@ class PartOfPartTest : public test::RandomTest {
     const Selection asked = selection(values.mask(type.leaves()), second);
     const Selection before = selection(type.closed(asked).mask() | values.mask(type.leaves()), first);
     const std::vector<Part> parts = make_both(before, asked);
-    // Fields that one of the selections needs beside its part are in the other selections, too.
+    // If one of the selections needs a field beside its part, the other selections have that field, too.
     const FieldMask mask = type.closed(asked).mask() | type.closed(selection(asked.mask(), parts)).mask();
     return {selection(before.mask() | mask, first), selection(mask, second), selection(mask, parts)};
   }
-  /// Does the same for one field with a layout of its own.
+  /// Returns the steps for one field with a layout of its own.
   template <class T>
   Steps steps_of(std::string_view path, Part first, Part second) {
     first.leaf = second.leaf = leaf<T>(path);
@@ -217,7 +218,7 @@ class PartOfPartTest : public test::RandomTest {
     return text(steps.first) + " and then " + text(steps.second) + ", or " + text(steps.both);
   }
 
-  /// Returns what one step takes. The test fails if two steps give other bytes.
+  /// Returns the part that one step takes. The test fails if two steps give other bytes.
   template <class T>
   static Taken<T> expect_same_bytes(const T& message, const Steps& steps) {
     const Taken<T> whole(message);

@@ -1,5 +1,5 @@
-// Parts of parts of clouds and scans: a slice of a slice is, byte by byte, the slice that both selections
-// combined take, also if both steps take channels, rows and columns.
+// Parts of parts of clouds and scans. A slice of a slice equals, byte by byte, the slice that both selections
+// combined take, even if both steps take channels, rows and columns.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -35,8 +35,9 @@ class CloudsOfClouds : public PartOfPartTest {
     return steps_of<PointCloud2>("data", first, any_part_of_cloud(rows, first.columns.size_of(cloud.width)));
   }
 
-  /// Returns true if no second step can take points from the result of the first: its channels overlap so
-  /// much that they are larger than the point, or its points have 0 bytes, which is a contradiction.
+  /// Returns true if the second step can take no points from the first step's result. Either the channels
+  /// overlap so much that they are larger than the point, or the points have 0 bytes, which is a
+  /// contradiction.
   bool is_lost_between(const PointCloud2& cloud, const Steps& steps) const {
     const Part* first = steps.first.part(data);
     if (first == nullptr || first->channels.empty()) return false;
@@ -48,7 +49,7 @@ class CloudsOfClouds : public PartOfPartTest {
     return has_points && steps.second.part(data) != nullptr;
   }
 
-  /// Compares both ways, and returns how many bytes of points they have.
+  /// Compares two steps with one step. Returns the number of bytes of points in the result.
   std::size_t expect_same_points(const PointCloud2& cloud, const Steps& steps) const {
     const Taken<PointCloud2> whole(cloud);
     const Taken<PointCloud2> two = whole.part(steps.first).part(steps.second), one = whole.part(steps.both);
@@ -64,7 +65,8 @@ class CloudsOfClouds : public PartOfPartTest {
   const std::uint32_t data = leaf<PointCloud2>("data");
 };
 
-/// Returns 4 rows of 6 points with x, y, z, an intensity and a ring. 5 more bytes follow each row.
+/// Returns a cloud of 4 rows of 6 points with x, y, z, an intensity and a ring. Each row has 5 bytes of
+/// padding.
 PointCloud2 cloud_of_24_points() {
   PointCloud2 cloud;
   cloud.header.frame_id = "lidar";
@@ -179,7 +181,7 @@ TEST_F(CloudsOfClouds, ThatContradictThemselvesAreEmptyInOneStepAndInTwo) {
     if (!lacks_room(cloud.height, cloud.width, cloud.point_step, cloud.row_step, cloud.data.size())) continue;
     const Part first = any_part_of_cloud(9, 9);
     const Steps steps = steps_of<PointCloud2>("data", first, any_part_of_cloud(5, 5));
-    if (steps.both.part(data) == nullptr) continue;  // what the cloud claims does not matter then
+    if (steps.both.part(data) == nullptr) continue;  // without a part, the sizes in the cloud do not matter
     ++contradictions;
     const PointCloud2 none = expect_same_bytes(cloud, steps).message();
     EXPECT_TRUE(none.data.empty());
@@ -197,7 +199,7 @@ constexpr double half_ulp = 0x1p-24;
 
 class ScansOfScans : public PartOfPartTest {
  protected:
-  /// Returns parts of one list or of both, now and then with different ranges.
+  /// Returns a part of one list or of both, sometimes with different ranges.
   std::vector<Part> parts_of_lists(const Range& range, std::uint32_t beams) {
     const Part of_ranges{.leaf = lists[0], .columns = range};
     Part of_intensities{.leaf = lists[1], .columns = range};
@@ -219,7 +221,7 @@ class ScansOfScans : public PartOfPartTest {
         });
   }
 
-  /// Returns a scan with as many intensities as ranges, or none, or now and then another number.
+  /// Returns a scan with as many intensities as ranges, with none, or sometimes with another number.
   LaserScan any_scan() {
     LaserScan scan = layouts.scan();
     if (layouts.one_in(8)) scan.intensities.resize(layouts.below(scan.ranges.size() + 3));
@@ -234,18 +236,19 @@ class ScansOfScans : public PartOfPartTest {
     return scan;
   }
 
-  /// How much numbers may differ that one way rounds once and the other way twice.
+  /// The largest possible differences between numbers that one way of cutting rounds once and the other way
+  /// twice.
   struct Bounds {
     double angle_min;
     double angle_max;
-    double of_steps;  ///< relative to the number
+    double of_steps;  ///< relative to the increments
   };
   static Bounds bounds_of(const LaserScan& scan, const Range& first, const Range& second, std::size_t beams) {
     const double step = scan.angle_increment, step_between = step * first.step;
     const double to_first = first.begin * step, to_second = second.begin * step_between;
     const double to_last = (static_cast<double>(beams) - 1) * second.step * step_between;
     const double between = scan.angle_min + to_first, least = between + to_second;
-    // Two steps round the least angle and the step in between, and each way rounds its result.
+    // Two steps also round the intermediate least angle and increment. Both ways round their results.
     const double of_double = 0x1p-50 * (std::abs(double{scan.angle_min}) + std::abs(to_first) +
                                         std::abs(to_second) + std::abs(to_last));
     return {
@@ -256,11 +259,12 @@ class ScansOfScans : public PartOfPartTest {
         .of_steps = 3 * half_ulp};
   }
 
-  /// Expects the numbers of `two`, taken in two steps, to be close to those of `one`. Then sets them to
-  /// those of `one`. Without beams there is no first and no last angle, and a single beam loses its step.
+  /// Expects the numbers of `two`, which two steps took, to be close to the numbers of `one`. Then copies the
+  /// numbers of `one` to `two`. A scan without beams has no first and no last angle, and a single beam has no
+  /// step.
   void settle_numbers(LaserScan& two, const LaserScan& one, std::size_t beams, const Bounds& bounds,
                       double forgotten) {
-    constexpr double slack = 1 + 1e-6;  // a rounded number is rounded again
+    constexpr double slack = 1 + 1e-6;  // for the errors of errors, since rounded numbers are rounded again
     const auto near = [](float a, double b, double bound) { EXPECT_NEAR(double{a}, b, bound * slack); };
     if (beams > 0) {
       const double step = one.angle_increment * forgotten, interval = one.time_increment * forgotten;
@@ -277,7 +281,7 @@ class ScansOfScans : public PartOfPartTest {
     two.time_increment = one.time_increment;
   }
 
-  /// Compares both ways. Returns true if the result is a part, and more than a single beam.
+  /// Compares two steps with one step. Returns true if the result is a part and has more than one beam.
   bool expect_same_beams(const LaserScan& scan, const Steps& steps, bool is_exact) {
     const Taken<LaserScan> whole(scan);
     const Taken<LaserScan> two = whole.part(steps.first).part(steps.second), one = whole.part(steps.both);
@@ -289,7 +293,7 @@ class ScansOfScans : public PartOfPartTest {
     const LaserScan of_one = one.message();
     const bool has_ranges = one.mask().contains(lists[0]);
     const std::size_t beams = (has_ranges ? of_one.ranges : of_one.intensities).size();
-    // If the lists contradict each other, the last angle is that of the first list that is selected.
+    // If the lists have different lengths, the last angle is that of the first list that is selected.
     if (!has_ranges && steps.first.mask().contains(lists[0]) && scan.ranges.size() != scan.intensities.size())
       of_two.angle_max = of_one.angle_max;
     const Bounds bounds = is_exact ? Bounds{} : bounds_of(scan, first, second, beams);

@@ -22,7 +22,7 @@ class PointsHostile : public test::RandomTest {
  protected:
   static int rounds() { return static_cast<int>(test::test_rounds(SFT_TEST_ROUNDS)); }
 
-  /// Returns a number that often fits nearly, and often overflows.
+  /// Returns a number that often is close to the number that fits, and often causes an overflow.
   std::uint32_t number() {
     constexpr std::array<std::uint32_t, 12> odd{0,           1,           2,           3,
                                                 0x7FFF'FFFF, 0x8000'0000, 0xFFFF'FFFF, 0xFFFF'FFFE,
@@ -55,7 +55,7 @@ class PointsHostile : public test::RandomTest {
   test::RandomLayouts layouts{random};
 };
 
-/// Reads all values, or those of the corners if there are very many. A sanitizer checks the reads.
+/// Reads all values, or only the corners' if there are very many. A sanitizer checks the reads.
 template <class... Ts>
 void read_all(const Cells<std::tuple<Ts...>>& points) {
   if (points.size() > 10'000) {

@@ -1,4 +1,5 @@
-// Typed columns of clouds: values in both layouts, errors, ranges, and what recorded samples record.
+// Typed columns of clouds: their values in both layouts, errors, ranges, and the reads that recorded samples
+// record.
 #include "sft/points.h"
 
 #include <algorithm>
@@ -28,7 +29,7 @@ static_assert(std::ranges::random_access_range<Xyz> && std::ranges::sized_range<
 static_assert(std::ranges::common_range<Xyz> && std::ranges::view<Xyz> && std::ranges::borrowed_range<Xyz>);
 static_assert(std::is_trivially_copyable_v<Xyz> && sizeof(Xyz) <= 64);
 
-/// Returns the bits of the points, since random values may be NaN.
+/// Returns the points as bits, because random values may be NaN.
 template <class... Ts>
 std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits_of(const Cells<std::tuple<Ts...>>& points) {
   std::vector<std::array<std::uint64_t, sizeof...(Ts)>> bits;
@@ -154,7 +155,7 @@ TEST_F(PointsTest, TheFirstOfTwoChannelsWithOneNameCounts) {
   PointCloud2 whole = cloud(1, 2);
   const Arrived sample(whole);
   EXPECT_EQ(message_of(sample.view().points<std::uint16_t>("x")), "channel 'x' is float, not uint16");
-  whole.fields[0].offset = 45;  // the first channel counts even if its bytes are missing
+  whole.fields[0].offset = 45;  // the first channel counts although its bytes are beyond the point
   const Arrived other(whole);
   EXPECT_FALSE(other.view().points<std::uint16_t>("x"));
 }
@@ -229,7 +230,7 @@ TEST_F(PointsTest, ACloudOfNoRowsOrNoColumnsHasNoPoints) {
   }
 }
 
-// Drivers that organise a cloud may leave row_step at the size of the whole cloud, or at 0.
+// Drivers that organise a cloud may leave the old row_step, the size of the whole cloud, or 0.
 TEST_F(PointsTest, RowsFollowEachOtherWhereTheDataHasJustTheBytesOfThePointsWhateverRowStepSays) {
   PointCloud2 whole = dense_cloud(4, 5);
   const Arrived honest(whole);
@@ -332,7 +333,7 @@ TEST_F(PointsTest, ADeclaredMaskWithAllFieldsOfACloudIsEnough) {
   EXPECT_EQ(bits_of(*points), bits_of(*Arrived(whole).view().points<double>("time")));
 }
 
-/// A recorded sample with these fields.
+/// A recorded sample of a cloud with these fields.
 class RecordedCloud {
  public:
   RecordedCloud(const PointCloud2& cloud, const Mask<PointCloud2>& mask) : encoded_(cloud, mask) {
@@ -385,7 +386,7 @@ TEST_F(PointsTest, AFieldThatWasNotSentIsAnErrorAndAllThatAreMissingAreNoted) {
   }
 }
 
-/// Numbers channels by the first letter of their names.
+/// Records the channels that are read. A channel's number is the first letter of its name.
 struct ChannelListener final : detail::AccessLog::Listener {
   void first_read(std::size_t) noexcept override {}
   std::optional<std::size_t> number_of_channel(std::size_t, std::string_view name) noexcept override {
@@ -416,7 +417,8 @@ TEST_F(PointsTest, ChannelsThatOverlapAreReadAsWholePointsInWhateverOrderTheyAre
   }
 }
 
-/// The data of a cloud, cut as a list and not as points: `width` belongs to the rule of another field.
+/// The data of a cloud, cut as a list instead of as points, because `width` belongs to the rule of another
+/// field.
 struct CutAsList final : detail::PartsInPlace {
   explicit CutAsList(const detail::SampleState& sample) : source(sample) {
     EXPECT_TRUE(cut.find(source, nullptr, data, part));

@@ -1,4 +1,4 @@
-// Copies that are made later: a few bytes at a time, and never more than was announced.
+// Postponed copies: a few bytes are copied at a time, and never more bytes than announced.
 #include "sft/detail/postponed_copies.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ class PostponedCopiesTest : public ::testing::Test {
 
   bool postpone(std::size_t at, std::size_t bytes) { return copies_.add(place(at), source(at), bytes); }
   std::string body() const { return {body_.data(), body_.size()}; }
-  /// Returns what a reader finds that looks up the whole body now.
+  /// Returns the bytes that a reader finds if it looks up the whole body now.
   std::string located() {
     const Segment whole{place(0), body_.size()};
     std::vector<Segment> parts;

@@ -1,5 +1,5 @@
-// These laws follow from the projection law (every_type_law_test.cpp). They are tested for a dozen types
-// with all kinds of fields, random values and random masks.
+// These laws follow from the projection law (every_type_law_test.cpp). The tests use a dozen types with all
+// kinds of fields, random values and random masks.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -31,7 +31,7 @@ namespace reference = test::reference;
 
 class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterface<MessageType> {
  protected:
-  static constexpr int rounds = SFT_TEST_ROUNDS;  // per type
+  static constexpr int rounds = SFT_TEST_ROUNDS;  // rounds per type
 
   /// Calls law(value, mask) with random values and closed random masks.
   template <class Law>
@@ -55,7 +55,7 @@ class ProjectionLaw : public test::RandomTest, public ::testing::WithParamInterf
     return {value.type(), value.get(), mask};
   }
 
-  /// Decodes into `onto`. Returns success if that is possible.
+  /// Decodes into `onto`. Succeeds if the body can be decoded.
   static AssertionResult decodes(const Encoded& encoded, OwnedValue& onto) {
     const WalkStatus status = decode(encoded.state(), onto.type(), onto.get());
     return status == WalkStatus::ok ? AssertionSuccess() : AssertionFailure() << to_string(status);
@@ -125,7 +125,7 @@ TEST_P(ProjectionLaw, AnIndexThatWasWalkedServesTheProjectionAsWell) {
 
 TEST_P(ProjectionLaw, ReservedSequencesAreEncodedAsIfFilledLater) {
   for_random_values_and_masks([this](const OwnedValue& value, const FieldMask& mask) -> AssertionResult {
-    // Reserves, for each sequence outside of collections, the length that it has in the value.
+    // Reserves each sequence outside of collections with its length in the value.
     OwnedValue prototype = GetParam().make();
     std::vector<Reservation> reservations;
     reference::project(value, support().full(), prototype);
@@ -141,8 +141,7 @@ TEST_P(ProjectionLaw, ReservedSequencesAreEncodedAsIfFilledLater) {
     if (size.status != EncodeStatus::ok) return AssertionFailure() << to_string(size.status);
     if (size.bytes != expected.state().body_bytes) return AssertionFailure() << size.bytes << " bytes";
 
-    std::vector<std::byte> body =
-        expected.bytes();  // the elements are there already, and must not be changed
+    std::vector<std::byte> body = expected.bytes();  // already has the elements, which must not be changed
     std::vector<std::uint32_t> index(expected.slots());
     encode(type(), prototype.get(), mask, body, index, reservations);
     if (!std::equal(index.begin(), index.end(), expected.state().index))

@@ -1,4 +1,5 @@
-// How bytes are projected: which ones are copied or only referenced, and what the runtime refuses.
+// Projection of bytes: the bytes that are copied, the bytes that are only referenced, and inputs that the
+// runtime refuses.
 #include "sft/detail/project.h"
 
 #include <gtest/gtest.h>
@@ -31,7 +32,7 @@ class Projected {
   bool ok() const { return ok_; }
   std::size_t segments() const { return projection_.segments().size(); }
 
-  /// Returns how many bytes of the source were not copied.
+  /// Returns the number of bytes that the projection references in the source instead of copying them.
   std::size_t referenced_bytes() const {
     std::size_t bytes = 0;
     for (const Segment& s : projection_.segments()) bytes += is_in_source(s) ? s.bytes : 0;
@@ -77,7 +78,7 @@ PointCloud2 cloud_with_data(std::size_t bytes) {
 TEST(ProjectionTest, LargeBlocksStayWhereTheyAre) {
   const Projected projected(cloud_with_data(reference_bytes_min), ~PointCloud2::Field::height);
   EXPECT_EQ(projected.referenced_bytes(), reference_bytes_min);
-  // the bytes before the reference, the referenced bytes, and those behind
+  // three segments: the bytes before the reference, the referenced bytes, and the bytes behind
   EXPECT_EQ(projected.segments(), 3U);
 }
 
@@ -107,7 +108,7 @@ TEST(ProjectionTest, OnePlanServesSourcesOfAnyMaskThatHasItsOwn) {
   }
 }
 
-// The strings that are left out have a number of bytes that is a multiple of 4, but only sometimes of 8.
+// The bytes of the strings that are left out are a multiple of 4, but only sometimes of 8.
 TEST(ProjectionTest, ARunThatMovesByLessThanItsAlignmentIsCopiedLeafByLeaf) {
   using F = nav_msgs::msg::Odometry::Field;
   const Mask<nav_msgs::msg::Odometry> wanted = ~(F::header | F::child_frame_id);
@@ -152,7 +153,8 @@ TEST(ProjectionTest, ElementsAtChangingDistancesAreCopiedOneByOne) {
   EXPECT_EQ(projected.decoded().pairs[999].b, 499.5);
 }
 
-/// Only a type that was made by hand can have such elements. Visiting all four billion would take a minute.
+/// Only a type that was made by hand can have elements without bytes. Visiting all four billion would take a
+/// minute.
 TEST(ProjectionTest, AHugeCountOfElementsWithoutBytesCostsNothing) {
   const std::vector<Member> nothing{{.name = "a", .kind = Kind::uint8, .shape = Shape::array, .count = 0},
                                     {.name = "b", .kind = Kind::uint8, .shape = Shape::array, .count = 0}};
@@ -200,7 +202,7 @@ TEST(ProjectionTest, ASourceWhoseLengthsLeadOutsideIsRefused) {
   using F = PointCloud2::Field;
   Encoded source(cloud_with_data(10));
   const std::uint32_t length = 1'000'000;
-  for (const std::size_t slot : {2U, 5U, 9U}) {  // frame_id, fields, data
+  for (const std::size_t slot : {2U, 5U, 9U}) {  // the slots of frame_id, fields and data
     Encoded changed(cloud_with_data(10));
     std::memcpy(changed.body() + changed.index()[slot], &length, sizeof length);
     Projection projection;

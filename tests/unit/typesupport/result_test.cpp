@@ -1,4 +1,4 @@
-// What happens to an error that a program does not check.
+// The consequences of an error that a program does not check.
 #include "sft/result.h"
 
 #include <gtest/gtest.h>

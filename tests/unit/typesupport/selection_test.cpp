@@ -1,5 +1,5 @@
-// Selections as values: the laws of joining, of containing and of parts of parts, and their encoding. They
-// are tested with random selections of a type with all kinds of fields.
+// Selections as values: the laws of union, of inclusion and of parts of parts, and the encoding. The tests
+// use random selections of a type with all kinds of fields.
 #include "sft/selection.h"
 
 #include <gtest/gtest.h>
@@ -87,7 +87,7 @@ class SelectionTest : public testing::Test {
   std::mt19937_64 random_{test::test_seed()};
 };
 
-/// Another program may send such a selection.
+/// A program other than SFT may send such a selection.
 TEST(Selections, WithADeadbandThatIsNoNumberAreNotReadFromTheirBytes) {
   const double usual = 0.1234567, none = std::nan("");
   const Selection one =

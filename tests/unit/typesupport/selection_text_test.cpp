@@ -1,4 +1,4 @@
-// Selections as text: what is accepted, how it is printed, and the errors for mistakes.
+// Selections as text: the texts that are accepted, the printed form, and the errors for mistakes.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -22,7 +22,7 @@ using sensor_msgs::msg::Imu;
 using sensor_msgs::msg::LaserScan;
 using sensor_msgs::msg::PointCloud2;
 
-/// Returns the canonical form of the text, which must have the same meaning; or the error.
+/// Returns the canonical form of the text, or the error. Expects the canonical form to have the same meaning.
 std::string read(const TypeSupport& type, std::string_view text) {
   const Result<Selection> selection = type.parse_selection(text);
   if (!selection) return selection.error().message;

@@ -1,4 +1,4 @@
-// Types as bytes: a description is read back as the same type, and nothing else is accepted.
+// Types as bytes: a description is read back as the same type, and other bytes are refused.
 #include "sft/detail/type_description.h"
 
 #include <gmock/gmock.h>
@@ -99,7 +99,7 @@ class Handmade {
     for (const char c : text) byte(static_cast<std::uint8_t>(c));
     return *this;
   }
-  /// A member of a struct. If it is a struct itself, `type` is the number of that earlier struct.
+  /// A member of a struct. If the member is a struct itself, `type` is the number of that earlier struct.
   struct M {
     unsigned form;
     std::string name;

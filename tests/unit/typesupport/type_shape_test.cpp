@@ -1,4 +1,4 @@
-// Types in a form for people.
+// Types in a form that people read.
 #include "sft/detail/type_shape.h"
 #include "sft/detail/type_description.h"
 
@@ -74,19 +74,20 @@ TEST(TypeShapeTest, IsThatOfTheCompiledTypeAfterParsing) {
   }
 }
 
-/// Two definitions with the same first members.
+/// Compares definitions of one type. The first members are the same.
 class FirstDifference : public ::testing::Test {
  protected:
   using Members = std::vector<Member>;
 
-  /// Returns the difference between the two. Expects the hashes to differ exactly if there is one.
+  /// Returns the first difference between the two definitions. Expects their hashes to differ exactly if
+  /// there is a difference.
   static std::string between(const Members& here, const Members& there) {
     const StructType a("T", here), b("T", there);
     const std::string difference = first_difference(a, b);
     EXPECT_EQ(difference.empty(), structure_hash(a) == structure_hash(b)) << difference;
     return difference;
   }
-  /// Returns members that differ from this one in a single property, each with its name.
+  /// Returns copies of the member with a single changed property, each with the name of that property.
   static std::vector<std::pair<Member, std::string_view>> neighbours_of(const Member& original) {
     std::vector<std::pair<Member, std::string_view>> all;
     const auto add = [&](std::string_view what, const auto& change) {

@@ -1,4 +1,4 @@
-// Views: what getters return, for full and masked samples, declared and recorded.
+// Views: the values that getters return, for full and masked samples, declared and recorded.
 #include "sft/detail/view.h"
 
 #include <gtest/gtest.h>
@@ -208,7 +208,7 @@ TEST(ViewTest, ArraysAndAlignedScalarsOfDeepStructsAreFound) {
 
 TEST(ViewTest, ImpossibleBytesGiveEmptyValuesAndFlagTheSample) {
   Encoded encoded(cloud());
-  std::fill_n(encoded.index(), encoded.slots(), 0xFFFF0000U);  // far outside
+  std::fill_n(encoded.index(), encoded.slots(), 0xFFFF0000U);  // offsets far outside the body
   const SampleState& state = encoded.state();
   const auto view = view_of<PointCloud2, all<PointCloud2>>(state);
   EXPECT_EQ(view.width(), 0U);

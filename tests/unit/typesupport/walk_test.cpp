@@ -64,7 +64,7 @@ TEST_F(WalkTest, UpToThreeBytesOfPaddingMayFollow) {
 
 TEST_F(WalkTest, LengthsNear4GiBAreTruncationsAndNotOverflows) {
   for (const std::uint32_t length : {0xFFFFFFFFU, 0xFFFFFFFCU, 0x80000000U}) {
-    put_u32(good[9], length);  // data
+    put_u32(good[9], length);  // the length of data
     EXPECT_EQ(walk(), WalkStatus::truncated);
   }
 }
@@ -86,7 +86,7 @@ TEST_F(WalkTest, RandomlyChangedBytesAreRefusedOrDecodedButNeverReadOutside) {
   test::Random random(test::test_seed());
   const std::vector<std::byte> original = encoded.bytes();
   for (int round = 0; round < 50'000; ++round) {
-    // A copy of exactly that size, so that the address sanitizer notices reads beyond it.
+    // A copy of exactly the body's size, so that the address sanitizer notices reads beyond the body.
     std::vector<std::byte> bytes = original;
     for (int i = 0; i < 3; ++i) bytes[random() % bytes.size()] = static_cast<std::byte>(random());
     bytes.resize(bytes.size() - random() % 4);

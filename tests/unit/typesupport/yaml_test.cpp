@@ -1,4 +1,4 @@
-// Samples that are printed as YAML.
+// Printing samples as YAML.
 #include "sft/yaml.h"
 #include "sft/detail/type_description.h"
 

@@ -9,7 +9,8 @@
 
 namespace sft::udp::test {
 
-/// Returns what the datagram brings. Marks and answers are not for readers, and bring nothing.
+/// Returns the arrival that the datagram causes. Marks and answers are not for readers, so the arrival is
+/// empty.
 inline Arrival accept(Reassembly& reassembly, std::span<const std::byte> bytes, ArrivalTime now,
                       const SocketAddress& from = {}) {
   AnyDatagram datagram = decode(bytes);

@@ -1,4 +1,5 @@
-// Connections that send to nowhere, for tests that check what is connected and what is sent.
+// Connections that send nothing to the network. Tests check which connections were made and which datagrams
+// were sent.
 #pragma once
 
 #include <cstddef>
@@ -24,7 +25,7 @@ class Connections {
   }
   std::size_t open() const { return open_; }
   std::size_t reconnected() const { return reconnected_; }
-  /// Returns how often the sending thread was woken.
+  /// Returns the number of times that the sending thread was woken.
   std::size_t woken() const { return woken_; }
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
   /// Returns the datagrams that were sent.
@@ -43,12 +44,12 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// Accepts that number of batches. Later ones have the outcome `then`, by default a full send buffer.
+  /// Accepts the next `count` batches. Later batches have the outcome `then`, by default a full send buffer.
   void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
     batches_left_ = count;
     then_ = then;
   }
-  /// Sets what is called after each batch has left.
+  /// Sets a function that is called after each batch is sent.
   void behind_each(std::function<void()> act) { behind_each_ = std::move(act); }
 
  private:
@@ -85,7 +86,7 @@ class Connections {
   std::vector<SocketAddress> redirected_;
 };
 
-/// A sender that makes these connections and does nothing else.
+/// A sender that makes connections of `Connections` and does nothing else.
 class NoSender : public DatagramSender {
  public:
   explicit NoSender(Connections& connections) : connections_(connections) {}
@@ -101,8 +102,8 @@ class NoSender : public DatagramSender {
   Connections& connections_;
 };
 
-/// Sends a datagram that is as long as the path takes. The receiver reports that the longest that came had
-/// that length.
+/// Sends a datagram of the length that the path is taken to carry. The receiver then reports `longest` as the
+/// length of the longest datagram that arrived.
 inline void report_longest(Destination& to, const Connections& sent, std::size_t longest,
                            Destination::Time now) {
   to.asked_again();
@@ -113,15 +114,15 @@ inline void report_longest(Destination& to, const Connections& sent, std::size_t
   static_cast<void>(to.hear(report, to.path().address().ip, now));
 }
 
-/// The receiver reports that whatever was sent has come.
+/// Sends a datagram of the path's length. The receiver reports that the datagram arrived.
 inline void report_all(Destination& to, const Connections& sent, Destination::Time now) {
   report_longest(to, sent, to.path().datagram_bytes(), now);
 }
 
-/// The receiver reports again and again that no datagram comes which is longer than a mark, although longer
-/// ones are sent, until the path is shorter. Returns the time then.
+/// Simulates a path that loses all datagrams longer than a mark. The receiver reports again and again that
+/// the longest one has the length of a mark, until the sender limits the path. Returns the time then.
 inline Destination::Time lose_long_ones(Destination& to, const Connections& sent, Destination::Time now) {
-  report_longest(to, sent, 0, now);  // nothing has been reported before
+  report_longest(to, sent, 0, now);  // the first report, of no datagram
   for (int i = 0; i <= 2 * PathMtu::losses_max && to.path().limited_to() == 0; ++i)
     report_longest(to, sent, mark_bytes, now += PathMtu::timeout);
   return now;

@@ -1,4 +1,4 @@
-// Single datagrams as a sender would put them on the wire.
+// Single datagrams with the bytes that a sender would send.
 #pragma once
 
 #include <cstddef>

@@ -1,4 +1,4 @@
-// Makes jobs as a publisher does.
+// Functions that make jobs as a publisher does.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
 // Streams of every kind between honest writers and one process that reads them, in simulated time, with the
-// real protocol code of both ends. A test can insert other datagrams.
+// real protocol code of both ends. A test can insert further datagrams.
 #pragma once
 
 #include <chrono>
@@ -37,7 +37,7 @@ inline const char* name_of(StreamKind kind) {
 class LiveStreams {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  static constexpr std::chrono::milliseconds period{10};  ///< between two samples of a stream
+  static constexpr std::chrono::milliseconds period{10};  ///< the time between two samples of a stream
 
   LiveStreams() {
     std::vector<Stream> wanted;
@@ -54,8 +54,8 @@ class LiveStreams {
 
   Time now() const { return now_; }
 
-  /// Simulates one millisecond: writers publish and send, and readers take what has come. Calls `between`
-  /// before each honest datagram.
+  /// Simulates one millisecond: writers publish and send, and readers take the samples that arrived. Calls
+  /// `between` before each honest datagram.
   template <class Between>
   void pass_a_millisecond(const Between& between) {
     now_ += std::chrono::milliseconds(1);
@@ -71,7 +71,7 @@ class LiveStreams {
     if (captured_.size() > 4000) captured_.erase(captured_.begin(), captured_.begin() + 2000);
   }
 
-  /// Delivers any datagram to the process.
+  /// Delivers the datagram, which may be forged, to the process.
   void receive(std::span<const std::byte> datagram) {
     if (const auto mark = parse_as<FlowMark>(datagram)) {
       shares_.answer(*mark, {}, now_);
@@ -82,10 +82,11 @@ class LiveStreams {
     answer();
   }
 
-  /// Returns earlier honest datagrams of all kinds.
+  /// Returns the latest honest datagrams of all kinds.
   const std::vector<Bytes>& captured() const { return captured_; }
 
-  /// Returns how many samples of that stream arrived unchanged that were published at `time` or later.
+  /// Returns the number of samples of the stream that were published at `time` or later and arrived
+  /// unchanged.
   std::size_t came_since(StreamKind kind, Time time) const {
     const One& one = *streams_[static_cast<std::size_t>(kind)];
     std::size_t came = 0;
@@ -93,9 +94,9 @@ class LiveStreams {
       came += published.came && published.at >= time ? 1 : 0;
     return came;
   }
-  /// Returns how many samples of that stream had other bytes than were published.
+  /// Returns the number of samples of the stream that arrived with other bytes than were published.
   std::size_t harmed(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->harmed; }
-  /// Describes the state of both ends, for the message of a failure.
+  /// Describes the state of both ends of the stream, for the message of a failure.
   std::string describe(StreamKind kind) {
     const auto i = static_cast<std::size_t>(kind);
     const One& one = *streams_[i];
@@ -110,7 +111,7 @@ class LiveStreams {
            " of channel " + std::to_string(ack.channel) + " and has " +
            std::to_string(window->samples().slots().size()) + " places";
   }
-  /// Returns how many samples the reader of that stream learnt were lost.
+  /// Returns the number of samples that the reader of the stream counts as lost.
   std::uint64_t lost(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->lost; }
 
  private:
@@ -126,7 +127,7 @@ class LiveStreams {
     std::uint64_t sequence = 0;
     Time publish_at{};
     std::map<std::uint64_t, Published> published{};
-    std::vector<JobHandle> unsent{};  ///< jobs of best-effort streams and of the group
+    std::vector<JobHandle> unsent{};  ///< jobs of best-effort streams and of the group that are not sent yet
     ResendWindow window{static_cast<std::uint32_t>(writer), 1, ResendLimits{}};
     GroupMembership membership{};
     std::uint64_t group_ordinal = 0;
@@ -134,7 +135,7 @@ class LiveStreams {
     Inbox inbox{8, nullptr};
     core::SequenceAccount account{};
     std::uint64_t lost = 0;
-    std::uint64_t last = 0;  ///< the latest sequence that the reader got
+    std::uint64_t last = 0;  ///< the sequence of the sample that the reader took last
     std::size_t harmed = 0;
   };
 
@@ -262,7 +263,7 @@ class LiveStreams {
       }
       one.lost += one.account.enter(origin, core::RateKeeper::writer, {}).lost;
       one.last = sample->sequence;
-      // A sample without a channel carries only the low half of its sequence.
+      // A sample without a channel carries only the low half of its sequence number.
       const std::uint64_t said =
           is_reliable(one.kind) ? sample->sequence : static_cast<std::uint32_t>(sample->sequence);
       const auto published = one.published.find(said);

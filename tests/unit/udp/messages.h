@@ -1,4 +1,4 @@
-// Message types of these tests, and samples of them, encoded as a publisher does.
+// Message types of the tests of UDP, and samples of these types, encoded as a publisher does.
 #pragma once
 
 #include <algorithm>
@@ -35,7 +35,7 @@ struct Ten {
   double j = 0;
 };
 
-struct Wide {  ///< 70 leaves
+struct Wide {  ///< a struct of 70 leaves
   Ten first, second, third, fourth, fifth, sixth, seventh;
 };
 
@@ -101,13 +101,13 @@ const TypeSupport& type_support() {
   return type;
 }
 
-/// Returns the fields of T that the text names, such as "stamp, data"; "*" for all.
+/// Returns the mask of the fields of T that the text names, such as "stamp, data"; "*" for all.
 template <class T>
 FieldMask fields(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_mask(text).value());
 }
 
-/// Returns the selection that a subscriber with that text asks for, such as "stamp, data[::2]".
+/// Returns the selection that a subscriber requests by this text, such as "stamp, data[::2]".
 template <class T>
 Selection selection_of(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_selection(text).value());
@@ -150,7 +150,7 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
                  {buffer.index(), type.index_slots()}, {}, postponed);
 }
 
-/// Compares with memcmp, which is fast even in builds without optimisation.
+/// Compares the bytes with memcmp, which is fast even in builds without optimisation.
 inline bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
 }
@@ -160,10 +160,11 @@ inline std::vector<std::byte> body_of(const core::SampleBuffer& sample) {
   return {body, body + sample.header().body_bytes};
 }
 
-/// Sets byte i to i * 31 + i / 256 + seed, so that it shows its distance from the beginning.
+/// Sets byte i to i * 31 + i / 256 + seed, so that its value shows its distance from the beginning.
 inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t seed) {
-  // Copies blocks, since loops are not optimised in some builds. 31 * 223 is 1 modulo 256, so each block of
-  // 256 bytes has the multiples of 31, shifted by 223 from those of the block before.
+  // Copies blocks, because builds without optimisation run a loop over bytes slowly. 31 * 223 is 1 modulo
+  // 256, so each block of 256 bytes has the multiples of 31, shifted by 223 from those of the preceding
+  // block.
   constexpr std::size_t row = 256, step = 223;
   constexpr auto multiples = [] {
     std::array<std::uint8_t, 2 * row> twice{};
@@ -174,7 +175,7 @@ inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t s
     std::memcpy(&data[at], &multiples[step * (at / row + seed) % row], std::min(data.size() - at, row));
 }
 
-/// Returns an image with data as fill_with_distances() makes it.
+/// Returns an image whose data fill_with_distances() makes.
 inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
   Image image{.stamp = {static_cast<std::int32_t>(seed), 7},
               .name = "camera",

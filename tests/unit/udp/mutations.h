@@ -1,4 +1,4 @@
-// Turns honest datagrams into damaged ones, as a bad network or an attacker may.
+// Functions that damage honest datagrams, as a bad network or an attacker may.
 #pragma once
 
 #include <algorithm>
@@ -10,7 +10,8 @@
 
 namespace sft::udp::test {
 
-/// Flips a bit, writes an extreme value, or cuts off the end of the datagram, mostly in its header.
+/// Flips a bit, writes an extreme value, or cuts off the end of the datagram. Flipped bits and extreme values
+/// are mostly in the header.
 template <class Random>
 void mutate_once(std::vector<std::byte>& datagram, Random& random) {
   if (datagram.empty()) return;
@@ -36,7 +37,7 @@ void mutate_once(std::vector<std::byte>& datagram, Random& random) {
                                         UINT64_MAX};
     const std::uint64_t value = values[below(std::size(values))];
     const std::size_t width = std::size_t{1} << below(4);
-    // most headers have their numbers at multiples of the width
+    // most headers have their numbers at multiples of the number's width
     const std::size_t step = below(2) == 0 ? 1 : width;
     const std::size_t at = below(header) / step * step;
     for (std::size_t i = 0; i < width && at + i < datagram.size(); ++i)
@@ -46,7 +47,7 @@ void mutate_once(std::vector<std::byte>& datagram, Random& random) {
   }
 }
 
-/// Makes one to three changes.
+/// Makes one to three changes to the datagram.
 template <class Random>
 void mutate(std::vector<std::byte>& datagram, Random& random) {
   for (auto left = std::uniform_int_distribution<int>(1, 3)(random); left > 0; --left)

@@ -1,4 +1,4 @@
-// The time at which tests begin that pass in the time themselves.
+// The time at which tests with simulated time begin.
 #pragma once
 
 #include <chrono>

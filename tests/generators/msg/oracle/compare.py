@@ -16,7 +16,7 @@ def described_by(program):
 
 
 def equal(read, ours):
-    """Returns true if `ours`, maybe a float32, is the value that rosidl read."""
+    """Returns true if `ours`, which may be a float32, is the value that rosidl read."""
     if isinstance(read, list):
         return len(read) == len(ours) and all(map(equal, read, ours))
     if isinstance(read, float) and abs(read) < 3e38:

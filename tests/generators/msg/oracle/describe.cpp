@@ -1,6 +1,6 @@
-// Prints, as JSON, the properties of the types in types.inc: structure, paths, units, defaults and
-// constants. Built with headers made from .msg files, from rosidl's IDL, and from the IDL that we make from
-// messages.
+// Prints, as JSON, the properties of the types in types.inc: structure, paths, units, defaults and constants.
+// The program is built with three sets of headers: made from .msg files, from rosidl's IDL, and from the IDL
+// that SFT makes of messages.
 #include "types.inc"
 
 #include <iostream>

@@ -1,5 +1,5 @@
-# Compares our types with ROS 2's reading of the same messages: rosidl_adapter converts them to IDL, and types are
-# generated from that, too.
+# Compares SFT's types with ROS 2's reading of the same messages. rosidl_adapter converts the messages to IDL, and types
+# are generated from that IDL, too.
 find_package(nlohmann_json REQUIRED)
 set(oracle ${CMAKE_CURRENT_BINARY_DIR}/oracle)
 list(TRANSFORM plain_files PREPEND ${CMAKE_CURRENT_SOURCE_DIR}/interfaces/ OUTPUT_VARIABLE oracle_msgs)
@@ -20,7 +20,7 @@ sft_generate(
   FILES ${oracle_idl}
   BASE_DIR ${oracle})
 
-# Also compares the IDL that sft_generate itself writes for IDL files that nest messages.
+# Also compares the IDL that sft_generate itself makes of messages that IDL files nest.
 set(our_idl ${plain_files} ${test_interface_files})
 list(TRANSFORM our_idl REPLACE "\\.msg$" ".idl")
 set(idl_of ${CMAKE_CURRENT_BINARY_DIR}/sft_generated)

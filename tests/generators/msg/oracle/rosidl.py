@@ -23,7 +23,7 @@ def idl_text(package, name, message):
             field.default_value = None
     data = {'pkg_name': package, 'relative_input_file': f'msg/{name}.msg', 'msg': message}
     guard = f'{package}_{name}_ORACLE'
-    text = evaluate_template('msg.idl.em', data).replace('>>', '> >')  # idlc reads `>>` as a shift
+    text = evaluate_template('msg.idl.em', data).replace('>>', '> >')  # idlc would read `>>` as a shift
     return f'#ifndef {guard}\n#define {guard}\n{text}\n#endif\n'
 
 
@@ -50,7 +50,8 @@ def main():
         includes.append(f'#include <{package}/msg/{name}.hpp>')
         idl = output / package / 'msg' / f'{name}.idl'
         idl.parent.mkdir(parents=True, exist_ok=True)
-        idl.write_text(idl_text(package, name, message), encoding='iso-8859-1')  # like rosidl_adapter: it is UTF-8
+        # Encoded as rosidl_adapter does; the bytes are UTF-8.
+        idl.write_text(idl_text(package, name, message), encoding='iso-8859-1')
     body = '\n  '.join(all_calls)
     (output / 'types.inc').write_text('\n'.join(includes) + f'\n#define SFT_DESCRIBE_ALL(types) \\\n  ' +
                                       body.replace('\n', ' \\\n') + '\n')

@@ -21,7 +21,7 @@ build_headers(t)
 expect_success()
 expect_headers(t a/msg/A b/msg/B)
 
-# An emulator gets the program to run as an argument. This one runs another program instead.
+# An emulator gets the program to run as an argument. The emulator of this test runs another program instead.
 file(REMOVE_RECURSE ${build})
 file(WRITE ${WORK}/emulator "#!/bin/sh\nshift\nexec '${msgc}' \"$@\"\n")
 file(CHMOD ${WORK}/emulator PERMISSIONS OWNER_READ OWNER_EXECUTE)

@@ -14,8 +14,8 @@ write_project("
   sft_generate(TARGET more FILES t/msg/T2.msg LINK top NAMESPACE my::robot)
   sft_generate(TARGET other FILES t/msg/T2.msg LINK top NAMESPACE other)
 ")
-# Messages that a linked target generates without the namespace are generated again. Those in the same namespace are
-# not.
+# If a linked target generates messages without the namespace, they are generated again. If it generates them in the
+# same namespace, they are not.
 expect_generated(top my/robot/a/msg/A my/robot/t/msg/I my/robot/t/msg/T my/robot/t/msg/T2 my/robot/t/srv/S)
 expect_generated(other other/a/msg/A other/t/msg/T2)
 expect_headers(more)

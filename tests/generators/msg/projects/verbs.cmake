@@ -11,7 +11,7 @@ function(write path text)
   file(WRITE "${source}/${path}" "${text}")
 endfunction()
 
-# Writes the project's CMakeLists.txt, of which `text` is the interesting part.
+# Writes the project's CMakeLists.txt. `text` is the part that differs between tests.
 function(write_project text)
   write(CMakeLists.txt "
     cmake_minimum_required(VERSION 3.22)
@@ -86,7 +86,7 @@ function(expect_in_header target name text)
   endif()
 endfunction()
 
-# Makes all present files ten seconds older, so that files which are written later have later time stamps.
+# Makes all present files ten seconds older. So files that are written afterwards have later time stamps.
 function(let_time_pass)
   file(GLOB_RECURSE files "${WORK}/*")
   foreach(file IN LISTS files)

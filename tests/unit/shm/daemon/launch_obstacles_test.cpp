@@ -1,5 +1,5 @@
-// The obstacles to a start of sftd: what counts as an obstacle, and when obstacles have become smaller so
-// that another attempt is made.
+// The obstacles to a start of sftd: the circumstances that count as an obstacle, and the changes after which
+// another attempt is made.
 #include <gtest/gtest.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -24,7 +24,7 @@ class LaunchObstaclesTest : public ::testing::Test {
   std::string path(const std::string& name) const { return directory_ + "/" + name; }
   void make_file(const std::string& name) const { std::ofstream(path(name)) << "text"; }
   void make_fifo(const std::string& name) const { ASSERT_EQ(mkfifo(path(name).c_str(), 0600), 0); }
-  /// Returns the obstacles without the free space, which other programs change.
+  /// Returns the present obstacles without the free space, which other programs change.
   LaunchObstacles look() const {
     LaunchObstacles found =
         LaunchObstacles::look({path("a"), path("b")}, directory_.c_str(), directory_.c_str());
@@ -55,7 +55,7 @@ TEST_F(LaunchObstaclesTest, ThereAreNoObstaclesIfTheNamesAreFree) {
   EXPECT_FALSE(found.have_eased_since(found));
 }
 
-// Each attempt creates and removes ordinary files of this account.
+// Each attempt itself creates and removes ordinary files of this account.
 TEST_F(LaunchObstaclesTest, OrdinaryFilesOfThisAccountAreNoObstacles) {
   make_file("a");
   EXPECT_TRUE(look().files.empty());
@@ -140,7 +140,7 @@ TEST_F(LaunchObstaclesTest, ObstaclesEaseWhenMoreFilesCanBeMade) {
   EXPECT_FALSE((LaunchObstacles{.tmp{.files = 899}}.have_eased_since({.tmp{.files = 800}})));
 }
 
-// Other programs may fill /tmp during the attempt. The attempt itself takes space in /dev/shm only.
+// Other programs may fill /tmp during the attempt. In /dev/shm the attempt itself takes space.
 TEST_F(LaunchObstaclesTest, SpaceThatWasTakenDuringTheAttemptCountsInTmpOnly) {
   LaunchObstacles before{.shm{.bytes = 100 * MiB}, .tmp{.bytes = 100 * MiB}};
   before.add({.shm{.bytes = 0}, .tmp{.bytes = 0}});

@@ -26,7 +26,7 @@ class ChunkPoolsTest : public ::testing::Test {
     memory_.configureMemoryManager(config_, management, samples);
   }
 
-  /// Takes a chunk as a writer with this choice does.
+  /// Takes a chunk as a writer with this choice of pools does.
   void take(const ChunkPools::Choice& choice) {
     auto chunk = memory_.getChunk(iox::mepoo::ChunkSettings::create(choice.payload_bytes, 8).value());
     ASSERT_FALSE(chunk.has_error());
@@ -34,7 +34,7 @@ class ChunkPoolsTest : public ::testing::Test {
     taken_.push_back(std::move(chunk.value()));
     EXPECT_LE(before, chunks);
   }
-  /// Returns the number of the chosen pool; -1: none.
+  /// Returns the number of the pool that is chosen for that size, or -1 if none is chosen.
   int chosen(std::size_t bytes) const {
     const auto choice = pools_.choose(bytes);
     return choice ? static_cast<int>(choice->pool) : -1;
@@ -70,7 +70,7 @@ TEST_F(ChunkPoolsTest, AUsedUpPoolIsReplacedByTheNextLargerOneAndByNoOther) {
   EXPECT_EQ(chosen(large_bytes), 2);
 }
 
-// A killed process has left chunks that count as free although no writer can take them.
+// A killed process may leave chunks that count as free although no writer can take these chunks.
 TEST_F(ChunkPoolsTest, APoolThatOnlySeemsToHaveFreeChunksIsNotAskedAgainAtOnce) {
   const auto first = *pools_.choose(100);
   pools_.note_empty(first);

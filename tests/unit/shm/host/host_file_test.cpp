@@ -1,4 +1,5 @@
-// The host file, the daemon's lock and the names of processes, as another process reads them.
+// The host file, the daemon's lock and the names of processes. The tests check that another process can read
+// them.
 #include "shm_transport/host/host_file.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Mapping::contains() says which addresses are in a segment. A reader uses it to check each address that
+// Mapping::contains() returns true for addresses in a segment. A reader calls it to check each address that
 // another process wrote.
 #include <fcntl.h>
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t segment_bytes = 3 * 4096;
 
-/// A file in /dev/shm that is removed together with the object.
+/// A file in /dev/shm. The destructor removes it.
 class Segment {
  public:
   explicit Segment(std::size_t size) {

@@ -1,4 +1,4 @@
-// What a program learns if it must not use the memory of the daemon.
+// The errors that a program gets if it must not use the memory of the daemon.
 #include "shm_transport/host/membership.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Which memory is mapped ahead of its use. The pools are in memory of this process that was never used.
+// The memory that is mapped before its use. The pools are in memory of this process that was never used.
 #include "shm_transport/host/prepared_chunks.h"
 
 #include <gtest/gtest.h>
@@ -37,15 +37,15 @@ class PreparedChunksTest : public ::testing::Test {
 
   std::span<const std::byte> samples() const { return {samples_, bytes_}; }
   std::span<const std::byte> management() const { return std::as_bytes(std::span(management_)); }
-  /// Returns how many pages of the samples are mapped.
+  /// Returns the number of mapped pages of the samples' memory.
   std::size_t mapped() const {
     std::vector<unsigned char> pages((bytes_ + page - 1) / page);
     EXPECT_EQ(::mincore(samples_, bytes_, pages.data()), 0);
     return static_cast<std::size_t>(
         std::ranges::count_if(pages, [](unsigned char p) { return (p & 1) != 0; }));
   }
-  /// Notes a sample and prepares chunks, with the segments at these places. Returns how many pages are
-  /// mapped then.
+  /// Notes a sample and prepares chunks. The arguments are the segments in which memory may be prepared.
+  /// Returns the number of pages that are mapped then.
   std::size_t mapped_within(std::span<const std::byte> samples, std::span<const std::byte> management) {
     PreparedChunks prepared(memory_, samples, management);
     prepared.note(0, sample_bytes);

@@ -1,5 +1,5 @@
 // The functions of iceoryx that SFT replaces, called by many threads at once. The models in tests/model try
-// all orders of their steps.
+// all orders of the functions' steps.
 #include "shm_transport/host/replaced_functions.h"
 
 #include <dlfcn.h>
@@ -49,7 +49,7 @@ class FreeListTest : public RandomTest {
 
   FreeListTest() { list_.init(next_.data(), chunks); }
 
-  /// Takes a chunk and gives it back, `times` over. A thread that has a chunk is its only owner.
+  /// Takes a chunk and gives it back, `times` times. A thread that has taken a chunk must be its only owner.
   void take_and_give_back(std::uint64_t times, std::uint64_t seed) {
     Random dice(seed);
     const auto maybe_wait = [&dice] {
@@ -100,8 +100,8 @@ TEST_F(FreeListTest, LendsTheChunkThatWasGivenBackLastAndNoneTwice) {
 
 class QueueTest : public RandomTest {
  protected:
-  /// Returns the numbers that come out of the queue while another thread pushes 0, 1, ... `push` returns
-  /// the number that it pushed out.
+  /// Returns the numbers that leave the queue while another thread pushes 0, 1, ... `push` returns the number
+  /// that it displaced.
   template <class Push>
   std::vector<std::uint64_t> numbers_through(Queue& queue, const Push& push) {
     std::vector<std::uint64_t> popped, pushed_out;

@@ -50,7 +50,7 @@ class ChunkQueueTest : public ::testing::Test {
   }
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
 
-  /// Finds the word of the queue that `read` returns, and writes another value there, as a hostile program
+  /// Finds the word of the queue that `read` returns, and overwrites it with `value`, as a hostile program
   /// could.
   template <class Read>
   void forge(std::uint64_t value, const Read& read) {
@@ -77,7 +77,7 @@ class ChunkQueueTest : public ::testing::Test {
     forge(size, [](auto& queue) { return queue.size(); });
     ASSERT_EQ(port_->m_chunkReceiverData.m_queue.size(), size);
   }
-  /// Returns how many samples can be taken. Each sample is given back before the next one is taken.
+  /// Takes all samples, and gives each back before the next one is taken. Returns their number.
   std::uint64_t take_all() {
     std::uint64_t taken = 0;
     for (ChunkSlot* slot = queue_->take().slot; slot != nullptr; slot = queue_->take().slot, ++taken)
@@ -250,7 +250,7 @@ TEST_F(ChunkQueueTest, BytesPushNothingOutWhereNoMoreWaitsThanMay) {
   EXPECT_FALSE(queue_->take().overflowed);
 }
 
-/// No system has as much memory as these capacities claim.
+/// No system has as much memory as queues with these capacities would need.
 TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
   for (const std::uint64_t forged : {UINT64_MAX, UINT64_MAX / 8, std::uint64_t{1} << 56}) {
     forge_capacity(forged);
@@ -263,7 +263,8 @@ TEST_F(ChunkQueueTest, AForgedCapacityIsNoReasonToReserveMemoryForIt) {
   }
 }
 
-/// The queue reserves memory when it is opened, since nothing may be allocated while a session is lost.
+/// The queue reserves memory when it is opened, because it must not allocate memory after its session is
+/// lost.
 TEST_F(ChunkQueueTest, NoMoreIsKeptThanTheQueueHadRoomForWhenItWasOpened) {
   constexpr int more = 6;
   ASSERT_TRUE(port_->m_chunkReceiverData.m_queue.setCapacity(more)) << "as another program can do";

@@ -1,4 +1,4 @@
-// These tests check how many samples count as lost in a queue of shared memory.
+// The number of samples that count as lost in a queue of shared memory.
 #include "shm_transport/ports/loss_account.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@ namespace {
 
 class LossAccountTest : public ::testing::Test {
  protected:
-  /// Takes the sample, and returns how many samples were lost before it.
+  /// Takes the sample with that sequence. Returns the number of samples that were lost before it.
   std::uint64_t takes(std::uint64_t sequence) {
     return account.enter(sequence, ++popped_, [] { return std::uint64_t{2}; });
   }

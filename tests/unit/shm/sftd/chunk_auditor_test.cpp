@@ -1,4 +1,4 @@
-// Which chunks sftd considers lost. Ports and pools are in the memory of this process.
+// The chunks that sftd considers lost. Ports and pools are in the memory of this process.
 #include "shm_transport/sftd/chunk_auditor.h"
 
 #include <gtest/gtest.h>
@@ -47,7 +47,7 @@ class ChunkAuditorTest : public ::testing::Test {
   iox::mepoo::ChunkHeader* allocate() {
     return iox::popo::PublisherPortUser(port_).tryAllocateChunk(chunk_bytes, 8, 0, 1).value();
   }
-  /// Takes a chunk as a writer does that is killed before it records the chunk anywhere.
+  /// Takes a chunk as a writer does that is killed before the chunk is recorded.
   ChunkManagement* take_and_forget() {
     auto chunk = memory_.getChunk(iox::mepoo::ChunkSettings::create(chunk_bytes, 8).value()).value();
     return chunk.release();
@@ -57,7 +57,7 @@ class ChunkAuditorTest : public ::testing::Test {
     pool_.removePublisherPort(port_);
   }
   std::uint32_t in_use() const { return memory_.getMemPoolInfo(0).m_usedChunks; }
-  /// Returns true if each chunk of the pool can be taken once.
+  /// Returns true if all chunks of the pool can be taken, each of them once.
   bool is_whole() {
     std::vector<SharedChunk> all;
     for (std::uint32_t i = 0; i < chunks; ++i) {
@@ -152,7 +152,8 @@ TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenChunks) {
 
 TEST_F(ChunkAuditorTest, LeavesMemoryAloneIfTheListOfFreeChunksWasOverwritten) {
   allocate();
-  auto* const next = reinterpret_cast<std::uint32_t*>(management_.data());  // iceoryx puts the list first
+  // Iceoryx puts the list first in that memory.
+  auto* const next = reinterpret_cast<std::uint32_t*>(management_.data());
   ASSERT_EQ(next[3], 4U);
   for (const std::uint32_t nonsense : {2U, 3U, chunks + 1, 0xffffffffU}) {
     next[3] = nonsense;

@@ -1,4 +1,5 @@
-// The configuration file of sftd: its entries become settings, and a wrong entry is refused with its line.
+// The configuration file of sftd: its entries become settings. A wrong entry is refused, and the error names
+// its line.
 #include "shm_transport/sftd/config.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A temporary file that is removed together with the object.
+/// A temporary file. The destructor removes it.
 class File {
  public:
   explicit File(const std::string& text) {

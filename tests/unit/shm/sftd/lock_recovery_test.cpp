@@ -12,7 +12,7 @@
 namespace sft::test {
 namespace {
 
-/// A port of a process that is not registered, and so counts as dead.
+/// A port of a process that is not registered, so that the process counts as dead.
 class LockRecoveryTest : public ::testing::Test {
  protected:
   LockRecoveryTest() { lock_recovery_.note_ports(); }
@@ -39,7 +39,8 @@ TEST_F(LockRecoveryTest, OpensALockAtOnceThatNoThreadOfTheDaemonHolds) {
 }
 
 TEST_F(LockRecoveryTest, OpensALockInTheEndThatAThreadOfTheDaemonSeemsToHold) {
-  lock().lock();  // a thread with the same id in another pid namespace would leave the lock like this
+  // A killed thread with the same id in another pid namespace would leave the lock in this state.
+  lock().lock();
   EXPECT_FALSE(lock_recovery_.recover()) << "the holder may be a thread of the daemon";
   EXPECT_TRUE(shm::is_closed(lock()));
   EXPECT_TRUE(eventually([this] { return lock_recovery_.recover() && !shm::is_closed(lock()); }));
@@ -51,11 +52,11 @@ TEST_F(LockRecoveryTest, LeavesALockAloneThatAThreadOfTheDaemonHoldsAgainAndAgai
     lock_recovery_.recover();
     ASSERT_TRUE(shm::is_closed(lock())) << i;
     lock().unlock();
-    lock_recovery_.recover();  // a check every 20 ms finds the lock open most times
+    lock_recovery_.recover();  // most checks, one each 20 ms, find the lock open
   }
 }
 
-// A program may have begun to deliver into this queue before the daemon has noted a port of it.
+// A program may have begun to deliver into this queue before the daemon has noted the program's port.
 TEST_F(LockRecoveryTest, LeavesTheLockOfAQueueWithoutAKnownWriterTimeToBeReleased) {
   auto& queue = *pool_.addSubscriberPort({"sft", "late", "1"}, "sft_dead", {}).value();
   lock_recovery_.note_ports();

@@ -18,7 +18,7 @@
 namespace sft::shm {
 namespace {
 
-/// A file in memory with pages that are allocated, like a segment, and a mapping of it.
+/// A file in memory whose pages are allocated, like those of a segment, and a mapping of the file.
 class Segment {
  public:
   explicit Segment(std::size_t bytes) : bytes_(bytes), file_(memfd_create("segment", MFD_CLOEXEC)) {
@@ -76,7 +76,7 @@ TEST(PageClearerTest, StopsWhereItIs) {
   EXPECT_LT(segment.cleared_bytes(), 1024 * mebibyte);
 }
 
-// Another process of the same account may have shortened the file.
+// Another process of the same account may have made the file shorter.
 TEST(PageClearerTest, DoesNotMakeAFileLongerThatWasMadeShorter) {
   const auto page = static_cast<off_t>(test::page_bytes());
   const Segment segment(mebibyte);

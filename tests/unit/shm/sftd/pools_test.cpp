@@ -51,16 +51,16 @@ TEST(Pools, AreInOrderOfSizeWithAtLeastTwoChunksEach) {
   }
 }
 
-/// Returns the number of chunks for samples of that size: those of the smallest sufficient chunk size.
+/// Returns the number of chunks for samples of that size. These chunks have the smallest sufficient size.
 std::uint32_t chunks_for(const shm::PoolPlan& plan, std::size_t sample_bytes) {
   const auto pool = std::ranges::lower_bound(plan.pools, sample_bytes, {}, &shm::Pool::bytes);
   return pool == plan.pools.end() ? 0 : pool->count;
 }
 
-// The numbers of the table in docs/operations.md under "When memory runs short" are true.
+// Checks the numbers of the table in docs/operations.md under "When memory runs short".
 TEST(Pools, OfAnOrdinaryRobotHoldThreeLidarsAndCamerasAndLargeClouds) {
   const auto plan = shm::plan_pools(shm::default_pool_bytes, shm::Memory::on_demand);
-  // one chunk is being written, and two are taken by others
+  // In addition to the waiting samples of each lidar, one chunk is being written, and readers hold two.
   constexpr std::uint32_t waiting = 5, lidars = 3, of_each = waiting + 3;
   EXPECT_GE(chunks_for(plan, 6'300'000), lidars * of_each);
   EXPECT_GE(chunks_for(plan, 24'900'000), 8U) << "an image of a 4K camera";

@@ -1,4 +1,4 @@
-// Which parts of a segment have memory from the beginning. Only these are cleared.
+// The parts of a segment that have memory from the beginning. Only these parts are cleared.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>
@@ -46,7 +46,8 @@ TEST(SegmentPartsTest, OnDemandTakeNoMemoryAndAreNotCleared) {
   const auto taken = [&] {
     struct stat status {};
     EXPECT_EQ(fstat(file.get(), &status), 0);
-    return static_cast<std::size_t>(status.st_blocks) * 512;  // stat(2): st_blocks counts blocks of 512 bytes
+    // The unit of st_blocks is 512 bytes, see stat(2).
+    return static_cast<std::size_t>(status.st_blocks) * 512;
   };
   EXPECT_EQ(taken(), 32 * page);
   void* const memory = mmap(nullptr, segment.bytes, PROT_READ, MAP_SHARED, file.get(), 0);

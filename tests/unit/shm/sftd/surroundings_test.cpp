@@ -45,8 +45,8 @@ TEST_F(SurroundingsTest, NameADirectoryThatIsNotThere) {
   EXPECT_EQ(all_.lacking().find(all_.shm + " is not there"), 0U) << all_.lacking();
 }
 
-/// Another account while it lives, if this one is root: that may write everywhere. access() asks for the real
-/// one of the two that a process has.
+/// Changes root's real account to an ordinary one while the object lives, since root may write everywhere.
+/// access() checks the real account. Does nothing for other accounts.
 class NotRoot {
  public:
   NotRoot() { change_to(65534); }

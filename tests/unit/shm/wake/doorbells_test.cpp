@@ -1,4 +1,4 @@
-// A publisher that rings for several readers leaves it to the waker to wake those that sleep.
+// A publisher that rings for several readers leaves waking the sleeping ones to the waker.
 #include "shm_transport/wake/doorbells.h"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST_F(SeveralSleepers, NobodyIsWokenIfNobodySleeps) {
 }
 
 TEST_F(SeveralSleepers, AreToldOnlyOfSamplesThatTheyWant) {
-  const auto closed = std::make_shared<core::Gate>(1'000'000);  // no sample has passed the gate yet
+  const auto closed = std::make_shared<core::Gate>(1'000'000);  // No sample has passed this gate yet.
   const auto open = std::make_shared<core::Gate>(0);
   open->consider(detail::FieldSource::of_nothing(), 0);
   ASSERT_TRUE(open->passes());

@@ -9,7 +9,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Times count from the beginning of the test.
+/// The times in these tests count from the beginning of the test.
 class DeliveryRateTest : public testing::Test {
  protected:
   using Duration = DeliveryRate::Time::duration;

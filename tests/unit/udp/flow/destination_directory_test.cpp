@@ -73,7 +73,7 @@ TEST_F(DestinationDirectoryTest, RemarksThatALimitIsOver) {
   test::lose_long_ones(*there, connections_, now_);
   directory_.look_after(now_, false, remarks_);
   remarks_.clear();
-  directory_.find({.ip = host_ + 1, .port = 5000, .node = 7});  // another path
+  directory_.find({.ip = host_ + 1, .port = 5000, .node = 7});  // a destination on another path
   directory_.look_after(now_, false, remarks_);
   ASSERT_EQ(remarks_.size(), 1U);
   EXPECT_EQ(remarks_.front().level, LogLevel::info);

@@ -1,4 +1,5 @@
-// The size of a flow window: it grows if it limits what is sent, and shrinks if a queue is long.
+// The size of a flow window. The window grows if it limits the sender, and shrinks if a queue on the path is
+// long.
 #include "tests/unit/udp/flow/flow_window_fixture.h"
 
 namespace sft::udp::test {
@@ -8,7 +9,7 @@ TEST_F(FlowWindowTest, GrowsAgainWhereOneTrainFillsItAndIsReportedBeforeTheNextO
   get_to_know(32 << 20);
   for (int i = 0; i < 100 && window.window() > FlowLimits{}.least_bytes; ++i) {
     send_while_there_is_room();
-    answer(32 << 20, 300ms);  // a long queue, and few bytes arrive
+    answer(32 << 20, 300ms);  // the answer shows a long queue, and few bytes have arrived
   }
   ASSERT_EQ(window.window(), FlowLimits{}.least_bytes);
   constexpr std::size_t train_bytes = 64'000;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A sender, and a receiver behind a path that takes datagrams up to a length.
+/// A sender, and a receiver behind a path that carries datagrams up to the length `takes_`.
 class LengthMonitorTest : public testing::Test {
  protected:
   void send(std::size_t length) {
@@ -18,7 +18,7 @@ class LengthMonitorTest : public testing::Test {
     monitor_.sent(length, now_);
     if (length <= takes_) longest_ = std::max(longest_, length);
   }
-  /// What a report says about a mark that is sent now.
+  /// The fields of a report that answers a mark which is sent now.
   struct Mark {
     std::uint64_t position;
     std::size_t longest;

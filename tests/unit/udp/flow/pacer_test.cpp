@@ -12,7 +12,7 @@ class PacerTest : public testing::Test {
  protected:
   static constexpr std::size_t batch_bytes = 64'000;
 
-  /// Returns how many bytes are sent before the pacer makes the sender wait.
+  /// Returns the number of bytes that are sent before the pacer makes the sender wait.
   std::size_t send_while_ready(Pacer& pacer, std::size_t at_most) {
     std::size_t sent = 0;
     while (sent < at_most && pacer.ready(now_)) {

@@ -1,4 +1,5 @@
-// All destinations on one host that somebody made up together are sent no more than a budget.
+// The budget of datagrams to a host that has not answered. All destinations on the host share it, so that
+// forged destinations cannot make SFT flood the host.
 #include "udp_transport/flow/unproven_budget.h"
 
 #include <gtest/gtest.h>

@@ -24,7 +24,7 @@ class GroupJoinsTest : public testing::Test {
     return private_groups | 16U << 8 | static_cast<std::uint32_t>(number);
   }
   void join(std::size_t number) { joins_.join(group(number), {core::loopback_ipv4, 7}, false); }
-  /// Asks the system if the process is in the group, by leaving the group.
+  /// Leaves the group. Returns true if the process was a member; otherwise the system refuses.
   bool was_in(std::size_t number) const {
     const ip_mreq request{.imr_multiaddr = {htonl(group(number))}, .imr_interface = {htonl(INADDR_LOOPBACK)}};
     return ::setsockopt(socket_->groups.group_fd.get(), IPPROTO_IP, IP_DROP_MEMBERSHIP, &request,
@@ -38,7 +38,7 @@ class GroupJoinsTest : public testing::Test {
   GroupJoins joins_{socket_};
 };
 
-/// If a new group replaced the oldest one, two writers would take that place from each other without end.
+/// Otherwise two writers whose groups replace each other would make the process join and leave without end.
 TEST_F(GroupJoinsTest, AProcessThatIsInTooManyGroupsStaysInThemAndJoinsNoOther) {
   for (std::size_t i = 0; i <= GroupJoins::joins_max; ++i) join(i);
   EXPECT_FALSE(was_in(GroupJoins::joins_max));

@@ -1,4 +1,5 @@
-// These tests compare sizes estimated from the sizes of fields with those of real projections.
+// These tests compare estimated sizes of projections with the sizes of real projections. The estimates are
+// computed from the sizes of fields.
 #include "udp_transport/multicast/leaf_sizes.h"
 
 #include <gtest/gtest.h>
@@ -83,7 +84,7 @@ using test::Image;
 using test::Scene;
 using test::Wide;
 
-/// An encoded value as a sample, in memory of its own.
+/// A sample with an encoded value, in memory of its own.
 template <class T>
 class Sample {
  public:
@@ -152,7 +153,7 @@ class LeafSizesTest : public sft::test::RandomTest {
       projected += bytes;
     }
   }
-  double computed = 0, projected = 0;  ///< bytes of all comparisons
+  double computed = 0, projected = 0;  ///< the bytes of all comparisons so far
 };
 
 TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
@@ -162,8 +163,8 @@ TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
 }
 
 /// Up to 7 bytes of padding precede a member that follows a field of variable length, with a standard
-/// deviation of up to 2.3 bytes. An element has at most three such members, and one follows each word.
-/// Their lengths are not quite independent of one another.
+/// deviation of up to 2.3 bytes. An element has at most three such members, and one more follows each word.
+/// The padding of these members is not quite independent.
 TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) {
   for (int i = 0; i < 200; ++i) {
     const std::size_t things = random() % 33, words = random() % 33;
@@ -173,7 +174,8 @@ TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) 
   EXPECT_NEAR(computed, projected, 0.02 * projected);
 }
 
-/// The average of 32 names of up to 20 bytes is off by about a byte, and so is that of the numbers.
+/// The estimates use only the first 32 elements. So the average length of names of up to 20 bytes is off by
+/// about a byte, and so is the average length of the sequences of numbers.
 TEST_F(LeafSizesTest, FollowFromTheFirstElementsOfALongSequence) {
   for (int i = 0; i < 6; ++i) expect_close(scene(2000, 10'000, 3000), 2000 * 10 + 3000 * 3);
   EXPECT_NEAR(computed, projected, 0.05 * projected);
@@ -201,7 +203,7 @@ TEST_F(LeafSizesTest, StayAsTheyAreIfASampleIsMalformed) {
   LeafSizes sizes(test::type_support<Image>().type());
   const Sample<Image> sample(test::make_image(100));
   detail::SampleState cut = sample.state();
-  cut.body_bytes = 9;  // without the length of the name
+  cut.body_bytes = 9;  // the length of the name is missing
   sizes.measure(cut);
   EXPECT_FALSE(sizes.known(test::fields<Image>("name")));
 }

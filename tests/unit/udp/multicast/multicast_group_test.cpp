@@ -17,7 +17,8 @@ using test::Image;
 
 constexpr std::uint32_t group_writer = 7, group_number = 2;
 
-/// Members 0 to 2 are reliable, and their channels have carried samples before. Member 3 is best-effort.
+/// The group has four members. Members 0 to 2 are reliable, and their channels have carried samples before.
+/// Member 3 is best-effort.
 class MulticastGroupTest : public testing::Test {
  protected:
   void SetUp() override {
@@ -50,7 +51,8 @@ class MulticastGroupTest : public testing::Test {
   static std::uint64_t keep(Channel& channel, const JobHandle& job, bool elsewhere) {
     return channel.post_shared(job, job->first, elsewhere).kept.ordinal;
   }
-  /// Makes a job for the group that has not left yet.
+  /// Makes a job for the group, and gives the job its places in the members' channels. The job is not sent
+  /// yet.
   JobHandle place(std::size_t bytes = 8) {
     const JobHandle sent = job(bytes);
     const std::uint64_t ordinal = group->next_ordinal(now);
@@ -60,7 +62,7 @@ class MulticastGroupTest : public testing::Test {
     sent->first.group = {group_number, 0, ordinal};
     return sent;
   }
-  /// Sends a sample to the group. Returns its ordinal in the group.
+  /// Sends a sample to the group. Returns the sample's ordinal in the group.
   std::uint64_t send(std::size_t bytes = 8) {
     const JobHandle sent = place(bytes);
     group->departed(*sent, false);
@@ -74,14 +76,15 @@ class MulticastGroupTest : public testing::Test {
     const std::uint64_t ordinal = send();
     for (std::uint32_t i = 0; i < 4; ++i) report(i, ordinal);
   }
-  /// Makes a member ask for that sample. Returns how many parts are left to be sent to it alone.
+  /// Makes a member request the sample again. Returns the number of parts that have to be sent to this member
+  /// alone.
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = group_writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal - first_sent + 1 + member), 0, 0};
     told += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
     return ack.missing_count;
   }
-  /// Returns how many samples wait to be sent to the group.
+  /// Takes all jobs that wait to be sent to the group again. Returns their number.
   std::size_t sent_again() {
     std::size_t count = 0;
     while (group->lane()->next() != nullptr) ++count;
@@ -89,7 +92,7 @@ class MulticastGroupTest : public testing::Test {
   }
 
   GroupMembership::Time now{1h};
-  std::uint64_t first_sent = 0;  ///< the ordinal of the first sample
+  std::uint64_t first_sent = 0;  ///< the ordinal of the first sample in the group
   std::shared_ptr<MulticastGroup> group;
   int told = 0;
 
@@ -135,7 +138,8 @@ TEST_F(MulticastGroupTest, AcceptsNoReportOfWhatWasNotSent) {
   EXPECT_FALSE(group->hears(1));
 }
 
-/// Best-effort members are offered the group at once, so that they need not get the first sample alone.
+/// Best-effort members are offered the group at once, so that the first sample need not be sent to each of
+/// them alone.
 TEST_F(MulticastGroupTest, IsHeardBeforeItsFirstSample) {
   EXPECT_EQ(group->next_probe(), GroupMembership::Time::max()) << "nobody was offered the group";
   ASSERT_EQ(group->offers(now).size(), 1U);
@@ -245,7 +249,7 @@ TEST_F(MulticastGroupTest, TakesWhatIsAskedForWithinATenthOfASecondForLostTogeth
   EXPECT_EQ(sent_again(), 1U);
 }
 
-/// In each channel the sample has another place, because of what was sent before the group.
+/// The sample has a different place in each channel, because each channel carried other samples before.
 TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
   all_report();
   JobHandle sent = job(8);

@@ -15,15 +15,15 @@
 namespace sft::udp {
 namespace {
 
-constexpr double often = 1e6;  // samples per second: so many that every saving pays
+constexpr double often = 1e6;  // samples per second, enough that every saving pays
 constexpr std::size_t datagram_bytes = 1472;
 
 FieldMask some(std::uint64_t bits) { return FieldMask::from_words(64, std::array{bits}); }
 const FieldMask A = some(1), B = some(2);
-/// The masks that the readers of one process ask for.
+/// The masks that the readers in one process ask for.
 using Masks = std::vector<FieldMask>;
 
-/// Returns the size of bodies from the sizes of their fields.
+/// Returns a function that adds up the sizes of a body's fields; `bytes` has the size of each field.
 BodyBytes apart(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;
@@ -47,7 +47,8 @@ std::vector<PlanDestination> destinations(const std::vector<FieldMask>& masks, c
   return all;
 }
 
-/// Returns the cost as multicast.md defines it, which says what a change of plans gains.
+/// Returns the cost of a plan as multicast.md defines it. The gain of a change of plans is the difference of
+/// two costs.
 PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes,
                    const MulticastPlan& plan) {
   PlanCost all;
@@ -67,8 +68,8 @@ PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyB
   return all;
 }
 
-/// Returns the bytes that a plan may put on the link: PlanLimits::wire_max times those of one group of all
-/// destinations or of no group, whichever is less.
+/// Returns the most bytes that a plan may put on the link. This is PlanLimits::wire_max times the bytes of
+/// one group of all destinations, or times the bytes without groups, whichever is less.
 double wire_bytes_max(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes) {
   PlannedGroup all{FieldMask(64), {}};
   for (std::size_t i = 0; i < destinations.size(); ++i) {
@@ -114,8 +115,8 @@ TEST(MulticastPlan, CostsWhatIsDocumented) {
 
 struct Case {
   const char* what;
-  std::vector<Masks> masks;   ///< of each destination
-  std::vector<double> bytes;  ///< of each field
+  std::vector<Masks> masks;   ///< the masks of each destination
+  std::vector<double> bytes;  ///< the size of each field, in bytes
   MulticastPlan best;
 };
 
@@ -173,7 +174,7 @@ TEST(MulticastPlan, FollowsAMaskThatChanges) {
 }
 
 TEST(MulticastPlan, StaysAsItIsForASmallGain) {
-  // A saving of 16 * 100 bytes is too small a part of the cost to change the groups.
+  // In the first case below a change would save 16 * 100 bytes, which is too small a part of the cost.
   const std::vector<FieldMask> masks{A, A, A, A, B, B};
   const MulticastPlan present{{A, {0, 1, 2, 3}}};
   EXPECT_EQ(plan(masks, apart({100'000, 100}), present), present);
@@ -184,7 +185,8 @@ TEST(MulticastPlan, DoesNotFlapWhileSizesVary) {
   std::mt19937 random(1);
   MulticastPlan present;
   int changes = 0;
-  for (int i = 0; i < 1000; ++i) {  // sizes around the one from which a group of both pays
+  // The sizes are close to the size from which one group for both destinations pays.
+  for (int i = 0; i < 1000; ++i) {
     const double b = 28 + static_cast<double>(random() % 9);
     MulticastPlan next = plan({A, B}, apart({30, b}), present);
     changes += next == present ? 0 : 1;
@@ -199,8 +201,9 @@ TEST(MulticastPlan, IsKeptWhileItCostsAtMostATwentiethMoreThanTheBest) {
   PlanLimits usual, eager;
   usual.wire_max = eager.wire_max = 2;
   eager.gain_min = 0;
-  double dearest_kept = 1, cheapest_left = 2;  // the cost of the present plan, relative to the best one's
-  // the larger `a`, the more it costs that the last one gets it, too
+  double dearest_kept = 1, cheapest_left = 2;  // costs of the present plan, divided by that of the best plan
+  // The last destination asks for C only, but its group also sends A. So the present plan costs more as `a`
+  // grows.
   for (double a = 1000; a < 5000; a += 2) {
     const BodyBytes bytes = apart({a, 1000, 500});
     const std::vector<PlanDestination> all = destinations({A | C, A | C, B | C, B | C, C}, bytes);
@@ -223,7 +226,8 @@ TEST(MulticastPlan, HasNoGroupForATopicThatIsSeldomSent) {
 }
 
 TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor) {
-  // A group of all saves 20 % of the bytes of two groups, but sends two members what they did not ask for.
+  // A group of all saves 20 % of the bytes of two groups, but sends two members fields that they did not ask
+  // for.
   PlanLimits indifferent;
   indifferent.unwanted_weight = 0;
   indifferent.wire_max = 2;
@@ -239,7 +243,8 @@ TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor
 }
 
 TEST(MulticastPlan, HasNoGroupForOneCopyThatIsMoreThanAllThatItsReadersAskFor) {
-  // Two processes have two readers each, of small parts of a field. One copy for both has the whole field.
+  // Each of two processes has two readers, which read small parts of one field. A copy for both processes has
+  // the whole field.
   std::vector<PlanDestination> all = destinations({A, A}, apart({10'000}));
   for (PlanDestination& to : all) to.alone_bytes = 2 * wire_bytes(500, datagram_bytes, PlaceMark::none);
   EXPECT_TRUE(plan_multicast(all, apart({10'000}), often, {}, {}).empty());
@@ -275,7 +280,7 @@ TEST(MulticastPlan, PutsANewcomerToThoseWhoAskForTheSameAndLeavesTheOthersWhereT
   EXPECT_EQ(plan({A, A, B, B, B}, bytes, present), (MulticastPlan{{A, {0, 1}}, {B, {2, 3, 4}}}));
 }
 
-/// Destinations with random fields of random sizes.
+/// Destinations that ask for random fields of random sizes.
 struct RandomTask {
   RandomTask(sft::test::Random& random, std::size_t kinds) {
     const std::size_t leaves = 1 + random() % 10;

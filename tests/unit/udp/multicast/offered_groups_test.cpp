@@ -20,7 +20,7 @@ const SocketAddress writer_at{0x0a000001, 1};
 
 class OfferedGroupsTest : public testing::Test {
  protected:
-  /// Returns true if the group has to be joined again.
+  /// Offers a group. Returns true if the process has to join the group again.
   bool offer(std::uint32_t group, std::uint32_t channel = 0, std::int64_t ahead = 0, Time now = test_start) {
     return groups_.hear({.writer = 1,
                          .group = group,
@@ -101,7 +101,7 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereSomebodyReplacesOrTakesB
   const GroupReport offer_it_again{1, 1, 3, 0};
   const auto use = [&] {
     offer(1, 9, 5);
-    offer(1, 9, 5);  // once more, as there may be another group
+    offer(1, 9, 5);  // a second offer, since there may be two groups
     ASSERT_TRUE(place(1, 1));
     reports();
   };
@@ -200,7 +200,7 @@ TEST_F(OfferedGroupsTest, MakeNoRoomForOthersWhileTheyAreHeard) {
   EXPECT_FALSE(place(1, 2, test_start + 500ms));
 }
 
-/// Readers come one after another, and the writer changes its groups for each of them.
+/// Readers come one after another, and the writer makes a new group after each of them.
 TEST_F(OfferedGroupsTest, MakeRoomOnceLaterOnesAreHeard) {
   Time now = test_start;
   constexpr std::uint32_t numbers_turn_over = UINT32_MAX - 3;
@@ -233,7 +233,7 @@ TEST_F(OfferedGroupsTest, MakeNoRoomForOthersBecauseEarlierOnesAreHeard) {
   EXPECT_TRUE(place(4, 2, test_start + 200ms));
 }
 
-/// Somebody forges offers of groups with later numbers, and sends to these groups.
+/// An attacker forges offers of groups with later numbers, and sends to these groups.
 TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereForgedOnesThatAreHeardTookTheirRoom) {
   offer(1);
   place(1, 1);
@@ -294,7 +294,7 @@ TEST_F(OfferedGroupsTest, ReportTheFirstSampleAtOnceAndThenNowAndAgain) {
   EXPECT_TRUE(reports().empty());
   place(1, 7, test_start + group_report_pause);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 7}}));
-  offer(1);  // repeats the offer, since the report got lost
+  offer(1);  // repeats the offer, since the report was lost
   place(1, 8, test_start + group_report_pause);
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 8}}));
 }

@@ -21,7 +21,7 @@ constexpr std::size_t leaves_in_all = 8;
 FieldMask leaf(std::uint64_t number) {
   return FieldMask::from_words(leaves_in_all, std::array{std::uint64_t{1} << number});
 }
-/// Selects every `step`th element of each field in the mask.
+/// Returns a selection of every `step`th element of each field in the mask.
 Selection each(std::uint32_t step, const FieldMask& mask) {
   std::vector<Selection::Part> parts;
   for (const std::size_t number : mask)
@@ -31,7 +31,8 @@ Selection each(std::uint32_t step, const FieldMask& mask) {
 const Selection whole_cloud = leaf(0);
 const Selection scalars = leaf(1) | leaf(2);
 
-/// Returns the size of bodies. A part with a step has that fraction of its field.
+/// Returns a function that adds up the sizes of a body's fields. A part with step n has the size of its field
+/// divided by n.
 BodyBytes sized(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;
@@ -80,8 +81,8 @@ TEST(OneCopy, DoesNotDependOnTheOrderOfThoseItServes) {
 
 struct PartCase {
   const char* what;
-  std::vector<Selection> asked;  ///< of each destination
-  std::vector<double> bytes;     ///< of each field, whole
+  std::vector<Selection> asked;  ///< the selection of each destination
+  std::vector<double> bytes;     ///< the size of each whole field, in bytes
   MulticastPlan best;
 };
 

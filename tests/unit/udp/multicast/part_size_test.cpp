@@ -1,4 +1,4 @@
-// These tests compare the estimated bytes of parts of fields with those of real projections.
+// These tests compare the estimated bytes of parts of fields with the bytes of real projections.
 #include "udp_transport/multicast/part_size.h"
 
 #include <gtest/gtest.h>
@@ -49,7 +49,7 @@ class PartSizeTest : public sft::test::RandomTest {
   }
 };
 
-/// The names of channels that the part lacks take only some bytes, and so does padding.
+/// The estimate ignores padding and the names of the channels that are not selected. Both take few bytes.
 TEST_F(PartSizeTest, IsThatOfTheProjectionButForAFewBytesOfACloud) {
   const PointCloud2 cloud = sft::test::random_cloud(random, 20, 100);
   for (const char* text :
@@ -107,7 +107,7 @@ TEST_F(PartSizeTest, IsForgottenOnceNobodyAsksForThePart) {
   EXPECT_EQ(sizes.part_size(selections[1]), nullptr);
 }
 
-/// The bytes of a sample may be random.
+/// The test puts random bytes into samples, as a program may do.
 TEST_F(PartSizeTest, IgnoresBytesThatAreNotWhatTheyClaimToBe) {
   const Selection some = asked_of<PointCloud2>("data{x,y,z}[::2]");
   for (int i = 0; i < 2000; ++i) {

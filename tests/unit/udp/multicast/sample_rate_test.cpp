@@ -1,4 +1,4 @@
-// These tests check the measured rates at which samples are sent and pass gates.
+// These tests check the measured rates of samples that are sent and of samples that pass gates.
 #include "udp_transport/multicast/sample_rate.h"
 
 #include <gtest/gtest.h>

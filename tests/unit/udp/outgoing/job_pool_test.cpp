@@ -1,4 +1,5 @@
-// The memory of jobs, which any mask may use next, and the memory that jobs borrow.
+// The pool of jobs. A job that comes back keeps its memory, which any mask may use next. Jobs also borrow
+// memory.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -17,7 +18,7 @@ using Memory = detail::Projection::Memory;
 
 constexpr Memory wide{.staging_bytes = 5000, .segments = 9};
 
-/// Leaves the job as a mask with large memory needs does.
+/// Reserves as much memory in the job as a large mask needs.
 void widen(const JobHandle& job, const Memory& memory = wide) { job->projection.reserve(memory); }
 
 bool is_wide(const JobHandle& job) { return job->projection.memory().suffices_for(wide); }

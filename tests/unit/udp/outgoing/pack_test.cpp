@@ -1,4 +1,4 @@
-// Small samples that share datagrams: a pack is cut into datagrams and read from them again.
+// Small samples that share datagrams. A pack is cut into datagrams, and the samples are read from them again.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -19,7 +19,8 @@ using Lengths = std::vector<std::size_t>;
 
 class PackTest : public testing::Test {
  protected:
-  static constexpr std::uint64_t first_sequence = 0x1'ffff'fffe;  // the low half wraps around after it
+  // The low half of the sequence number wraps around after this sequence.
+  static constexpr std::uint64_t first_sequence = 0x1'ffff'fffe;
 
   void pack(const Lengths& lengths) {
     job_ = JobPool::make()->take();
@@ -32,7 +33,7 @@ class PackTest : public testing::Test {
     job_->seal();
   }
 
-  /// Takes the samples from a datagram. Expects each to follow the one before.
+  /// Takes the samples from a datagram. Expects consecutive sequences.
   void take(const Bytes& bytes) {
     auto d = parse(bytes);
     ASSERT_TRUE(d);

@@ -1,4 +1,4 @@
-// How many bytes may be answered to a sender whose address is not confirmed.
+// The number of bytes that may be sent as answers to an unconfirmed address.
 #include "udp_transport/receive/answer_credit.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Each datagram is decoded once and handed to the component that it is for, even if it is forged.
+// Each datagram is decoded once and handed to the component that handles its kind, even if it is forged.
 #include "udp_transport/receive/demultiplexer.h"
 
 #include <gtest/gtest.h>
@@ -46,7 +46,7 @@ Bytes encoded(const Control& control, std::size_t bytes) {
   return datagram;
 }
 
-/// One writer is read here, reliably. receive() records where each datagram was handed.
+/// This process reads one writer, reliably. The tests check to which component each datagram is handed.
 class DemultiplexerTest : public sft::test::RandomTest {
  protected:
   DemultiplexerTest() {
@@ -58,7 +58,8 @@ class DemultiplexerTest : public sft::test::RandomTest {
     handed_ = {};
   }
 
-  /// Returns an honest datagram of that kind. The following one is the last part of the first one's sample.
+  /// Returns an honest datagram of that kind. A datagram of kind `following` is the last part of the sample
+  /// of which the datagram of kind `first` is the first part.
   static Bytes datagram_of(DatagramKind kind, std::uint32_t of_writer = short_id) {
     switch (kind) {
       case DatagramKind::first:
@@ -94,7 +95,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
     return {};
   }
 
-  /// Returns the bytes before the payload in a datagram of a sample.
+  /// Returns the number of bytes before the payload in a datagram of a sample.
   static std::size_t header_bytes(const Bytes& datagram) {
     return static_cast<std::size_t>(parse(datagram)->payload.data() - datagram.data());
   }
@@ -107,7 +108,8 @@ class DemultiplexerTest : public sft::test::RandomTest {
 
   struct Handed {
     std::size_t samples = 0;
-    std::size_t in_channel = 0;  ///< datagrams after which reliable readers may have something to take
+    /// The number of datagrams after which reliable readers may be able to take a sample.
+    std::size_t in_channel = 0;
     std::vector<Answer> answers{};
     std::vector<std::pair<SocketAddress, FlowReport>> reports{};
     std::vector<std::uint32_t> joined{};
@@ -242,11 +244,11 @@ TEST_F(DemultiplexerTest, KnowsAnAddressByTheSamplesThatCameFromThere) {
 }
 
 TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
-  receive(datagram_of(DatagramKind::mark));  // from now on the sender is known
+  receive(datagram_of(DatagramKind::mark));  // The sender is known after this mark.
   for (const DatagramKind kind : all_kinds) {
     if (kind != DatagramKind::mark) receive(datagram_of(kind));
   }
-  receive(Bytes(20));  // counts as a datagram of a sample, since it may have been one
+  receive(Bytes(20));  // counts as a datagram of a sample, because it might be a damaged one
   for (const DatagramKind kind : all_kinds) {
     Bytes malformed = datagram_of(kind);
     malformed.resize(following_header_bytes);  // shorter than any kind of datagram
@@ -302,7 +304,7 @@ TEST_F(DemultiplexerTest, HandsNothingOfATruncatedDatagramToAnybody) {
       const std::uint64_t before = malformed();
       receive(Bytes(datagram.begin(), datagram.begin() + static_cast<std::ptrdiff_t>(bytes)));
       ASSERT_TRUE(handed_.is_nothing()) << name_of(kind) << ", " << bytes << " bytes";
-      // The end of a sample's payload may come in another datagram.
+      // The end of a sample's payload may arrive in another datagram.
       const bool is_malformed = !is_of_sample(kind) || bytes < header_bytes(datagram);
       ASSERT_GE(malformed(), before + (is_malformed ? 1 : 0)) << name_of(kind) << ", " << bytes << " bytes";
     }

@@ -51,7 +51,7 @@ TEST_F(HandOverTest, LetsASampleWaitUntilTheOneBeforeItHasCome) {
 TEST_F(HandOverTest, LetsWhatComesBehindASampleThatWaitsWaitToo) {
   add(12, true);
   add(13, false);
-  add(12, false);  // the same sample under another mask
+  add(12, false);  // The same sample, sent under another mask.
   EXPECT_EQ(next(), Sequences{});
   add(11, false);
   EXPECT_EQ(next(), (Sequences{11, 12, 12, 13}));

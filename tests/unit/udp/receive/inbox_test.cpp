@@ -12,7 +12,7 @@ namespace {
 
 class InboxTest : public testing::Test {
  protected:
-  using Taken = std::vector<std::pair<core::EndpointId, std::uint64_t>>;  ///< writers and sequences
+  using Taken = std::vector<std::pair<core::EndpointId, std::uint64_t>>;  ///< pairs of writer and sequence
 
   void deliver(core::EndpointId writer, std::uint64_t from, std::uint64_t to,
                std::uint64_t oldest_retained = 0, std::uint32_t numbering = 0) {
@@ -82,7 +82,7 @@ TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   EXPECT_EQ(inbox_.room(7), 3U);
 }
 
-/// A subscriber counts the gaps in a writer's sequences. It cannot see losses behind the last sample or
+/// A subscriber counts the gaps in a writer's sequences. Gaps do not show losses behind the last sample or
 /// before the first one.
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({1});
@@ -91,12 +91,12 @@ TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({2});
   deliver(2, 1, 3);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 5 samples: 2 and 3 of the first writer are dropped
+  inbox_.disconnect(2);  // 5 samples wait: 2 and 3 of the first writer are dropped
   EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
 
   inbox_.connect({3});
   deliver(3, 1, 1);
-  inbox_.disconnect(3);  // sample 1 of the second writer is dropped, before anything of that writer was taken
+  inbox_.disconnect(3);  // sample 1 of the second writer is dropped, before a sample of that writer was taken
   EXPECT_EQ(take_all(), (Taken{{2, 2}, {2, 3}, {3, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 3U);
 }
@@ -165,11 +165,11 @@ TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {
   inbox_.connect({1});
   deliver(1, 1, 1);
   EXPECT_EQ(take_all(), (Taken{{1, 1}}));
-  deliver(1, 2, 6);  // 2 and 3 are dropped
+  deliver(1, 2, 6);  // samples 2 and 3 are dropped
   inbox_.disconnect(1);
   inbox_.connect({2});
   deliver(2, 1, 3);
-  inbox_.disconnect(2);  // the rest of the first writer's are dropped
+  inbox_.disconnect(2);  // the remaining samples of the first writer are dropped
   EXPECT_EQ(take_all(), (Taken{{2, 1}, {2, 2}, {2, 3}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 5U);
 }
@@ -181,19 +181,19 @@ TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
   inbox_.connect({2});
   deliver(2, 1, 2);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 4 samples: 2 of the first writer is dropped
+  inbox_.disconnect(2);  // 4 samples wait: 2 of the first writer is dropped
   EXPECT_EQ(take_all(), (Taken{{1, 3}, {2, 1}, {2, 2}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
 }
 
-/// Each sample of a writer's history names the first one that was sent.
+/// Each sample of a writer's history carries the sequence of the first sample that was sent.
 TEST_F(InboxTest, LeavesLossesOfRetainedSamplesToTheirReader) {
   inbox_.connect({1});
   deliver(1, 11, 13, 11);
   inbox_.connect({2});
   deliver(2, 1, 1);
   inbox_.disconnect(1);
-  inbox_.disconnect(2);  // 4 samples: 11 of the first writer is dropped
+  inbox_.disconnect(2);  // 4 samples wait: 11 of the first writer is dropped
   EXPECT_EQ(take_all(), (Taken{{1, 12}, {1, 13}, {2, 1}}));
   EXPECT_EQ(inbox_.lost_unnoticed(), 0U);
 }

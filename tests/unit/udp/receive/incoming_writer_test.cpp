@@ -1,4 +1,5 @@
-// The arrivals of one writer: what its datagrams are made into, and what is requested from it.
+// The datagrams that arrive from one writer: the samples that are made of them, and the requests for missing
+// parts.
 #include "udp_transport/receive/incoming_writer.h"
 
 #include <gtest/gtest.h>
@@ -28,8 +29,8 @@ using test::short_id;
 constexpr std::size_t stream_index = 3;
 const SocketAddress home{core::IpAddress(0x0A630102), 4000}, other_home{core::IpAddress(0x0A630103), 4000};
 
-/// A sample's sequence is its ordinal. sent() makes its datagrams, receive() takes them, and ask() returns
-/// the parts that the writer is asked for.
+/// Samples have equal sequences and ordinals. sent() makes the datagrams of a sample, receive() delivers
+/// datagrams, and ask() returns the parts that the writer is asked for.
 class IncomingWriterTest : public sft::test::RandomTest {
  protected:
   IncomingWriterTest() { restart({}); }
@@ -94,7 +95,7 @@ class IncomingWriterTest : public sft::test::RandomTest {
     writer_->accept(heartbeat, answers_to, {home, {now_, 77}, heartbeat_bytes});
   }
 
-  /// Returns the parts that the writer is asked for after that time.
+  /// Advances the time by `after`. Returns the parts that the writer is asked for then.
   std::vector<Missing> ask(std::chrono::milliseconds after) {
     now_ += after;
     std::vector<Missing> asked;
@@ -131,7 +132,7 @@ TEST_F(IncomingWriterTest, BringsASampleOfOneDatagramAtOnce) {
 }
 
 TEST_F(IncomingWriterTest, PutsSamplesTogetherInWhateverOrderTheirDatagramsCome) {
-  constexpr std::uint32_t samples = 4;  // as many as may be unfinished
+  constexpr std::uint32_t samples = 4;  // the limit of unfinished samples
   for (std::uint64_t round = sft::test::test_rounds(20); round > 0; --round) {
     restart({});
     taken_.clear();
@@ -224,7 +225,8 @@ TEST_F(IncomingWriterTest, AsksForExactlyThoseBytesOfASampleThatHaveNotCome) {
     read_reliably();
     const std::vector<Bytes> datagrams = sent(1, 30'000, true);
     receive(datagrams.front());
-    std::map<std::uint32_t, std::uint32_t> missing;  // first bytes of gaps, and their ends
+    // The gaps: the offset of each gap's first byte, and that of its end.
+    std::map<std::uint32_t, std::uint32_t> missing;
     for (std::size_t i = 1; i < datagrams.size(); ++i) {
       const Following part = std::get<Following>(decode(datagrams[i]));
       const auto end = part.offset + static_cast<std::uint32_t>(part.payload.size());
@@ -274,7 +276,7 @@ TEST_F(IncomingWriterTest, GetsAllSamplesWhateverIsLostIfItIsSentWhatItAsksFor) 
   EXPECT_TRUE(std::ranges::adjacent_find(sequences) == sequences.end()) << "a sample came twice";
 }
 
-/// Each heartbeat covers six samples at most, and more than these are due whenever it comes.
+/// Each request covers six samples at most. More than six samples are missing whenever a heartbeat arrives.
 TEST_F(IncomingWriterTest, AsksForTheFirstMissingSampleWhateverElseIsMissing) {
   for (int apart_ms = 0; apart_ms < 250; apart_ms += 10) {
     restart({});
@@ -335,7 +337,7 @@ TEST_F(IncomingWriterTest, GivesBackMemoryThatSomeSampleClaimedAndDoesNotUseWher
   for (std::uint32_t n = 11; n <= 20; ++n) receive(sent(n, 90'000, true).front());
   for (std::uint32_t n = 1; n <= 4; ++n) {
     ask(100ms);
-    receive(sent(n, 100, true));  // so that nothing gets stuck
+    receive(sent(n, 100, true));  // a whole sample, which makes progress
     receive(sent(7, 90'000, true));
   }
   EXPECT_EQ(taken(), (Sequences{1, 2, 3, 7, 4})) << "the others made no progress for 300 ms";

@@ -27,7 +27,8 @@ using test::lone_writer;
 using test::make_image;
 using test::Wide;
 
-/// Images of one writer: sent() makes their datagrams, receive() takes them, taken() returns the samples.
+/// Images of one writer. sent() makes their datagrams, receive() delivers datagrams, and taken() returns the
+/// samples.
 class ReassemblyTest : public testing::Test {
  protected:
   ReassemblyTest() { restart({}); }
@@ -294,11 +295,11 @@ TEST_F(ReassemblyTest, FreesWhatWasParkedWithItsSample) {
   EXPECT_EQ(counted().over_limit, 0U);
 }
 
-// Far more samples end in each way than memory and parked bytes suffice for at the same time.
+// In each way of ending, many more samples end than memory and parked bytes could hold at the same time.
 TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
   constexpr std::size_t bytes = 6'000;
   std::uint32_t sequence = 0;
-  std::vector<Bytes> datagrams;  // those of the present sample
+  std::vector<Bytes> datagrams;  // the datagrams of the present sample
   const auto begin_without_first = [&] { receive_without_first(datagrams); };
   const auto begin_with_first = [&] { receive(datagrams.front()); };
   const std::map<std::string, std::function<void()>> endings{
@@ -380,7 +381,7 @@ TEST_F(ReassemblyTest, TellsWritersWithOneShortIdApartByTheAddressesOfTheirNodes
 TEST_F(ReassemblyTest, TellsWritersWithOneShortIdAndOneAddressApartByWhatTheyAnnouncedOfTheirSamples) {
   const core::IpAddress ip(0x0a000001);
   std::vector<Stream> streams;
-  for (std::uint64_t i = 0; i < 8; ++i) {  // the honest one comes last
+  for (std::uint64_t i = 0; i < 8; ++i) {  // The honest writer is the last one.
     streams.push_back({lone_writer + ((7 - i) << 32),
                        &test::type_support<Image>(),
                        i == 7 ? 0 : std::size_t{1},
@@ -430,7 +431,7 @@ TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
 TEST_F(ReassemblyTest, RefusesABodyThatIsNotWhatItClaimsToBe) {
   auto datagrams = sent(1, make_image(10));
   datagrams[0][parse(datagrams[0])->first.bytes_in_single() + 11] =
-      std::byte{0xff};  // the length of the name
+      std::byte{0xff};  // a wrong length of the name
   receive(datagrams);
   EXPECT_EQ(taken(), Sequences{});
   EXPECT_EQ(counted().malformed, 1U);
@@ -542,7 +543,8 @@ TEST_F(ReassemblyTest, SurvivesLossRepetitionAndDisorder) {
     const bool loses = random() % 4 == 0;
     auto datagrams = sent(sequence, image);
     for (Bytes& datagram : datagrams) {
-      const bool last = &datagram == &datagrams.back();  // always comes, so that each loss is noticed
+      // The last datagram always arrives, so that each loss is noticed.
+      const bool last = &datagram == &datagrams.back();
       if (loses && !last && random() % 20 == 0) continue;
       if (random() % 10 == 0) wire.push_back(datagram);
       wire.push_back(std::move(datagram));
@@ -562,7 +564,7 @@ TEST_F(ReassemblyTest, SurvivesLossRepetitionAndDisorder) {
   EXPECT_GT(taken_.size(), 100U);
 }
 
-/// Nothing is read or written out of bounds (run under the sanitizers), and memory stays limited.
+/// The sanitizers find reads and writes out of bounds. The test itself checks that memory stays limited.
 TEST_F(ReassemblyTest, SurvivesHostileBytes) {
   const std::uint64_t seed = sft::test::test_seed();
   SCOPED_TRACE(sft::test::how_to_repeat());
@@ -576,7 +578,8 @@ TEST_F(ReassemblyTest, SurvivesHostileBytes) {
     Bytes datagram = honest[random() % honest.size()];
     const std::size_t at_sequence = kind_of(datagram) == DatagramKind::following ? 6 : 8;
     if (random() % 2 == 0)
-      datagram[at_sequence] = static_cast<std::byte>(round / 40);  // a sample that is not finished yet
+      // The low byte of the sequence, so that the datagram belongs to an unfinished sample.
+      datagram[at_sequence] = static_cast<std::byte>(round / 40);
     for (unsigned changes = random() % 4; changes > 0; --changes) {
       const std::size_t reach =
           random() % 2 == 0 ? std::min<std::size_t>(datagram.size(), 40) : datagram.size();

@@ -1,5 +1,5 @@
-// These tests check which thread receives. A waiting thread and the transport's own thread call `role` one
-// after the other, at times that the test passes in.
+// These tests check which thread receives. A waiting thread and the transport's own thread call `role`
+// alternately, at times that the test sets.
 #include "udp_transport/receive/receiving_role.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,7 @@ using Time = ReceivingRole::Time;
 class ReceivingRoleTest : public testing::Test {
  protected:
   Duty duty(bool readable = false) { return role.next(now, readable).duty; }
-  /// The transport's own thread sleeps in the kernel, is woken, and gives the role to the waiting thread.
+  /// Makes the transport's own thread sleep in the kernel, wake up, and give the role to the waiting thread.
   void pass_to_waiter() {
     ASSERT_EQ(duty(), Duty::receive);
     ASSERT_EQ(role.enter(now), Entry::promised);

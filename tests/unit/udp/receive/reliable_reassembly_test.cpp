@@ -1,5 +1,5 @@
-// These tests check how samples in channels are put together. They are samples of one writer that some
-// reader receives reliably.
+// These tests check how the samples of one writer are put together in a channel, which at least one reader
+// reads reliably.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -24,9 +24,9 @@ using test::make_image;
 
 constexpr SocketAddress acks_to{{}, 7};
 
-/// The sequence of each sample is its ordinal. sent() makes the datagrams of a sample, and receive() takes
-/// them. `taken_` has the samples that a reader of the channel got, `at_once_` those that a best-effort
-/// reader got.
+/// The sequence of each sample is its ordinal. sent() makes the datagrams of a sample, and receive() delivers
+/// datagrams. `taken_` has the samples that a reader of the channel got. `at_once_` has the samples that a
+/// best-effort reader got.
 class ReliableReassemblyTest : public testing::Test {
  protected:
   using Sequences = std::vector<std::uint64_t>;
@@ -89,7 +89,7 @@ class ReliableReassemblyTest : public testing::Test {
   Sequences at_once_;
 
  private:
-  /// Returns the number of bytes of data in an image.
+  /// Returns the number of data bytes of an image in the sample.
   static std::size_t bytes_of(const core::SampleBuffer& sample) {
     return sample.header().body_bytes - test::encoded_body(make_image(0), fields<Image>("*")).size();
   }
@@ -182,7 +182,7 @@ TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleWhenLaterOnesToo
   EXPECT_EQ(taken_, all) << "the one that there was no memory for comes later, and is not lost";
 }
 
-/// One sample that lost every second datagram has more gaps than one answer may ask for.
+/// A single sample of which every second datagram is lost has more gaps than one answer may ask for.
 TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   constexpr std::size_t parts_max = 8 * missing_max;
   const std::vector<Bytes> datagrams = sent(1, 3 * parts_max * 1456);
@@ -198,8 +198,8 @@ TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   EXPECT_EQ(acks, 8U);
 }
 
-/// The reader asks for three parts. One of them comes several times, so the reader asked too early. From
-/// then on it waits longer before it asks.
+/// The reader asks for three parts. One of them comes several times, so the reader asked too early. After
+/// that the reader waits longer before it asks.
 TEST_F(ReliableReassemblyTest, WaitsLongerIfPartsThatItAskedForComeTwice) {
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   hear(1, 2);

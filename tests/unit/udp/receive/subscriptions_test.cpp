@@ -1,4 +1,4 @@
-// Which writers the readers of a transport may receive from at the same time.
+// The writers that the readers of a transport may receive from at the same time.
 #include "udp_transport/receive/subscriptions.h"
 
 #include <gtest/gtest.h>
@@ -60,12 +60,13 @@ TEST_F(SubscriptionsTest, WhatAWriterAnnouncesAnewIsTakenOver) {
 TEST_F(SubscriptionsTest, AReaderIsRemovedOnceTheReceivingThreadDoesNotUseItsTypeAnyMore) {
   ASSERT_TRUE(connects(6));
   std::atomic<bool> entered{false};
-  bool has_left = false;  // not atomic: remove() must order the threads
+  bool has_left = false;  // Not atomic: remove() has to order the two threads' accesses.
   std::thread receiving([&] {
     const auto subscriptions = directory_.enter();
     entered = true;
     entered.notify_all();
-    for (int i = 0; i < 1000; ++i) std::this_thread::yield();  // gives remove() time to return too early
+    // Gives remove() time to return too early, if it has this error.
+    for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     EXPECT_FALSE(subscriptions->streams[0].type->name().empty());
     has_left = true;
     directory_.leave();
@@ -103,7 +104,7 @@ TEST_F(SubscriptionsTest, WhatManyReadersAskedForInTurnIsWantedOfTheirWriterOnce
   EXPECT_EQ(wanted->subscribers[0].back().accepted->size(), requests);
 }
 
-/// Returns a reader that asked for these texts one after the other.
+/// Returns a subscriber that asked for these selections one after the other.
 Subscriber subscriber_of(const std::vector<const char*>& asked) {
   std::vector<core::Accepted> accepted;
   for (const char* text : asked) accepted.push_back({.wanted = {test::selection_of<test::Image>(text)}});

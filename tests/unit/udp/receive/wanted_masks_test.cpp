@@ -1,4 +1,4 @@
-// Which mask a datagram names, and which of the masks a reader here wants.
+// The mask that a datagram names, and the masks that the readers in this process want.
 #include "udp_transport/receive/wanted_masks.h"
 
 #include <gtest/gtest.h>
@@ -20,8 +20,8 @@ using test::Image;
 using test::Wide;
 using Member = StructType::Member;
 
-/// Returns a type with a sequence of structs. Its leaves are elements.size, elements[].a, elements[].b and
-/// last.
+/// Returns a type with a sequence of structs. The leaves of the type are elements.size, elements[].a,
+/// elements[].b and last.
 const TypeSupport& type_with_elements() {
   static const std::array element_members{Member{.name = "a", .kind = Member::Kind::uint32},
                                           Member{.name = "b", .kind = Member::Kind::uint32}};
@@ -50,7 +50,7 @@ class WantedMasksTest : public testing::Test {
     wanted_.set(test::type_support<Wide>(), {&all, 1});
   }
 
-  /// Makes a datagram of a few bytes under that mask, and returns what it names.
+  /// Makes a datagram of a few bytes under the mask. Returns the mask that is found for the datagram.
   WantedMasks::Named named(const FieldMask& mask, std::uint8_t flags = 0) {
     datagram_ = {};
     datagram_.kind = DatagramKind::first;
@@ -61,7 +61,7 @@ class WantedMasksTest : public testing::Test {
     payload_.push_back(0x1122334455667788);
     return name();
   }
-  /// Returns what the present datagram names.
+  /// Returns the mask that is found for the present datagram.
   WantedMasks::Named name() {
     datagram_.payload = std::as_bytes(std::span(payload_));
     return wanted_.named_by(datagram_);
@@ -114,7 +114,7 @@ TEST_F(WantedMasksTest, KnowEachOfManySelections) {
   }
 }
 
-/// Every host that can send to a group may claim any selection, with any flags.
+/// Every host that can send to a group can forge datagrams with any hash of a selection and any flags.
 TEST_F(WantedMasksTest, TakeNothingUnderAHashThatNobodyAskedFor) {
   const TypeSupport& type = test::type_support<Image>();
   const Selection asked = test::selection_of<Image>("data[::3]");

@@ -1,4 +1,4 @@
-// Samples in a channel that fit into one datagram: sent with short headers, and put together in any order.
+// Samples in a channel that fit into one datagram. They are sent with short headers, and arrive in any order.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -145,7 +145,7 @@ TEST_F(WholeCutTest, IsTheFormOfWhatAWindowKeepsUntilItsOrdinalsTurnOver) {
       << "before the first ack the other end may not know the channel";
 }
 
-/// Images of one writer, which come to a process through a channel.
+/// Images of one writer, which arrive at a process through a channel.
 class WholeTest : public testing::Test {
  protected:
   WholeTest() {
@@ -187,13 +187,13 @@ class WholeTest : public testing::Test {
   }
 
   using Sequences = std::vector<std::uint64_t>;
-  /// Returns the sequences that readers without order got.
+  /// Returns the sequences of the samples that the readers without ordered delivery got.
   Sequences taken() const {
     Sequences sequences;
     for (const core::SampleHandle& sample : taken_) sequences.push_back(sample->header().sequence);
     return sequences;
   }
-  /// Returns the sequences that the reliable reader gets.
+  /// Returns the sequences of the samples that the reliable reader gets.
   Sequences in_order() {
     Sequences sequences;
     const auto any = [](const core::SampleBuffer&, std::uint64_t) { return true; };
@@ -202,7 +202,7 @@ class WholeTest : public testing::Test {
     reassembly_.window(0)->release();
     return sequences;
   }
-  /// Returns how many samples count as lost after all unfinished ones were given up.
+  /// Gives up all unfinished samples. Returns the number of samples that count as lost then.
   std::uint64_t counted_as_lost() {
     now_ += 10s;
     reassembly_.expire(now_);

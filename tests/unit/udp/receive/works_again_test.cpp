@@ -1,4 +1,4 @@
-// Whatever datagrams came, all honest streams flow again a second after the last one.
+// Honest streams recover within a second after the last hostile datagram.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -24,7 +24,7 @@ class WorksAgainTest : public sft::test::RandomTest {
   }
   Bytes any_captured() { return streams.captured()[random() % streams.captured().size()]; }
 
-  /// Expects a new sample of each stream within a second, and nearly all samples after that.
+  /// Expects a new sample of each stream within a second, and 90 % of the samples in the second after that.
   void expect_that_all_flow_again() {
     const Time quiet = streams.now();
     run_for(1s);
@@ -63,7 +63,7 @@ TEST_F(WorksAgainTest, EveryStreamAfterAHundredThousandMutatedDatagrams) {
   expect_that_all_flow_again();
 }
 
-/// Only a few datagrams, so that others do not undo their effect.
+/// The number of damaged datagrams is small, so that a later one does not undo the effect of an earlier one.
 TEST_F(WorksAgainTest, EveryStreamAfterAFewMutatedDatagrams) {
   for (int round = 0; round < 10 && !HasFailure(); ++round) {
     run_for(100ms);
@@ -76,7 +76,8 @@ TEST_F(WorksAgainTest, EveryStreamAfterAFewMutatedDatagrams) {
   }
 }
 
-/// Whole datagrams have only the low 11 bits of a channel's number, so they cannot contradict such a number.
+/// Whole datagrams have only the low 11 bits of a channel's number, so they cannot disprove a number that is
+/// wrong in a higher bit.
 TEST_F(WorksAgainTest, EveryStreamAfterHeartbeatsWithAWrongBitInTheirChannel) {
   run_for(500ms);
   for (const unsigned bit : {0U, 10U, 11U, 24U, 31U}) {
@@ -92,7 +93,8 @@ TEST_F(WorksAgainTest, EveryStreamAfterHeartbeatsWithAWrongBitInTheirChannel) {
   }
 }
 
-/// Writes each extreme value at each place of each kind, twice, so that two datagrams confirm each other.
+/// Writes each large number at each offset of random datagrams. Each datagram arrives twice, so that the
+/// second one confirms the first one.
 TEST_F(WorksAgainTest, EveryStreamAfterLargeNumbersInAnyFieldOfAnyKind) {
   run_for(500ms);
   for (const std::uint64_t value :

@@ -32,7 +32,7 @@ class ArrivalWindowTest : public testing::Test {
     made->addressee = addressee;
     return made;
   }
-  /// Receives a whole sample. Its sequence is ten times its ordinal.
+  /// Receives a whole sample. The sample's sequence is ten times its ordinal.
   void come(std::uint64_t ordinal, std::uint64_t addressee = 0, std::size_t bytes = 100) {
     const auto met = window.meet({1, 0, ordinal}, now);
     if (met.standing == Standing::wanted) window.whole(met.place, sample(10 * ordinal, addressee, bytes));
@@ -45,7 +45,8 @@ class ArrivalWindowTest : public testing::Test {
   void hear(std::uint64_t first, std::uint64_t end, std::uint32_t channel = 1) {
     window.hear({.writer = 1, .channel = channel, .port = 1, .first = first, .end = end}, now);
   }
-  /// Returns the sequences that `reader` gets now. Samples are for all readers, or name one.
+  /// Returns the sequences of the samples that `reader` can take now. A sample is for all readers, or for its
+  /// addressee.
   Numbers take(core::EndpointId reader = 1) {
     Numbers sequences;
     const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
@@ -229,10 +230,11 @@ TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleThatHasPartlyArrivedMeanwhile) 
   EXPECT_EQ(window.next_look(), now + 4ms) << "as if it was asked for the first time";
 }
 
-/// A network that delays what it sends for a while, and later does not.
+/// A network that delays datagrams for a while and later delivers them at once.
 class RepairDelayTest : public ArrivalWindowTest {
  protected:
-  /// Loses one sample, which comes that often once it is asked for. Returns the time until then.
+  /// Delays one sample, which arrives `times_that_it_comes` times after it was requested. Returns the time
+  /// until the request.
   ArrivalWindow::Time::duration lose_one(int times_that_it_comes) {
     const auto noticed = now;
     come(ordinal_ + 1);
@@ -329,7 +331,7 @@ TEST_F(ArrivalWindowTest, HandsNothingOverThatItHasGivenUp) {
   EXPECT_EQ(take(), (Numbers{20, 30, 40, 50}));
 }
 
-/// Returns after what times many processes ask for the same missing sample.
+/// Returns the times after which 100 processes ask for the same missing sample.
 std::vector<ArrivalWindow::Time::duration> times_of_asking(bool spread) {
   std::vector<ArrivalWindow::Time::duration> times;
   const ArrivalWindow::Time now{1h};
@@ -458,7 +460,8 @@ TEST_F(ArrivalWindowTest, BeginsWithTheFirstOfANewChannelWhereItJoinsAgain) {
   EXPECT_EQ(again.ack(1).next, 1U);
 }
 
-/// A reader that has changed its request. Samples are under the first request unless the test says so.
+/// A reader that has changed its request. Samples are sent under the first request unless the test says
+/// otherwise.
 class ChangingReaderTest : public ArrivalWindowTest {
  protected:
   ChangingReaderTest() { window.set_readers({1}); }
@@ -479,7 +482,7 @@ class ChangingReaderTest : public ArrivalWindowTest {
 TEST_F(ChangingReaderTest, GetsWhatWasPublishedBeforeUnderTheEarlierRequestHoweverLateItComes) {
   come_under(1, 1);
   window.heard(1, 2);
-  hear_of(3, 2);  // samples 3 and 4 have not left yet
+  hear_of(3, 2);  // samples 3 and 4 have not been sent yet
   for (const std::uint64_t ordinal : {2, 3, 4}) {
     come_under(1, ordinal);
     EXPECT_EQ(take_under_requests().back(), 10 * ordinal);
@@ -505,7 +508,7 @@ TEST_F(ChangingReaderTest, IsNotToldByAHeartbeatOfBefore) {
 TEST_F(ChangingReaderTest, EndsOneRequestAfterTheOtherAsItChangesOftenAndComesBack) {
   window.heard(1, 2);
   hear_of(3, 0);
-  window.heard(1, 3);  // takes effect only after the known end of the second request
+  window.heard(1, 3);  // Takes effect only after the known end of the second request.
   hear_of(5, 0);
   for (std::uint64_t ordinal = 1; ordinal < 3; ++ordinal) come_under(1, ordinal);
   for (std::uint64_t ordinal = 3; ordinal < 6; ++ordinal) come_under(2, ordinal);

@@ -69,7 +69,8 @@ TEST_F(ArrivedSamplesTest, HoldsNoMoreBackForSamplesThatTurnedOutWrong) {
   EXPECT_EQ(samples.next(), 7U) << "two may be held back, and the third one was given up";
 }
 
-/// Otherwise samples that the writer publishes there later would count as known.
+/// If these samples stayed known, samples that the writer publishes later at the same places would be
+/// discarded.
 TEST_F(ArrivedSamplesTest, ForgetsWhatTheWriterInsistsThatItHasNotPublished) {
   samples.reach(6, now);
   samples.whole(3, sample(3));

@@ -40,7 +40,7 @@ TEST_F(ChannelDirectoryTest, GivesOthersAChannelOfTheirOwnWithAGreaterNumber) {
 TEST_F(ChannelDirectoryTest, NumbersThemSoThatNobodyElseCanGuessAndTheReceiverCanTellTheNewer) {
   std::uint32_t before = channels.find(to(1), {1})->number();
   EXPECT_GT(before - channels.find(to(2), {2})->number() + 1000, 2000U) << "whoever knows one knows no other";
-  for (core::EndpointId reader = 3; reader < 20; ++reader) {  // the destination is removed in between
+  for (core::EndpointId reader = 3; reader < 20; ++reader) {  // The destination is removed in between.
     channels.keep_to({});
     const std::uint32_t number = channels.find(to(1), {reader})->number();
     EXPECT_GT(static_cast<std::int32_t>(number - before), 0);

@@ -14,7 +14,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr std::size_t beyond_caches = 5'000'000;  // two of them are more than caches hold
+// The bytes of a large sample. Two such samples exceed the CPU's caches.
+constexpr std::size_t beyond_caches = 5'000'000;
 
 class ChannelTest : public testing::Test {
  protected:
@@ -84,7 +85,7 @@ TEST_F(ChannelTest, UsesUpTheTimeoutBeforeSamplesAreLost) {
 
 class ChannelHeartbeatTest : public testing::Test {
  protected:
-  /// Sends a sample from its publisher's thread, at that time.
+  /// Sends a sample at that time, as the publisher's thread does.
   void send(std::uint64_t sequence, Channel::Time at) {
     const JobHandle job = test::make_job(*jobs_, sequence);
     const Channel::Posted posted = channel_.post(job, job->first, true);

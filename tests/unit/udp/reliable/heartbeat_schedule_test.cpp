@@ -11,7 +11,7 @@ using Time = HeartbeatSchedule::Time;
 
 class HeartbeatScheduleTest : public testing::Test {
  protected:
-  /// Sends a sample and with it the first heartbeat, which the other end answers.
+  /// Sends a sample with the first heartbeat. The receiver answers this heartbeat.
   void begin() {
     schedule.sent(true, Kept::at_most_half, now);
     EXPECT_TRUE(schedule.take(Kept::at_most_half, now));
@@ -67,7 +67,7 @@ TEST_F(HeartbeatScheduleTest, WaitsForTwiceTheUsualPauseBetweenSamples) {
 
 TEST_F(HeartbeatScheduleTest, AMuchLongerPauseBetweenTwoSamplesHardlyCountsAsUsual) {
   begin();
-  schedule.sent(true, Kept::at_most_half, now + 40ms);  // the usual pause
+  schedule.sent(true, Kept::at_most_half, now + 40ms);  // after the usual pause
   const Time after_pause = now + 40ms + 10s;
   schedule.sent(true, Kept::at_most_half, after_pause);
   ASSERT_TRUE(schedule.take(Kept::at_most_half, schedule.next()));

@@ -45,7 +45,7 @@ class LaneTest : public testing::Test {
     while (const Job* job = lane.next()) numbers.push_back(job->first.label.sequence);
     return numbers;
   }
-  /// Returns how many samples are held.
+  /// Returns the number of samples that are held.
   std::size_t held() {
     std::vector<core::SampleHandle> rest;
     while (core::SampleHandle free = memory_->take(1000)) rest.push_back(std::move(free));
@@ -244,7 +244,8 @@ TEST_F(LaneTest, WaitsNotAtAllIfThereIsRoomAndForTheTimeoutIfThereIsNone) {
   EXPECT_EQ(hang_timeout.count(), 0);
 }
 
-/// The other thread most likely waits when next() is called. If it does not, it finds room at once.
+/// The other thread most likely waits already when next() is called. If it does not wait yet, it finds room
+/// at once.
 TEST_F(LaneTest, WaitsForRoomOnlyUntilAJobIsTaken) {
   for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
   std::promise<void> begins;
@@ -309,7 +310,7 @@ TEST_F(LaneTest, OfAGroupIsClearOnceNoLaneOfItsWriterHasSomethingToSend) {
   EXPECT_TRUE(other_.is_clear());
 }
 
-/// Records if other threads can use the lane during the call.
+/// Records whether other threads can use the lane while departed() is called.
 struct Onlooker final : LaneListener {
   explicit Onlooker(Lane& one) : lane(one) {}
   void departed(const Job& job, bool lost) noexcept override {

@@ -21,7 +21,7 @@ constexpr std::uint32_t its_writer = 7, its_channel = 3;
 
 class ResendWindowTest : public testing::Test {
  protected:
-  /// Makes a job that holds about that many bytes of memory.
+  /// Makes a job that holds about `bytes` bytes of memory.
   JobHandle job(std::size_t bytes, std::uint64_t sequence = 1) {
     const FieldMask all = test::fields<Image>("*");
     const Image image = test::make_image(bytes);
@@ -41,7 +41,7 @@ class ResendWindowTest : public testing::Test {
     const JobHandle kept = job(bytes, sequence);
     return window.keep(kept, kept->first).ordinal;
   }
-  /// Sends all that may be sent now. Returns the ordinals.
+  /// Sends all jobs that may be sent now. Returns their ordinals.
   std::vector<std::uint64_t> send() {
     std::vector<std::uint64_t> sent;
     for (const KeptSize size : {KeptSize::small, KeptSize::large}) {
@@ -451,7 +451,7 @@ TEST_F(ResendWindowTest, SendsItselfWhatComesWhileMoreThanHalfOfWhatMayBeKeptIs)
     const JobHandle sample = job(1000);
     EXPECT_EQ(window.keep(sample, sample->first, true).elsewhere, i <= 5) << i;
   }
-  window.departed(6, now);  // sample 6 is not sent elsewhere
+  window.departed(6, now);  // the window itself sends sample 6
   EXPECT_EQ(send(), numbers(6, 6));
   for (std::uint64_t i = 1; i <= 5; ++i) window.departed(i, now);
   ack(7);
@@ -471,7 +471,7 @@ TEST_F(ResendWindowTest, TellsHowManyWereKeptAndHaveNotLeft) {
   EXPECT_EQ(heartbeat->waiting, 3U);
 }
 
-/// Windows that share memory. Each of them could use all of it.
+/// Windows that share memory. The limit of each window alone would allow it to use all of the memory.
 class SharedMemoryTest : public ResendWindowTest {
  protected:
   static constexpr std::size_t limit = 1'600'000, bytes = 50'000;

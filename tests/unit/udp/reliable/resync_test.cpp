@@ -1,4 +1,4 @@
-// How a reader follows a stream again: the sequences, ordinals and channels that it accepts.
+// A reader that resumes a stream: the sequences, ordinals and channels that it accepts.
 #include <gtest/gtest.h>
 
 #include "core/seam/buffer_pool.h"
@@ -132,7 +132,7 @@ TEST_F(ResyncOfSequences, StaysWithTheNewestWhereASlowPathBringsOlderSamplesLate
 
 TEST_F(ResyncOfSequences, BeginsAnewAfterManyLateSamplesInARowThatComeOverAWhile) {
   accepts(60'000);
-  const std::int64_t stamp_of_each = stamp_ns - 1;  // earlier than the stamp of the newest sample
+  const std::int64_t stamp_of_each = stamp_ns - 1;  // The stamp is earlier than that of the newest sample.
   const auto comes = [&](std::uint64_t late) {
     now += 4ms;
     monitor.accepts({late, 0, ++datagram, stamp_of_each}, now);
@@ -179,7 +179,7 @@ TEST_F(ResyncOfSequences, KnowsByTheirStampsWhatWasPublishedAfterAWrongSequenceC
     return monitor.accepts({sequence, place, ++datagram, by_its_clock.count()}, now);
   };
   for (std::uint64_t n = 1; n <= 10; ++n, now += 10ms) observed(n, now, n);
-  observed(60'000, now + 24h, 1'000);  // its stamp and its place are wrong, too
+  observed(60'000, now + 24h, 1'000);  // The stamp and the place of this sample are wrong, too.
   now += 10ms;
   for (std::uint64_t n = 11; n <= 14; ++n) observed(n, now - 50ms, n);
   now += 300ms;
@@ -201,7 +201,8 @@ TEST_F(ResyncOfSequences, BelievesNoStampForTheSamplesOfOneDatagramOnly) {
     observed(n, n * 10ms);
   }
   ++datagram;
-  for (std::uint64_t n = 300; n <= 310; ++n) observed(n, 24h * 365);  // a stamp at which nobody publishes
+  // A stamp a year ahead, which no publisher sets.
+  for (std::uint64_t n = 300; n <= 310; ++n) observed(n, 24h * 365);
   for (std::uint64_t n = 11; n <= 40; ++n, now += 10ms) {
     ++datagram;
     observed(n, n * 10ms);

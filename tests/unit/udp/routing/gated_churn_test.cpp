@@ -1,6 +1,6 @@
 // Readers with conditions on many hosts join, leave and change their requests some thousand times while
-// samples are published. These tests check which readers share a group meanwhile, and that in the end no
-// group or gate is kept that nobody needs.
+// samples are published. These tests check which readers share a group meanwhile, and that no unneeded group
+// or gate remains in the end.
 #include <algorithm>
 #include <map>
 #include <memory>
@@ -16,8 +16,8 @@
 namespace sft::udp::test {
 namespace {
 
-/// Several have the same conditions and different fields, or the same fields and different conditions. The
-/// last three have no conditions.
+/// Several selections have the same conditions and different fields, or the same fields and different
+/// conditions. The last three have no conditions.
 const std::vector<std::string> wishes{"data @ height > 500",
                                       "data @ height <= 500",
                                       "data[::3] @ height > 500",
@@ -37,7 +37,7 @@ const std::vector<std::string> wishes{"data @ height > 500",
 
 class GatedChurnTest : public GroupKeeperTest {
  protected:
-  GatedChurnTest() { anything_passes_ = false; }  // evaluate() lets samples pass
+  GatedChurnTest() { anything_passes_ = false; }  // samples pass gates in evaluate() instead
 
   /// The number of hosts. join() adds a reader on one of them; some readers share a process.
   static constexpr std::uint32_t hosts = 200;
@@ -48,7 +48,7 @@ class GatedChurnTest : public GroupKeeperTest {
     route.reliable = random_() % 2 == 0;
     routes_.push_back(std::move(route));
   }
-  /// Returns one of the wishes, or now and then one that hardly any other reader has.
+  /// Returns one of the wishes, or sometimes a selection that hardly any other reader has.
   std::string any_wish() {
     if (random_() % 8 == 0) return "data @ height > " + std::to_string(random_() % 1000);
     return wishes[random_() % wishes.size()];
@@ -70,7 +70,7 @@ class GatedChurnTest : public GroupKeeperTest {
     serve();
     note_groups();
   }
-  /// Publishes a sample each millisecond, and does what the agent does.
+  /// Publishes a sample each millisecond, and maintains the groups as the agent does.
   void publish_for(std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       Image image = make_image(2000);
@@ -86,13 +86,13 @@ class GatedChurnTest : public GroupKeeperTest {
     }
   }
 
-  /// Expects each reader to be served once. Readers in a group with a gate want the same part of the same
-  /// samples, and those in another group want every sample.
+  /// Expects each reader to be served once. All readers in a group with a gate want the same part of the same
+  /// samples. All readers in a group without a gate want every sample.
   void expect_right_groups() {
     std::map<core::EndpointId, const core::Route*> routes;
     for (const core::Route& route : routes_) routes.emplace(route.reader, &route);
     std::set<core::EndpointId> served;
-    std::map<std::uint32_t, std::size_t> gated_groups;  // by link
+    std::map<std::uint32_t, std::size_t> gated_groups;  // the number of groups with a gate, by link
     for (const RouteBundle& bundle : merged_) {
       for (const auto& [reader, to] : bundle.readers) {
         ASSERT_TRUE(served.insert(reader).second) << "reader " << reader << " is served twice";
@@ -155,7 +155,7 @@ class GatedChurnTest : public GroupKeeperTest {
   }
 
   core::EndpointId last_reader_ = 0;
-  std::map<std::uint64_t, std::weak_ptr<core::Gate>> gates_;  ///< by the hash of their conditions
+  std::map<std::uint64_t, std::weak_ptr<core::Gate>> gates_;  ///< gates by the hash of their conditions
   std::map<std::uint32_t, std::weak_ptr<MulticastGroup>> noted_groups_;
 };
 
@@ -175,7 +175,7 @@ TEST_F(GatedChurnTest, ReadersShareAGroupOnlyIfTheyWantTheSameSamplesHoweverOfte
   EXPECT_GT(groups, 100U) << "there were some to look at";
 }
 
-/// Farewells of former groups and counts of former gates are discarded in the end.
+/// Farewells of removed groups and counts of removed gates are discarded in the end, too.
 TEST_F(GatedChurnTest, NoGroupAndNoGateIsKeptThatNobodyNeedsAnyMore) {
   SCOPED_TRACE(sft::test::how_to_repeat());
   for (std::uint32_t host = 0; host < 64; ++host) join(wishes[host / 4], host);

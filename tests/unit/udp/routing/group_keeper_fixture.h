@@ -1,4 +1,4 @@
-// A keeper of groups, with readers on several links, in time that the test controls.
+// A keeper of groups, with readers on several links, in simulated time.
 #pragma once
 
 #include "udp_transport/routing/group_keeper.h"
@@ -72,7 +72,7 @@ class GroupKeeperTest : public testing::Test {
     for (std::uint32_t i = 0; i < count; ++i) reader(first_link + 10 + next_host_++, mask);
   }
 
-  /// Serves the routes as if a table of routes was made.
+  /// Serves the routes, as the making of a table of routes does.
   void serve() {
     merged_ = bundle_routes(routes_, destinations_);
     keeper_->merge(merged_, now_);
@@ -102,7 +102,7 @@ class GroupKeeperTest : public testing::Test {
     fill(*sample, image, all, 7, 1);
     keeper_->sizes()->measure(core::state_of(*sample, type_support<Image>().index_slots()), now_, together);
   }
-  /// Lets each gate judge each sample once. Conditions judge a sample without known fields.
+  /// Lets each gate evaluate each sample once. The conditions are evaluated without any known fields.
   void pass_gates() {
     if (!anything_passes_) return;
     std::set<const core::Gate*> gates;
@@ -114,7 +114,8 @@ class GroupKeeperTest : public testing::Test {
       gate->made(detail::FieldSource::of_nothing(), stamp);
     }
   }
-  /// Publishes at 1 kHz, and makes new routes whenever the keeper asks for it. Returns how often it did.
+  /// Publishes at 1 kHz, and makes new routes whenever the keeper plans anew. Returns the number of new
+  /// plans.
   int go_on(std::chrono::milliseconds time) {
     int times = 0;
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
@@ -125,21 +126,21 @@ class GroupKeeperTest : public testing::Test {
     }
     return times;
   }
-  /// Publishes a small sample each `period`, and makes new routes whenever the keeper asks for it.
+  /// Publishes a small sample each `period`, and makes new routes whenever the keeper plans anew.
   void go_on_every(std::chrono::milliseconds period, std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += period) {
       publish(0);
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// Goes on until the next plan. Returns the time without a plan.
+  /// Publishes until the next plan. Returns the time without a plan.
   std::chrono::milliseconds time_until_plan() {
     const auto since = now_;
     while (go_on(1ms) == 0 && now_ - since < 10s) {
     }
     return std::chrono::floor<std::chrono::milliseconds>(now_ - since) - 1ms;
   }
-  /// Removes all readers. Returns the group that they had.
+  /// Removes all readers. Returns their former group.
   std::shared_ptr<MulticastGroup> end_of_group() {
     const std::shared_ptr<MulticastGroup> group = groups_.at(0);
     routes_.clear();
@@ -152,7 +153,8 @@ class GroupKeeperTest : public testing::Test {
     return count;
   }
   std::string why(core::EndpointId reader) const { return keeper_->why(reader); }
-  /// Returns the members that got a farewell of the group, in ascending order; twice, if they got two.
+  /// Returns the members that got a farewell of the group, in ascending order. A member that got two
+  /// farewells is listed twice.
   std::vector<std::size_t> withdrawn(const MulticastGroup& group) const {
     std::vector<std::size_t> told;
     for (const auto& datagram : connections_.sent()) {
@@ -170,7 +172,7 @@ class GroupKeeperTest : public testing::Test {
     std::size_t datagram_bytes;
   };
   GroupKeeper::Time now_{1h};
-  bool anything_passes_ = true;  ///< publish() lets samples pass the gates
+  bool anything_passes_ = true;  ///< true: publish() lets samples pass the gates
   std::vector<core::Route> routes_;
   std::vector<RouteBundle> merged_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_;

@@ -36,7 +36,7 @@ TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   EXPECT_EQ(keeper_->next_duty(now_), now_ + SettlingTimes::gathering);
   go_on(SettlingTimes::gathering + 1ms);
   ASSERT_EQ(members(), 2U);
-  for (const auto& group : groups_) {  // the group is offered to reliable members once they have their places
+  for (const auto& group : groups_) {  // The group is offered to reliable members after they have places.
     const std::uint64_t ordinal = group->next_ordinal(now_);
     for (std::size_t i = 0; i < 2; ++i) group->placed(i, ordinal, ordinal);
   }
@@ -213,8 +213,8 @@ TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
   }
 }
 
-/// A switch removes the members of a group without traffic, so that each rare sample would be like the
-/// first one.
+/// Switches remove a member without traffic from a group, so each of the rare samples would have to be sent
+/// like the first one.
 TEST_F(GroupKeeperTest, MakesNoGroupForConditionsThatLetHardlyAnythingPass) {
   for (const bool often : {true, false}) {
     restart(Multicast::automatic);
@@ -565,8 +565,8 @@ TEST_F(GroupKeeperTest, UsesOnlyAddressesOfItsRange) {
     go_on(150ms);
     ASSERT_EQ(groups_.size(), 1U);
     const std::uint32_t address = groups_[0]->name().address;
-    ASSERT_GE(address, 0xefff1000U);  // 239.255.16.0
-    ASSERT_LE(address, 0xefffefffU);  // 239.255.239.255
+    ASSERT_GE(address, 0xefff1000U);  // the lowest address, 239.255.16.0
+    ASSERT_LE(address, 0xefffefffU);  // the highest address, 239.255.239.255
   }
 }
 

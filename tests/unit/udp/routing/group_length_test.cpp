@@ -1,4 +1,4 @@
-// Groups and the length of the datagrams that arrive at their members.
+// Groups, and the lengths of the datagrams that arrive at their members.
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
 namespace sft::udp::test {

@@ -109,7 +109,8 @@ TEST_F(MaskSharingTest, DoesNotChangeToAndFroWithSizes) {
   int changes = 0;
   for (int i = 0; i < 100; ++i, now_ += 100ms) {
     Image image = make_image(1000);
-    image.name.assign(i / 10 % 2 == 0 ? 19'000 : 21'000, 'n');  // sizes close to 1.05 times that of one copy
+    // Sizes close to 1.05 times the size of one copy.
+    image.name.assign(i / 10 % 2 == 0 ? 19'000 : 21'000, 'n');
     publish(image);
     if (!keeper_->replan(now_)) continue;
     ++changes;

@@ -8,14 +8,15 @@ namespace {
 
 class PartGroupsTest : public GroupKeeperTest {
  protected:
-  /// Publishes images of that size at 1 kHz.
+  /// Publishes images with `data_bytes` bytes of data at 1 kHz.
   void go_on_with(std::size_t data_bytes, std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
       publish(data_bytes);
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// Returns the selection of the first bundle with that number of readers; nothing if there is none.
+  /// Returns the selection of the first bundle with that number of readers, or an empty one if there is no
+  /// such bundle.
   Selection sent_to(std::size_t readers) const {
     const auto found = std::ranges::find_if(
         merged_, [&](const RouteBundle& bundle) { return bundle.readers.size() == readers; });
@@ -56,8 +57,9 @@ TEST_F(PartGroupsTest, ManyPartsOfOneFieldAreServedByTheWholeField) {
   EXPECT_EQ(why(1).find(", which adds "), std::string::npos) << "it asks for the whole field: " << why(1);
 }
 
-/// The data of a robot, for two recorders, three dashboards and a watchdog. The limit for the link counts,
-/// too. A twentieth of the field beside the whole of it would exceed that limit, and a fiftieth does not.
+/// Two recorders, three dashboards and a watchdog read the data of a robot. The number of bytes on the link
+/// is limited, too: the whole field and a twentieth of it together exceed that limit, but the whole field and
+/// a fiftieth do not.
 TEST_F(PartGroupsTest, APartBesideTheWholeFieldHasAGroupOfItsOwnOnlyIfItIsSmall) {
   for (const char* part : {"data[::20]", "data[::50]"}) {
     restart(Multicast::automatic);
@@ -112,7 +114,7 @@ TEST_F(PartGroupsTest, AWindowThatMovesAllTheTimeIsServedAloneAndTheOthersNotice
   }
 }
 
-/// A reader of parts may get samples that are too large to be sent whole.
+/// A reader of a part may subscribe to samples whose whole field exceeds the size limit of a body.
 TEST_F(PartGroupsTest, NobodyIsSentMoreThanItAskedForIfThatMightBeTooMuchForASample) {
   const auto restart_with_limit = [this](Multicast use) {
     GroupKeeper::Setup limited = setup(type_support<Image>(), use, 7);
@@ -179,7 +181,8 @@ TEST_F(PartGroupsTest, AReaderThatAsksForAnotherPartLeavesItsGroupAtOnceAndJoins
   EXPECT_EQ(sent_to(3), selection_of<Image>("data[::4]"));
 }
 
-/// A sample with the whole field names its fields. One with a part names the selection that was asked for.
+/// A sample with a whole field names its fields. A sample with a part of a field names the requested
+/// selection.
 TEST_F(PartGroupsTest, OnlyCopiesOfWholeFieldsAreForWhoeverAskedForLess) {
   DestinationDirectory destinations{DestinationLimits{}, connections_.connect()};
   VariantDirectory variants{8, std::make_shared<WriterTally>()};

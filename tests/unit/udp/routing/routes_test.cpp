@@ -27,7 +27,7 @@ class RoutesTest : public testing::Test {
   std::shared_ptr<const RouteTable> table(const std::vector<core::Route>& routes) {
     return make_route_table(type_support<T>(), routes, variants_, destinations_);
   }
-  /// Returns another mask for each number.
+  /// Returns a different mask for each number.
   static FieldMask mask(std::uint64_t number) { return FieldMask::from_words(64, {&number, 1}); }
 
   VariantDirectory variants_{8, std::make_shared<WriterTally>()};
@@ -53,7 +53,7 @@ TEST_F(RoutesTest, FallbackRoutesComeLastAndShareNumbersAndLanesWithOthers) {
   EXPECT_EQ(t->reached(core::Reach::usual_routes).size(), 1U);
   ASSERT_EQ(t->reached(core::Reach::fallback_routes_too).size(), 2U);
   EXPECT_EQ(t->audiences[1].wire, t->audiences[0].wire);
-  // A reader behind a socket that gets the sample anyway gets it by that route.
+  // A reader that shares a socket with a usual route gets the sample by that route, and has no fallback lane.
   ASSERT_EQ(t->audiences[1].lanes.size(), 1U);
   EXPECT_NE(t->audiences[1].lanes[0], t->audiences[0].lanes[0]);
   const auto after = table({route(2, data)});

@@ -1,5 +1,5 @@
-// These tests check when readers are put into multicast groups: soon after they have come, or once they
-// have not changed their requests for some time.
+// These tests check when readers are put into multicast groups: soon after they appear, or after their
+// requests have not changed for some time.
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
@@ -104,7 +104,8 @@ TEST_F(GroupKeeperTest, TakesInAsNewWhoWasAwayForLong) {
   }
 }
 
-/// Each plan makes other groups. Until the members have reported, they are sent everything alone, too.
+/// Each plan makes new groups. Until the members of a new group have reported, each sample is also sent to
+/// each of them alone.
 TEST_F(GroupKeeperTest, TakesThoseInTogetherThatComeWithinATwentiethOfASecond) {
   readers(2);
   serve();
@@ -188,7 +189,8 @@ TEST_F(GroupKeeperTest, LeavesReadersAloneThatComeAndLeaveWithEachSample) {
   }
 }
 
-/// It takes ten milliseconds, then an offer to each member, and each member's report of the next sample.
+/// A group is made after ten milliseconds. Then each member needs an offer, and has to report the next
+/// sample.
 TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame) {
   readers(64);
   serve();
@@ -214,7 +216,7 @@ TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame
   for (std::size_t i = 0; i < members(); ++i) EXPECT_TRUE(group->hears(i));
 }
 
-/// A reader that comes back counts as a change.
+/// A reader that leaves and comes back counts as a change.
 TEST_F(GroupKeeperTest, KnowsWhoComesBack) {
   readers(3);
   serve();

@@ -7,7 +7,7 @@
 namespace sft::udp {
 namespace {
 
-/// Counts connections, and datagrams that are sent without one.
+/// Counts the connections that are made, and the datagrams that are sent without a connection.
 class CountingIo final : public DatagramSender {
  public:
   struct Counts {

@@ -1,4 +1,4 @@
-// What is sent on the thread that publishes.
+// Samples that the publisher's thread sends itself.
 #include "udp_transport/send/direct_path.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace sft::udp {
 namespace {
 
-/// Sends many small samples, until one would have to wait. Returns how many bytes have left.
+/// Sends small samples until the next one would have to wait. Returns the number of bytes that were sent.
 std::size_t bytes_left_at_once(std::uint64_t node_bytes_per_s) {
   test::Sending sending;
   DirectPath path(std::make_shared<SendSide>(std::make_unique<test::NoSender>(sending.connections),

@@ -21,7 +21,7 @@ class FanOutTest : public testing::Test {
  protected:
   FanOutTest() { side_->max_sample_bytes = std::size_t{1} << 20; }
 
-  /// Returns routes of a mask whose samples the publisher's thread leaves to the sending thread.
+  /// Returns routes of a mask. The publisher's thread leaves samples of this mask to the sending thread.
   std::shared_ptr<const RouteTable> routes(bool reliable) {
     auto table = std::make_shared<RouteTable>();
     Audience& audience =
@@ -37,7 +37,7 @@ class FanOutTest : public testing::Test {
     audience.channels.push_back(channel_);
     return table;
   }
-  /// Posts samples. Returns how many were dropped.
+  /// Posts samples. Returns the number of samples that were dropped.
   std::size_t leave(std::size_t samples, std::size_t bytes, const std::shared_ptr<const RouteTable>& routes) {
     std::size_t dropped = 0;
     const Image image = test::make_image(bytes);
@@ -48,7 +48,7 @@ class FanOutTest : public testing::Test {
     }
     return dropped;
   }
-  /// Sends what waits in the channel. Returns the sequences.
+  /// Sends the samples that wait in the channel. Returns their sequences.
   std::vector<std::uint32_t> send() {
     std::vector<std::uint32_t> sent;
     for (const auto size : {ResendWindow::Size::small, ResendWindow::Size::large}) {

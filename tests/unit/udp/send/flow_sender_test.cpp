@@ -21,7 +21,7 @@ class FlowSenderTest : public testing::Test, protected test::Sending {
     made.fragments.emplace(sent_job->body(), to->path().datagram_bytes());
     return made;
   }
-  /// Sends until the flow has to wait or ends. Returns the last progress.
+  /// Sends until the flow has to wait or ends. Returns the progress of the last call.
   Progress send(SendFlow& flow) {
     Progress progress = Progress::some;
     while (progress == Progress::some) progress = sender.send_a_few(flow, now);
@@ -64,7 +64,7 @@ TEST_F(FlowSenderTest, SendsALargeSampleInSeveralCalls) {
 }
 
 TEST_F(FlowSenderTest, GoesOnBehindWhatTheSendBufferTook) {
-  to->note(SendOutcome::no_segments);  // so that each call sends several batches
+  to->note(SendOutcome::no_segments);  // makes each call send several batches
   SendFlow one = flow(large_bytes);
   connections.take_batches(3);
   EXPECT_EQ(send(one), Progress::none);
@@ -106,7 +106,7 @@ TEST_F(FlowSenderTest, WaitsUntilTheRateOfItsWriterAllowsMore) {
 }
 
 TEST_F(FlowSenderTest, AsksForARoundAtOnceIfATurnWasNotEnough) {
-  to->note(SendOutcome::no_segments);  // so that each batch has one datagram
+  to->note(SendOutcome::no_segments);  // makes each batch have one datagram
   SendFlow one = flow(large_bytes);
   EXPECT_EQ(sender.send_some(one), Progress::some);
   EXPECT_LT(bytes_left(), large_bytes);

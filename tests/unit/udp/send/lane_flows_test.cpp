@@ -89,7 +89,7 @@ TEST_F(LaneFlowsTest, LetSmallSamplesPassALargeOneThatIsUnderWayUnderAnotherMask
   EXPECT_FALSE(large->idle());
 }
 
-/// A listener of a group's lane, which names the members.
+/// A listener of a group's lane, which returns the group's members.
 struct GroupOf final : LaneListener {
   explicit GroupOf(std::vector<const Destination*> to) : members(std::move(to)) {}
   void departed(const Job&, bool) noexcept override {}
@@ -97,7 +97,7 @@ struct GroupOf final : LaneListener {
   std::vector<const Destination*> members;
 };
 
-/// Each of these tests has two lanes that may bring samples to the same receiver.
+/// Each of these tests has two lanes that may send samples to the same receiver.
 class LaneFlowsOfGroupsTest : public LaneFlowsTest {
  protected:
   std::shared_ptr<Destination> destination(std::uint16_t port) {
@@ -111,7 +111,7 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     result->end().notify(groups.back());
     return result;
   }
-  /// Posts a sample to both lanes. That in `first` is older, but its turn comes last.
+  /// Posts a sample to each lane. The sample in `first` is older, but that lane's turn comes last.
   void post(const std::shared_ptr<Lane>& first, const std::shared_ptr<Lane>& then, std::size_t bytes) {
     first->post(job(bytes));
     then->post(job(bytes));
@@ -129,7 +129,7 @@ class LaneFlowsOfGroupsTest : public LaneFlowsTest {
     EXPECT_GT(bytes_left(), 2 * large_bytes);
   }
 
-  /// Expects the flow to wait now, and to go on when the sending thread checks again.
+  /// Expects the flow to wait now, and to continue when the sending thread checks again.
   void expect_to_go_on_soon(std::size_t which) {
     flows.send_large(which);
     EXPECT_EQ(bytes_left(), 0U);
@@ -199,7 +199,7 @@ TEST_F(LaneFlowsOfGroupsTest, WaitForNoGroupWithoutACommonMember) {
   EXPECT_GT(bytes_left(), large_bytes);
 }
 
-/// The blocked member may take 75 ms for each sample. The other members must not wait for it.
+/// A blocked member may take 75 ms for each sample. The other members must not wait for the blocked one.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   post(lane(), lane_to_group(2, {to.get()}), large_bytes);
   serve_small();
@@ -209,7 +209,7 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   expect_to_go_on_soon(0);
 }
 
-/// A lane that waits for a blocked lane is blocked, too.
+/// A lane that waits for a blocked lane counts as blocked, too.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherThatStandsStill) {
   const auto shared = lane(), own = lane(), to_group = lane_to_group(2, {to.get()});
   shared->end().set_shared(true);
@@ -225,7 +225,8 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherT
   expect_to_go_on_soon(2);
 }
 
-/// Readers that begin or cease to share a copy change from one lane to another without asking for it.
+/// When readers begin or cease to share a copy, their samples change to another lane although the readers'
+/// requests are unchanged.
 TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallInASharedCopyBeforeWhatIsOlder) {
   const auto own = lane(), shared = lane();
   shared->end().set_shared(true);

@@ -1,4 +1,5 @@
-// Samples that get lost before a destination do not count as sent to its readers, nor do their bytes.
+// Samples that are lost before they reach a destination do not count as sent to its readers, and their bytes
+// do not count either.
 #include <gtest/gtest.h>
 
 #include <memory>
@@ -45,7 +46,8 @@ class LostSamplesTest : public testing::Test {
   core::SampleHandle make() {
     core::SampleHandle sample = memory_->take(test::sample_bytes(image_, all_));
     test::fill(*sample, image_, all_, 7, ++sequence_);
-    sample->source_stamp_ns = 5;  // samples that are published together have the same stamp
+    // The same stamp for all, because samples that are published together have one stamp.
+    sample->source_stamp_ns = 5;
     sample->whole_bytes = sample->header().body_bytes;
     whole_bytes_ = sample->whole_bytes;
     return sample;
@@ -58,7 +60,7 @@ class LostSamplesTest : public testing::Test {
       ASSERT_EQ(sender_.hold(*audience_, make()), VariantSender::Hold::held);
     sender_.flush();
   }
-  /// Returns the counts of the reader. Samples that still wait count as sent.
+  /// Returns the expected counts of the reader. Samples that still wait count as sent.
   Delivered counts(std::uint64_t sent, std::uint64_t dropped, std::uint64_t body_bytes) const {
     return {.sent = sent,
             .dropped = dropped,
@@ -84,7 +86,7 @@ class LostSamplesTest : public testing::Test {
   std::uint64_t whole_bytes_ = 0;
 };
 
-constexpr std::size_t height_bytes = 4;  // the size of a body with that field alone
+constexpr std::size_t height_bytes = 4;  // the size of a body with the field `height` alone
 
 TEST_F(LostSamplesTest, SmallOnesThatAFullQueueDrops) {
   serve(Delivery::best_effort, "height");
@@ -122,7 +124,8 @@ TEST_F(LostSamplesTest, PartsThatAFullQueueDrops) {
 }
 
 TEST_F(LostSamplesTest, SeveralThatHaveToGoForOneLargeOne) {
-  serve(Delivery::best_effort, "data", 5'000, Lane::Start::held);  // 1 MiB may wait for the history
+  // Up to 1 MiB may wait until the history is sent.
+  serve(Delivery::best_effort, "data", 5'000, Lane::Start::held);
   publish(100);
   EXPECT_EQ(counted().dropped, 0U);
   image_ = test::make_image(900'000);
@@ -156,7 +159,7 @@ TEST_F(LostSamplesTest, AllOfAPackThatTheSendingThreadLoses) {
 TEST_F(LostSamplesTest, ThoseThatAFullChannelDrops) {
   serve(Delivery::reliable, "height");
   constexpr std::size_t dropped = 20;
-  // A part of the first sample was sent. It may have arrived, so it counts as sent.
+  // A part of the first sample was sent. This sample may have arrived, so it counts as sent.
   publish(1 + dropped + ResendLimits{}.samples);
   EXPECT_EQ(counted(), counts(1 + ResendLimits{}.samples, dropped, height_bytes));
   EXPECT_EQ(side_->over_limit, dropped);

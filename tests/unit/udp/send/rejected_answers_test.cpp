@@ -1,4 +1,4 @@
-// Only the receiver's answers count for what was sent to it.
+// Answers count for a destination only if its receiver sent them.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -20,7 +20,7 @@ class RejectedAnswersTest : public testing::Test {
  protected:
   static constexpr std::uint32_t writer = 7;
 
-  /// Sends a sample.
+  /// Sends a sample with that sequence.
   void send(std::uint64_t sequence) {
     const JobHandle job = test::make_job(*jobs_, sequence);
     const Channel::Posted posted = channel_->post(job, job->first, true);
@@ -66,9 +66,11 @@ TEST_F(RejectedAnswersTest, AcksSweptOverChannelsAndOrdinalsLoseNothing) {
   std::uint64_t swept = 0;
   for (std::uint32_t channel = 0; channel < 1000; ++channel, ++swept)
     hear(Ack{.writer = writer, .channel = channel, .next = 11}, unknown_sender_);
-  for (std::uint64_t next = 1; next <= 11; ++next, ++swept)  // even with the right number of the channel
+  // The right channel number from an unknown address is rejected, too.
+  for (std::uint64_t next = 1; next <= 11; ++next, ++swept)
     hear(Ack{.writer = writer, .channel = channel_->number(), .next = next}, unknown_sender_);
-  for (std::uint32_t channel = 0; channel < 1000; ++channel, ++swept)  // or with the reader's address
+  // Wrong channel numbers from the reader's address are rejected, too.
+  for (std::uint32_t channel = 0; channel < 1000; ++channel, ++swept)
     hear(Ack{.writer = writer, .channel = channel, .next = 11}, reader_);
   EXPECT_EQ(rejected(), swept);
   for (std::uint64_t ordinal = 1; ordinal <= 10; ++ordinal) EXPECT_TRUE(channel_->keeps(ordinal));

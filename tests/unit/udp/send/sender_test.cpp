@@ -18,7 +18,8 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Connections that never have room. Records if the thread waits for a connection that was closed.
+/// Connections that never have room. `Seen` records whether the thread waits for a connection that was
+/// closed.
 class FullIo final : public DatagramSender {
  public:
   struct Seen {
@@ -85,7 +86,7 @@ TEST(SenderTest, WaitsForNoConnectionOfAChannelThatIsAtRest) {
   auto channel = std::make_shared<Channel>(1, 1, destinations.find({.ip = 0x7F000001, .port = 1}),
                                            std::make_shared<WriterTally>(), 7);
   const std::weak_ptr<Channel> same = channel;
-  seen.when_one_waits = [same] {  // the last sample of the channel is acknowledged meanwhile
+  seen.when_one_waits = [same] {  // The last sample of the channel is acknowledged meanwhile.
     if (const auto known = same.lock())
       static_cast<void>(known->hear({.writer = 1, .channel = 1, .next = 2}));
   };

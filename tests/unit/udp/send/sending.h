@@ -1,4 +1,5 @@
-// The parts of the sending thread, without the thread. Tests send with them, to nowhere.
+// The parts of the sending thread, without the thread. Tests use these parts to send, but nothing reaches the
+// network.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +14,7 @@
 
 namespace sft::udp::test {
 
-inline constexpr std::size_t small_bytes = 100, large_bytes = 300'000;  // sizes of samples
+inline constexpr std::size_t small_bytes = 100, large_bytes = 300'000;  // sizes of samples in bytes
 
 struct Sending {
   Sending() { to->set_receive_buffer(roomy); }
@@ -29,7 +30,7 @@ struct Sending {
     return bytes;
   }
 
-  /// A window of the destination with room for all that a test sends, at any speed.
+  /// A flow window, in bytes, with room for all that a test sends at any speed.
   static constexpr std::uint32_t roomy = 256 << 20;
 
   std::shared_ptr<JobPool> jobs = JobPool::make();

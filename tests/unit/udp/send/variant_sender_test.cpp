@@ -34,7 +34,7 @@ class SendsAhead : public testing::Test {
     if (delivery == Delivery::reliable) channel_ = std::make_shared<Channel>(7, 1, to_, tally_, 9);
     audience_.channels.push_back(channel_);
   }
-  /// Does what publish() does until it no longer uses the value. Returns the missed samples.
+  /// Does the work of publish() up to the last use of the value. Returns the number of missed samples.
   std::size_t publish() {
     const Image image = test::make_image(sent_image_bytes);
     sample_ = memory_->take(test::sample_bytes(image, all_));
@@ -48,13 +48,13 @@ class SendsAhead : public testing::Test {
     postponed_.clear();
     return missed;
   }
-  /// Returns the counts of the audience.
+  /// Returns the delivery counts of the audience.
   core::Delivered counted() const { return core::DeliveryMeter{.tally = audience_.tally}.read().delivered(); }
   bool is_copied() const { return test::body_of(*sample_) == expected_; }
   void acknowledge_all() {
     static_cast<void>(channel_->hear({.writer = 7, .channel = 1, .next = sequence_ + 1}));
   }
-  /// Returns the body, put together from the datagrams that have left. The rest is zero.
+  /// Returns the body, put together from the datagrams that were sent. Bytes that were not sent are zero.
   Bytes sent_body() const {
     Bytes body(expected_.size());
     for (const Bytes& bytes : connections_.sent()) {
@@ -99,7 +99,8 @@ TEST_F(SendsAhead, IsNotCopiedWhereAllOfItHasLeftAndNobodyAsksAgain) {
 TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {
   route(Delivery::best_effort);
   EXPECT_EQ(publish(), 0U);
-  route(Delivery::best_effort);  // a second lane: two cannot be served ahead of the copy
+  // A second lane: samples for two lanes cannot be sent before the copy is made.
+  route(Delivery::best_effort);
   EXPECT_EQ(publish(), 0U);
   EXPECT_TRUE(is_copied());
   for (const std::shared_ptr<Lane>& lane : audience_.lanes) {
