@@ -55,26 +55,10 @@ std::vector<Figure> sizes(const ManyScale& scale);
 /// The traffic, processor time and memory of 32 nodes on eight hosts, and of two nodes, that have been idle.
 std::vector<Figure> idle(const ManyScale& scale);
 
-/// The worst time of 25 samples of 6.3 MB.
-std::vector<Figure> worst_large(const ManyScale& scale);
 /// Small samples between hosts that sleep in between: latency, and the processor time of both sides. If TCP
 /// is the reference, raw UDP is measured, too: it is the least that any transfer by UDP takes.
 std::vector<Figure> paced(const ManyScale& scale);
 
 /// The highest rate of samples of 4 MiB without offloads of interfaces, and with a receive buffer of 4 MiB.
 std::vector<Figure> bulk_without(const ManyScale& scale);
-/// Loans by UDP compared with publish(message): the time to the callback, and the highest rate.
-std::vector<Figure> loans(const ManyScale& scale);
-
-/// publish(message) in shared memory, to a reader that sleeps.
-std::vector<Figure> shm_publish(const ManyScale& scale);
-/// wait() in shared memory at 200 Hz: the default of SubscriberOptions::spin compared with other values.
-std::vector<Figure> shm_wait(const ManyScale& scale);
-
-/// The time until a request for another field is in force. It is also compared with the least time that is
-/// possible if no listener of Cyclone DDS may wait.
-std::vector<Figure> response(const ManyScale& scale);
-/// publish(message) to 64 readers: its duration with one mask, and its allocations with 64 masks.
-std::vector<Figure> publish_to_64(const ManyScale& scale);
-
 }  // namespace sft::bench

@@ -5,7 +5,7 @@
 
 #include "bench/common/hosts.h"
 #include "bench/common/node_options.h"
-#include "bench/spine/spine.h"
+#include "bench/udp/udp.h"
 
 namespace sft::bench {
 
@@ -60,7 +60,7 @@ void subscribe(Exchange& exchange) {
 
 }  // namespace
 
-std::vector<Figure> wire_bytes() {
+std::vector<Figure> diagnostic_bytes() {
   const TwoHosts hosts;
   const auto figures = run_pair(hosts.sides(publish, subscribe), 5);  // run_pair() divides these by 1000
   if (figures.size() < 5 || figures[3] == 0) return {};
