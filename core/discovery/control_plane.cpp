@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "core/control/record_body.h"
-#include "core/discovery/dds_domain.h"
 #include "core/platform/process_limits.h"
 #include "core/platform/random_id.h"
 
@@ -108,7 +107,7 @@ Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& o
   std::weak_ptr<ControlPlane>& known = open_planes.by_key[key_of_plane(options, *config)];
   if (auto plane = known.lock()) return plane;
   auto plane = std::make_shared<ControlPlane>(std::move(*config), options.threads);
-  if (Result<void> opened = plane->open(options.domain); !opened) return tl::unexpected(opened.error());
+  if (Result<void> opened = plane->open(); !opened) return tl::unexpected(opened.error());
   known = plane;
   return plane;
 }
@@ -121,9 +120,8 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
       own_(process_, timing_),
       links_({config_, threads, timing_}, own_, known_) {}
 
-Result<void> ControlPlane::open(std::uint32_t domain) {
+Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
-  if (program_has_opened(domain)) return join_the_program(domain);
   interfaces_ = interfaces_that_count(config_).value_or(std::vector<HostInterface>());
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
   const Time now = std::chrono::steady_clock::now();
@@ -136,28 +134,6 @@ Result<void> ControlPlane::open(std::uint32_t domain) {
   if (!links_.empty()) return {};
   if (!made) return made;
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
-}
-
-/// The program's own configuration of the domain applies, and so does its choice of interfaces. A link on the
-/// loopback is opened besides, so that nodes of other processes of this host are found. If that fails, a
-/// warning says so.
-Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
-  monitors_ = false;
-  if (Result<void> joined = links_.join(domain); !joined) return joined;
-  std::vector<LinkSpec> loopback;
-  std::ranges::copy_if(desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()),
-                                     config_.rules(), {})
-                           .links,
-                       std::back_inserter(loopback), &LinkSpec::loopback);
-  const Result<void> has_loopback = links_.use(loopback, {});
-  const Lock lock(configuration_mutex_);
-  configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
-  configuration_.warnings = {
-      "the program opened DDS domain " + std::to_string(domain) +
-      " before its first node: discovery settings and CYCLONEDDS_URI hold only for the loopback beside it"};
-  if (!has_loopback)
-    configuration_.warnings.push_back("nodes of this host may not be found: " + has_loopback.error().message);
-  return {};
 }
 
 ControlPlane::Seat& ControlPlane::join(DiscoveryListener& listener) {

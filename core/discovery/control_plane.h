@@ -34,7 +34,7 @@ class ControlPlane {
   static Result<std::shared_ptr<ControlPlane>> of(const DiscoveryOptions& options);
 
   ControlPlane(DdsConfig config, const ThreadSettings& threads);
-  Result<void> open(std::uint32_t domain);
+  Result<void> open();
   ControlPlane(const ControlPlane&) = delete;
   ControlPlane& operator=(const ControlPlane&) = delete;
 
@@ -71,7 +71,6 @@ class ControlPlane {
   Time look_after(Seat& seat, Time now);
 
  private:
-  Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
   void put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now)
       SFT_REQUIRES(mutex_);
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
@@ -98,7 +97,7 @@ class ControlPlane {
   /// closed. Agents take it, and threads that open or close a node. The only lock that a thread may hold then
   /// is OpenPlanes::mutex.
   Mutex mutex_;
-  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; not in a domain of the program
+  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; false once the sockets are closed
   NetworkMonitor monitor_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
   Time try_again_at_ SFT_GUARDED_BY(mutex_){};

@@ -36,7 +36,7 @@ class Discovery {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not apply, and why
     std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
-    std::vector<std::string> interfaces{};  ///< in use; empty if the program chooses them itself
+    std::vector<std::string> interfaces{};  ///< in use
     bool waits_for_network = false;         ///< see DesiredLinks
   };
   /// The present configuration. Any thread.
