@@ -52,8 +52,6 @@ class DemoTest(unittest.TestCase):
 
     def capture(self, folder):
         pcap = folder / "demo.pcapng"
-        # With a run of this length, the demo starts as soon as discovery is quiet, without a period that measures idle
-        # traffic.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
             subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,
