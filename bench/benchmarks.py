@@ -16,14 +16,12 @@ class Benchmark:
 
 
 ALL = [
-    Benchmark("micro", 50, 10, ["--quick"]),
     Benchmark("typesupport", 70, 25, ["--rounds", "50"]),
     Benchmark("selection", 50, 20, ["--rounds", "20", "--host-rounds", "1"]),
-    Benchmark("spine", 110, 50, ["--rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
-    Benchmark("udp", 380, 150, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
-    Benchmark("many", 1780, 230, ["--quick"]),
+    Benchmark("udp", 430, 200, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("many", 1500, 190, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),
     Benchmark("peers", 660, 60, ["--quick"]),
     Benchmark("isolation", 540, 65, ["--quick"]),

@@ -1,11 +1,6 @@
-// Measures large samples by UDP without the usual help of interfaces and buffers, and loans compared with
-// messages.
-#include <string>
-
-#include "bench/common/statistics.h"
+// Measures large samples by UDP where SFT has less help than usual.
 #include "bench/many/many.h"
 #include "bench/many/tally.h"
-#include "bench/udp/one_way.h"
 #include "bench/udp/stream.h"
 
 namespace sft::bench {
@@ -13,8 +8,6 @@ namespace sft::bench {
 namespace {
 
 constexpr std::uint32_t large = 4 << 20;
-constexpr std::uint32_t medium = 1'660'000;
-constexpr double loan_bound = 1.05;
 
 struct Stream {
   double gb_per_s;
@@ -29,27 +22,6 @@ Stream stream(Contender contender, std::uint32_t bytes, double seconds, const Tw
 }
 
 double seconds_of(const ManyScale& scale) { return scale.quick ? 0.5 : 1; }
-
-struct LoanContest {
-  const char* size;
-  std::uint32_t bytes;
-  Tally latency_us{}, gb_per_s{};
-
-  void run(const ManyScale& scale, const TwoHosts& hosts) {
-    const Paced paced{.topic = {.bulk_bytes = bytes},
-                      .messages = scale.quick ? 20u : 50u,
-                      .period_us = scale.quick ? 20'000 : 50'000};
-    latency_us.add_ours(median_if_any(one_way_times(sft_loan_peer, paced, hosts)));
-    latency_us.add_reference(median_if_any(one_way_times(sft_peer, paced, hosts)));
-    gb_per_s.add_ours(stream(sft_loan_peer, bytes, seconds_of(scale), hosts).gb_per_s);
-    gb_per_s.add_reference(stream(sft_peer, bytes, seconds_of(scale), hosts).gb_per_s);
-  }
-  void figures(std::vector<Figure>& to) const {
-    const std::string name = "loan_over_publish_", who = "publish(message)";
-    to.push_back(latency_us.figure(name + "latency_" + size, "us", who, loan_bound));
-    to.push_back(gb_per_s.figure(name + "rate_" + size, "GB/s", who, 1 / loan_bound, true));
-  }
-};
 
 }  // namespace
 
@@ -77,19 +49,6 @@ std::vector<Figure> bulk_without(const ManyScale& scale) {
           rate_of_raw.figure("bulk_no_offload_vs_raw_udp", "GB/s", "raw UDP", {}, true),
           cpu_of_raw.figure("bulk_no_offload_cpu_vs_raw_udp", "s/GB", "raw UDP", {}),
           small_buffer.figure("bulk_small_buffer", "GB/s", "TCP", 1, true)};
-}
-
-std::vector<Figure> loans(const ManyScale& scale) {
-  const TwoHosts hosts(Trains::whole);
-  LoanContest of_medium{"1.66MB", medium}, of_large{"4MiB", large};
-  for (int round = 0; round < scale.rounds; ++round) {
-    of_medium.run(scale, hosts);
-    of_large.run(scale, hosts);
-  }
-  std::vector<Figure> figures;
-  of_medium.figures(figures);
-  of_large.figures(figures);
-  return figures;
 }
 
 }  // namespace sft::bench

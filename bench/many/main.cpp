@@ -29,14 +29,8 @@ int main(int argc, char** argv) {
        {"fields", [&] { return fields(scale); }},
        {"sizes", [&] { return sizes(scale); }},
        {"idle", [&] { return idle(scale); }},
-       {"worst_6.3MB", [&] { return worst_large(scale); }},
        {"paced", [&] { return paced(scale); }},
-       {"bulk", [&] { return bulk_without(scale); }},
-       {"loan_over_publish", [&] { return loans(scale); }},
-       {"shm_publish", [&] { return shm_publish(scale); }},
-       {"shm_wait_200Hz", [&] { return shm_wait(scale); }},
-       {"response", [&] { return response(scale); }},
-       {"publish_to_64", [&] { return publish_to_64(scale); }}});
+       {"bulk", [&] { return bulk_without(scale); }}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(scale); }, "one short round of each contender");
   if (const auto code = program.parse(argc, argv)) return *code;

@@ -59,8 +59,6 @@ std::vector<Figure> sizes(const ManyScale& scale);
 /// Measures the traffic, processor time and memory of 32 idle nodes on eight hosts, and of two idle nodes.
 std::vector<Figure> idle(const ManyScale& scale);
 
-/// Measures the worst time of 25 samples of 6.3 MB.
-std::vector<Figure> worst_large(const ManyScale& scale);
 /// Measures small samples between hosts that sleep in between: latency, and the processor time of both
 /// sides. If TCP is the reference, raw UDP is measured, too, because it is the least that any transfer by
 /// UDP takes.
@@ -69,19 +67,4 @@ std::vector<Figure> paced(const ManyScale& scale);
 /// Measures the highest rate of samples of 4 MiB without offloads of interfaces, and with a receive buffer
 /// of 4 MiB.
 std::vector<Figure> bulk_without(const ManyScale& scale);
-/// Measures loans by UDP compared with publish(message): the time to the callback, and the highest rate.
-std::vector<Figure> loans(const ManyScale& scale);
-
-/// Measures publish(message) in shared memory to a reader that sleeps.
-std::vector<Figure> shm_publish(const ManyScale& scale);
-/// Measures wait() in shared memory at 200 Hz: the default of SubscriberOptions::spin compared with other
-/// values.
-std::vector<Figure> shm_wait(const ManyScale& scale);
-
-/// Measures the time until a request for another field is in force. The time is also compared with the
-/// least possible time if no listener of Cyclone DDS may wait.
-std::vector<Figure> response(const ManyScale& scale);
-/// Measures publish(message) to 64 readers: its duration with one mask, and its allocations with 64 masks.
-std::vector<Figure> publish_to_64(const ManyScale& scale);
-
 }  // namespace sft::bench

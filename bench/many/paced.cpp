@@ -1,8 +1,6 @@
-// Measures the time from publish to callback between two hosts that sleep in between: the worst time of
-// large samples, and the median of small ones. For small samples, also measures the processor time.
-#include <algorithm>
+// Measures the median time from publish to callback of small samples between two hosts that sleep in between,
+// and their processor time.
 #include <array>
-#include <limits>
 #include <optional>
 #include <string>
 
@@ -16,11 +14,6 @@ namespace sft::bench {
 
 namespace {
 
-double median_us(const std::vector<double>& times_us) { return median_if_any(times_us); }
-double worst_ms(const std::vector<double>& times_us) {
-  return times_us.empty() ? std::numeric_limits<double>::quiet_NaN() : std::ranges::max(times_us) / 1000;
-}
-
 struct Contest {
   const char* name;
   Paced paced;
@@ -29,10 +22,9 @@ struct Contest {
   std::optional<double> bound{};
   Tally tally{};
 
-  template <class Measure>
-  void run(const TwoHosts& hosts, Measure measure) {
-    tally.add_ours(measure(one_way_times(sft_peer, paced, hosts)));
-    tally.add_reference(measure(one_way_times(rival, paced, hosts)));
+  void run(const TwoHosts& hosts) {
+    tally.add_ours(median_if_any(one_way_times(sft_peer, paced, hosts)));
+    tally.add_reference(median_if_any(one_way_times(rival, paced, hosts)));
   }
   Figure figure() const { return tally.figure(name, "us", rival_name, bound); }
 };
@@ -58,18 +50,6 @@ struct CpuContest {
 
 }  // namespace
 
-std::vector<Figure> worst_large(const ManyScale& scale) {
-  const TwoHosts hosts(Trains::whole);
-  // The first tenth of 27 messages is not counted.
-  Contest contest{.name = "worst_6.3MB",
-                  .paced = {.topic = {.bulk_bytes = 6'300'000}, .messages = 27, .period_us = 100'000},
-                  .rival = raw_tcp_peer,
-                  .rival_name = "the worst of TCP's 25",
-                  .bound = 1.5};
-  for (int round = 0; round < scale.rounds; ++round) contest.run(hosts, worst_ms);
-  return {contest.tally.figure(contest.name, "ms", contest.rival_name, contest.bound)};
-}
-
 std::vector<Figure> paced(const ManyScale& scale) {
   const TwoHosts hosts(Trains::whole);
   const Topic small{.reliable = false};
@@ -89,7 +69,7 @@ std::vector<Figure> paced(const ManyScale& scale) {
   std::array cpu_contests{CpuContest{"10Hz", at_10_hz}, CpuContest{"100Hz", at_100_hz},
                           CpuContest{"1kHz", at_1_khz}};
   for (int round = 0; round < scale.rounds; ++round) {
-    for (Contest& contest : contests) contest.run(hosts, median_us);
+    for (Contest& contest : contests) contest.run(hosts);
     for (CpuContest& contest : cpu_contests) contest.run(hosts);
   }
   std::vector<Figure> figures;

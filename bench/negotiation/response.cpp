@@ -130,6 +130,7 @@ std::vector<Figure> str_response(const Scale& scale) {
   // listener of Cyclone DDS may block.
   const char* floor = "the same, from one helping thread to another";
   return {{"str_response", ours.p50(), "us", raw.p50(), reference, 100, true},
+          {"str_response_ratio", ours.p50(), "us", raw.p50(), reference, 1.3},
           {"str_response_p99", ours.p99(), "us", raw.p99(), reference, 1000, true},
           {"str_response_over_helpers", ours.p50(), "us", by_helpers.p50(), floor, {}}};
 }

@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
   Scale scale;
   Program program("Speed of shared memory, against references of the same run",
                   {{"hand_over", [&] { return hand_over(scale); }},
+                   {"messages", [&] { return messages(scale); }},
                    {"fan_out", [&] { return fan_out(scale); }},
                    {"clouds", [&] { return clouds(scale); }},
                    {"size_flatness", [&] { return size_flatness(scale); }},

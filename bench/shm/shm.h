@@ -18,6 +18,9 @@ struct Scale {
 /// Measures the time from publish() of a loan, a 6.3 MB cloud, until the reader has read height and width:
 /// for a reader that spins, and for one that sleeps.
 std::vector<Figure> hand_over(const Scale& scale);
+/// Measures the time from before publish() of a small message in the memory of the program until a sleeping
+/// reader has taken the message.
+std::vector<Figure> messages(const Scale& scale);
 /// Measures the time with eight sleeping readers: until publish() returns, and until the last reader has
 /// read the message.
 std::vector<Figure> fan_out(const Scale& scale);

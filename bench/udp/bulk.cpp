@@ -46,6 +46,7 @@ std::vector<Figure> bulk(const Scale& scale) {
   return {faster("bulk_4MiB_reliable", ours, raw, "raw UDP with GSO and GRO", 0.6),
           faster("bulk_4MiB_reliable_vs_copying", ours, raw_copying, "the same after a memcpy", {}),
           faster("bulk_4MiB_reliable_loan", loaned, raw, "raw UDP with GSO and GRO", 0.6),
+          faster("bulk_4MiB_loan_vs_publish", loaned, ours, "publish(message)", 1 / 1.05),
           faster("bulk_4MiB_vs_cyclone", ours, cyclone, "Cyclone DDS", 5),
           faster("bulk_4MiB_vs_fast_dds", ours, fast_dds, "Fast DDS", 5),
           faster("bulk_4MiB_loan_vs_cyclone", loaned, cyclone, "Cyclone DDS", 5),

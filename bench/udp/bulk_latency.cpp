@@ -36,6 +36,8 @@ struct Size {
     to.push_back({figure + "_vs_copying_tcp", ours.p50() / 1000, "ms", copying_tcp.p50() / 1000,
                   "raw TCP after a memcpy"});
     figures(figure + "_loan", loaned, to);
+    to.push_back({figure + "_loan_vs_publish", loaned.p50() / 1000, "ms", ours.p50() / 1000,
+                  "publish(message)", 1.05});
   }
   void figures(const std::string& figure, const Rounds& of, std::vector<Figure>& to) const {
     const double ms = of.p50() / 1000;

@@ -18,7 +18,8 @@ int main(int argc, char** argv) {
                    {"worst", [&] { return worst(scale); }},
                    {"fan_out", [&] { return fan_out(scale); }},
                    {"wire_overhead", [&] { return wire_overhead(scale); }},
-                   {"ack_overhead", [&] { return ack_overhead(scale); }}});
+                   {"ack_overhead", [&] { return ack_overhead(scale); }},
+                   {"diagnostic", [] { return diagnostic_bytes(); }}});
   program.options()
       .add_option("--messages", scale.messages,
                   "messages of 64 bytes per round and contender; a fiftieth of large ones")

@@ -38,5 +38,7 @@ std::vector<Figure> wire_overhead(const Scale& scale);
 /// Measures the control traffic of reliable delivery relative to the samples, with much and with little
 /// data.
 std::vector<Figure> ack_overhead(const Scale& scale);
+/// The bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
+std::vector<Figure> diagnostic_bytes();
 
 }  // namespace sft::bench

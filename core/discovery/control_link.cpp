@@ -136,15 +136,11 @@ Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, Contr
   return link;
 }
 
-dds_domainid_t ControlLink::domain() const {
-  return place_.domain == nullptr ? place_.number : place_.domain->id();
-}
-
 Result<void> ControlLink::open() {
   if (place_.heartbeats) socket_ = HeartbeatSocket::open(*place_.heartbeats);
   data_.uses_topic = !socket_;
   const CycloneMessages messages;
-  participant_ = dds_create_participant(domain(), user_data_qos(data_).get(), nullptr);
+  participant_ = dds_create_participant(place_.domain->id(), user_data_qos(data_).get(), nullptr);
   dds_guid_t guid{};
   if (participant_ < 0 || dds_get_guid(participant_, &guid) != DDS_RETCODE_OK)
     return fail(Errc::unavailable, "the DDS domain cannot be joined: " + messages.text() +

@@ -49,8 +49,7 @@ class ControlLink {
  public:
   struct Place {
     LinkId link = 0;
-    std::shared_ptr<const CycloneDomain> domain{};  ///< null: the domain `number` of the program itself
-    std::uint32_t number = 0;
+    std::shared_ptr<const CycloneDomain> domain{};
     ProcessId process = 0;
     bool is_secured = false;  ///< the domain uses DDS Security
     /// Empty if heartbeats go by Cyclone alone.
@@ -102,7 +101,6 @@ class ControlLink {
 
   ControlLink(const Place& place, ControlLinkListener& listener);
   Result<void> open();
-  dds_domainid_t domain() const;
   Result<dds_entity_t> writer_of(Topic& topic);
   Result<void> try_to_write(Role role, const RecordKey& key, const Record& record);
   void say_user_data();

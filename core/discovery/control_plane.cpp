@@ -5,7 +5,6 @@
 #include <variant>
 
 #include "core/control/record_body.h"
-#include "core/discovery/dds_domain.h"
 #include "core/platform/process_limits.h"
 #include "core/platform/random_id.h"
 
@@ -68,27 +67,32 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
 class SharedPlane final : public Discovery {
  public:
   SharedPlane(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
-      : plane_(std::move(plane)), seat_(plane_->join(listener)) {}
-  ~SharedPlane() override { plane_->leave(seat_); }
+      : plane_(std::move(plane)),
+        node_(plane_->ask([&](Peers&, Directory& directory) { return directory.join(listener); })) {}
+  ~SharedPlane() override { plane_->leave(node_); }
 
   Configuration configuration() const override { return plane_->configuration(); }
-  Result<void> hear(Role role) override { return plane_->hear(seat_, role); }
+  Result<void> hear(Role role) override { return plane_->hear(node_, role); }
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
-    return plane_->publishers_of(type_name);
+    return plane_->ask([&](Peers&, Directory& directory) { return directory.publishers_of(type_name); });
   }
-  void announce(const Endpoint& endpoint) override { plane_->announce(seat_, endpoint); }
+  void announce(const Endpoint& endpoint) override { plane_->announce(node_, endpoint); }
   void withdraw(EndpointId id) override { plane_->withdraw(id); }
   void send(const Request& request) override { plane_->send(request); }
-  void inquire(const std::set<Inquiry>& inquiries) override { plane_->inquire(seat_, inquiries); }
-  Inquiries inquiries() const override { return plane_->inquiries(); }
-  void report(const NodeReport& report) override { plane_->give_report(seat_, report); }
-  Time newcomer_at() const override { return plane_->newcomer_at(); }
+  void inquire(const std::set<Inquiry>& inquiries) override { plane_->inquire(node_, inquiries); }
+  Inquiries inquiries() const override {
+    return plane_->ask([](Peers&, Directory& directory) { return directory.inquiries(); });
+  }
+  void report(const NodeReport& report) override { plane_->give_report(node_, report); }
+  Time newcomer_at() const override {
+    return plane_->ask([](Peers& peers, Directory&) { return peers.newcomer_at(); });
+  }
   Vanilla vanilla() const override { return plane_->vanilla(); }
-  Time look_after(Time now) override { return plane_->look_after(seat_, now); }
+  Time look_after(Time now) override { return plane_->look_after(now); }
 
  private:
   const std::shared_ptr<ControlPlane> plane_;  ///< the last node destroys it
-  ControlPlane::Seat& seat_;
+  const std::shared_ptr<ListeningNode> node_;
 };
 
 }  // namespace
@@ -108,7 +112,7 @@ Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& o
   std::weak_ptr<ControlPlane>& known = open_planes.by_key[key_of_plane(options, *config)];
   if (auto plane = known.lock()) return plane;
   auto plane = std::make_shared<ControlPlane>(std::move(*config), options.threads);
-  if (Result<void> opened = plane->open(options.domain); !opened) return tl::unexpected(opened.error());
+  if (Result<void> opened = plane->open(); !opened) return tl::unexpected(opened.error());
   known = plane;
   return plane;
 }
@@ -121,9 +125,8 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
       own_(process_, timing_),
       links_({config_, threads, timing_}, own_, known_) {}
 
-Result<void> ControlPlane::open(std::uint32_t domain) {
+Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
-  if (program_has_opened(domain)) return join_the_program(domain);
   interfaces_ = interfaces_that_count(config_).value_or(std::vector<HostInterface>());
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
   const Time now = std::chrono::steady_clock::now();
@@ -138,44 +141,13 @@ Result<void> ControlPlane::open(std::uint32_t domain) {
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
 }
 
-/// The program's own configuration of the domain applies, and so does its choice of interfaces. A link on the
-/// loopback is opened besides, so that nodes of other processes of this host are found. If that fails, a
-/// warning says so.
-Result<void> ControlPlane::join_the_program(std::uint32_t domain) {
-  monitors_ = false;
-  if (Result<void> joined = links_.join(domain); !joined) return joined;
-  std::vector<LinkSpec> loopback;
-  std::ranges::copy_if(desired_links(interfaces_that_count(config_).value_or(std::vector<HostInterface>()),
-                                     config_.rules(), {})
-                           .links,
-                       std::back_inserter(loopback), &LinkSpec::loopback);
-  const Result<void> has_loopback = links_.use(loopback, {});
-  const Lock lock(configuration_mutex_);
-  configuration_.summary = "as the program itself configured DDS domain " + std::to_string(domain);
-  configuration_.warnings = {
-      "the program opened DDS domain " + std::to_string(domain) +
-      " before its first node: discovery settings and CYCLONEDDS_URI hold only for the loopback beside it"};
-  if (!has_loopback)
-    configuration_.warnings.push_back("nodes of this host may not be found: " + has_loopback.error().message);
-  return {};
-}
-
-ControlPlane::Seat& ControlPlane::join(DiscoveryListener& listener) {
-  const Lock lock(mutex_);
-  Seat& seat = seats_.emplace_back(listener);
-  known_.with([&](Peers&, Directory& directory) { directory.join(seat.node); });
-  return seat;
-}
-
-void ControlPlane::leave(Seat& seat) {
-  const std::shared_ptr<ListeningNode> node = seat.node;
+void ControlPlane::leave(const Node& node) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
     const auto own = known_.with([&](Peers&, Directory& directory) { return directory.endpoints_of(node); });
     for (const EndpointId id : own) withdraw_records(id, now);
     known_.with([&](Peers&, Directory& directory) { directory.leave(node); });
-    seats_.remove_if([&](const Seat& one) { return &one == &seat; });
     write_inquiries(now);
   }
   known_.pass_on();
@@ -187,23 +159,13 @@ Discovery::Configuration ControlPlane::configuration() const {
   return configuration_;
 }
 
-std::vector<Discovery::KnownPublisher> ControlPlane::publishers_of(std::string_view type_name) {
-  return known_.with([&](Peers&, Directory& directory) { return directory.publishers_of(type_name); });
-}
-
-Time ControlPlane::newcomer_at() {
-  return known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
-}
-
-Discovery::Vanilla ControlPlane::vanilla() { return known_.vanilla(); }
-
-Result<void> ControlPlane::hear(Seat& seat, Role role) {
+Result<void> ControlPlane::hear(const Node& node, Role role) {
   Result<void> heard;
   {
     const Lock lock(mutex_);
     known_.with([&](Peers& peers, Directory& directory) {
       peers.listen(role, std::chrono::steady_clock::now());
-      directory.hear_all(seat.node, role);
+      directory.hear_all(node, role);
     });
     heard = links_.hear(role);
   }
@@ -213,13 +175,13 @@ Result<void> ControlPlane::hear(Seat& seat, Role role) {
 
 /// The request is written first: other processes use the announcement of a subscriber only together with its
 /// request. If the topic cannot be read yet, try_again() tries it again.
-void ControlPlane::announce(Seat& seat, const Endpoint& endpoint) {
+void ControlPlane::announce(const Node& node, const Endpoint& endpoint) {
   {
     const Lock lock(mutex_);
     const Time now = std::chrono::steady_clock::now();
     known_.with([&](Peers& peers, Directory& directory) {
       peers.listen(other(endpoint.role), now);
-      directory.announced(seat.node, endpoint);
+      directory.announced(node, endpoint);
     });
     roles_[endpoint.id] = endpoint.role;
     (void)links_.hear(other(endpoint.role));
@@ -277,11 +239,10 @@ void ControlPlane::give_heartbeats(Time now) {
   links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
 }
 
-void ControlPlane::inquire(Seat& seat, const std::set<Inquiry>& inquiries) {
+void ControlPlane::inquire(const Node& node, const std::set<Inquiry>& inquiries) {
   const Lock lock(mutex_);
   const Time now = std::chrono::steady_clock::now();
-  seat.inquiries = inquiries;
-  known_.with([&](Peers&, Directory& directory) { directory.inquires(seat.node, inquiries); });
+  known_.with([&](Peers&, Directory& directory) { directory.inquires(node, inquiries); });
   write_inquiries(now);
   give_heartbeats(now);
 }
@@ -289,8 +250,7 @@ void ControlPlane::inquire(Seat& seat, const std::set<Inquiry>& inquiries) {
 /// Every inquiry is written to the topic of subscribers, which publishers read. Inquiries about accounts are
 /// for subscribers, too, so they are also written to the topic of publishers, which subscribers read.
 void ControlPlane::write_inquiries(Time now) {
-  std::set<Inquiry> wanted;
-  for (const Seat& seat : seats_) wanted.insert(seat.inquiries.begin(), seat.inquiries.end());
+  const auto wanted = known_.with([](Peers&, Directory& directory) { return directory.own_inquiries(); });
   use_reports();  // first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
@@ -312,37 +272,29 @@ void ControlPlane::write_inquiries(Time now) {
 /// inquire. If this fails, try_again() tries it again.
 bool ControlPlane::use_reports() {
   const auto [reads, writes] = known_.with([](Peers&, Directory& directory) {
-    return std::pair(directory.do_we_inquire(), directory.do_others_inquire());
+    return std::pair(!directory.own_inquiries().empty(), directory.do_others_inquire());
   });
   (void)links_.use_reports(reads, writes);
   return writes;
 }
 
-Discovery::Inquiries ControlPlane::inquiries() {
-  return known_.with([](Peers&, Directory& directory) { return directory.inquiries(); });
-}
-
-void ControlPlane::give_report(Seat& seat, const NodeReport& report) {
+void ControlPlane::give_report(const Node& node, const NodeReport& report) {
   {
     const Lock lock(mutex_);
-    known_.with([&](Peers&, Directory& directory) { directory.reported(seat.node, report); });
+    known_.with([&](Peers&, Directory& directory) { directory.reported(node, report); });
     if (use_reports())
       links_.each([body = to_bytes(report)](LinkId, ControlLink& link) { link.give_report(body); });
   }
   known_.pass_on();
 }
 
-Time ControlPlane::look_after(Seat& seat, Time now) {
-  std::vector<Report> reports;
+Time ControlPlane::look_after(Time now) {
   Time next{};
   {
     const Lock lock(mutex_);
     next = look(now);
-    reports = std::exchange(seat.reports, {});
   }
   known_.pass_on();
-  for (const Report& report : reports)
-    seat.node->notify([&](DiscoveryListener& listener) { (listener.*report.notify)(report.text); });
   return next;
 }
 
@@ -362,8 +314,7 @@ Time ControlPlane::look(Time now) {
   use_reports();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
-  if (std::optional<std::string> releases = known_.take_other_releases(now))
-    report({&DiscoveryListener::warned, std::move(*releases)});
+  known_.tell_of_other_releases(now);
   return std::min({next, todo.next, own_.heartbeat_due()});
 }
 
@@ -373,7 +324,7 @@ void ControlPlane::try_again(Time now) {
   const Result<void> tried = links_.try_again();
   const std::string failure = tried ? "" : tried.error().message;
   if (std::exchange(failure_, failure) != failure && !tried)
-    report({&DiscoveryListener::warned, failure + "; it is tried again until it succeeds"});
+    tell(&DiscoveryListener::warned, failure + "; it is tried again until it succeeds");
 }
 
 void ControlPlane::act(const PeerAction& action, Time now) {
@@ -382,8 +333,8 @@ void ControlPlane::act(const PeerAction& action, Time now) {
     const auto renewed = links_.renew(
         renewal->link, "something is missing of what a process" + at + " has that heartbeats count");
     if (renewed && !renewed->text.empty())
-      report({renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
-              renewed->text + way_through_firewalls(renewal->from, config_)});
+      tell(renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
+           renewed->text + way_through_firewalls(renewal->from, config_));
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
@@ -416,7 +367,7 @@ Time ControlPlane::look_at_peers_by_name(Time now) {
   PeerAddresses::Look look = peers_by_name_.look_after(now);
   if (look.addresses_changed || look.warnings_changed)
     (void)use_interfaces(desired_links(interfaces_, config_.rules(), links_.specs()));
-  for (std::string& text : look.news) report({&DiscoveryListener::warned, std::move(text)});
+  for (std::string& text : look.news) tell(&DiscoveryListener::warned, std::move(text));
   return look.next;
 }
 
@@ -426,7 +377,7 @@ Result<void> ControlPlane::use_interfaces(const DesiredLinks& desired) {
   Result<void> used = links_.use(desired.links, peers_by_name_.known());
   describe(desired);
   if (const std::string after = configuration().summary; after != before && !before.empty())
-    report({&DiscoveryListener::links_changed, after});
+    tell(&DiscoveryListener::links_changed, after);
   return used;
 }
 
@@ -457,14 +408,14 @@ void ControlPlane::describe(const DesiredLinks& desired) {
 void ControlPlane::give_up() {
   monitors_ = false;
   if (has_no_open_files()) links_.close_all();
-  report({&DiscoveryListener::warned, sockets_closed_by_the_program});
+  tell(&DiscoveryListener::warned, sockets_closed_by_the_program);
   const Lock lock(configuration_mutex_);
   configuration_ = {.summary = sockets_closed_by_the_program, .warnings = {sockets_closed_by_the_program}};
 }
 
-/// Hands the report to each node of the process.
-void ControlPlane::report(const Report& report) {
-  for (Seat& seat : seats_) seat.reports.push_back(report);
+/// Passes a text for people to that function of each node of the process.
+void ControlPlane::tell(void (DiscoveryListener::*function)(std::string), std::string text) {
+  known_.with([&](Peers&, Directory& directory) { directory.tell(function, std::move(text)); });
 }
 
 }  // namespace sft::core

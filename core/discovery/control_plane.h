@@ -4,7 +4,6 @@
 #pragma once
 
 #include <cstdint>
-#include <list>
 #include <map>
 #include <memory>
 #include <optional>
@@ -27,51 +26,39 @@ namespace sft::core {
 
 /// Decides which links are wanted, writes the records of the process, and describes the configuration to the
 /// user.
-/// Larger than usual: a third of its functions are those of Discovery, for each node of the process.
 class ControlPlane {
  public:
   /// Returns the control plane that nodes of this process with equal options share, or a new one.
   static Result<std::shared_ptr<ControlPlane>> of(const DiscoveryOptions& options);
 
   ControlPlane(DdsConfig config, const ThreadSettings& threads);
-  Result<void> open(std::uint32_t domain);
+  Result<void> open();
   ControlPlane(const ControlPlane&) = delete;
   ControlPlane& operator=(const ControlPlane&) = delete;
 
-  /// A message that a node's own thread passes to its listener: the function to call, and the text.
-  struct Report {
-    void (DiscoveryListener::*notify)(const std::string& text) = nullptr;
-    std::string text;
-  };
-  /// A node of this process.
-  struct Seat {
-    explicit Seat(DiscoveryListener& listener) : node(std::make_shared<ListeningNode>(listener)) {}
-    const std::shared_ptr<ListeningNode> node;
-    std::vector<Report> reports{};  ///< the mutex of the control plane guards this and the next
-    std::set<Inquiry> inquiries{};
-  };
-  /// Adds a node. Its seat is used by one thread at a time, until leave().
-  Seat& join(DiscoveryListener& listener);
+  using Node = std::shared_ptr<ListeningNode>;
   /// Withdraws what the node has announced. After it has returned, the node's listener is not called any
   /// more.
-  void leave(Seat& seat);
+  void leave(const Node& node);
 
   // These functions do what those of Discovery do.
   Discovery::Configuration configuration() const;
-  Result<void> hear(Seat& seat, Role role);
-  void announce(Seat& seat, const Endpoint& endpoint);
+  Result<void> hear(const Node& node, Role role);
+  void announce(const Node& node, const Endpoint& endpoint);
   void send(const Request& request);
   void withdraw(EndpointId id);
-  void inquire(Seat& seat, const std::set<Inquiry>& inquiries);
-  Discovery::Inquiries inquiries();
-  void give_report(Seat& seat, const NodeReport& report);
-  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name);
-  Time newcomer_at();
-  Discovery::Vanilla vanilla();
-  Time look_after(Seat& seat, Time now);
+  void inquire(const Node& node, const std::set<Inquiry>& inquiries);
+  void give_report(const Node& node, const NodeReport& report);
+  Time look_after(Time now);
+
+  /// Calls question(peers, directory), and returns the answer.
+  template <class Question>
+  auto ask(Question question) {
+    return known_.with(question);
+  }
+  Discovery::Vanilla vanilla() { return known_.vanilla(); }
 
  private:
-  Result<void> join_the_program(std::uint32_t domain) SFT_REQUIRES(mutex_);
   void put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now)
       SFT_REQUIRES(mutex_);
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
@@ -86,7 +73,7 @@ class ControlPlane {
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
   Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   void give_up() SFT_REQUIRES(mutex_);
-  void report(const Report& report) SFT_REQUIRES(mutex_);
+  void tell(void (DiscoveryListener::*function)(std::string), std::string text);
   void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
 
   const DdsConfig config_;
@@ -98,14 +85,13 @@ class ControlPlane {
   /// closed. Agents take it, and threads that open or close a node. The only lock that a thread may hold then
   /// is OpenPlanes::mutex.
   Mutex mutex_;
-  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; not in a domain of the program
+  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; false once the sockets are closed
   NetworkMonitor monitor_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
   Time try_again_at_ SFT_GUARDED_BY(mutex_){};
   std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try_again(); empty if it succeeded
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
-  std::list<Seat> seats_ SFT_GUARDED_BY(mutex_);
   std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< the roles of our own endpoints
   std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< and the owners of their records
   OwnRecords own_ SFT_GUARDED_BY(mutex_);

@@ -8,40 +8,32 @@
 
 namespace sft::core {
 
-void Directory::join(const std::shared_ptr<ListeningNode>& node) {
-  nodes_.push_back({.listener = node, .number = ++last_number_});
+std::shared_ptr<ListeningNode> Directory::join(DiscoveryListener& listener) {
+  const auto node = std::make_shared<ListeningNode>(listener);
+  node->number = ++last_number_;
+  return nodes_.emplace_back(node);
 }
 
-void Directory::leave(const std::shared_ptr<ListeningNode>& node) {
-  std::erase_if(nodes_, [&](const Node& one) { return one.listener == node; });
-}
-
-Directory::Node& Directory::of(const std::shared_ptr<ListeningNode>& node) {
-  return *std::ranges::find(nodes_, node, &Node::listener);
-}
-
-bool Directory::concerns(const Node& node, const Endpoint& endpoint) {
+bool Directory::concerns(const ListeningNode& node, const Endpoint& endpoint) {
   return node.hears_all[endpoint.role] || node.topics[other(endpoint.role)].contains(endpoint.topic);
 }
 
 ListeningNodes Directory::concerned_by(const Entry& entry) const {
   ListeningNodes concerned;
-  for (const Node& node : nodes_) {
-    if (node.listener != entry.node && concerns(node, *entry.endpoint)) concerned.push_back(node.listener);
+  for (const auto& node : nodes_) {
+    if (node != entry.node && concerns(*node, *entry.endpoint)) concerned.push_back(node);
   }
   return concerned;
 }
 
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
-  Node& hearer = of(node);
-  if (hearer.hears_all[role]) return;
-  notify_of_all(hearer, [&](const Endpoint& one) { return one.role == role && !concerns(hearer, one); });
-  hearer.hears_all[role] = true;
+  if (node->hears_all[role]) return;
+  notify_of_all(node, [&](const Endpoint& one) { return one.role == role && !concerns(*node, one); });
+  node->hears_all[role] = true;
 }
 
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
-  Node& hearer = of(node);
-  endpoint.announcer = hearer.number;
+  endpoint.announcer = node->number;
   const auto known = entries_.find(endpoint.id);
   if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
     notify_departed(concerned_by(known->second), endpoint.id);
@@ -56,10 +48,10 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
   notify_seen(concerned_by(entry), entry);
   if (!is_new) return;
   const Endpoint& own = *entry.endpoint;
-  notify_of_all(hearer, [&](const Endpoint& one) {
-    return one.role == other(own.role) && one.topic == own.topic && !concerns(hearer, one);
+  notify_of_all(node, [&](const Endpoint& one) {
+    return one.role == other(own.role) && one.topic == own.topic && !concerns(*node, one);
   });
-  ++hearer.topics[own.role][own.topic];
+  ++node->topics[own.role][own.topic];
 }
 
 void Directory::requested(const Request& request) {
@@ -75,18 +67,17 @@ void Directory::requested(const Request& request) {
 void Directory::withdrawn(EndpointId id) {
   const auto found = entries_.find(id);
   if (found == entries_.end() || found->second.node == nullptr) return;
-  const std::shared_ptr<ListeningNode> listener = found->second.node;
+  const std::shared_ptr<ListeningNode> node = found->second.node;
   const std::shared_ptr<const Endpoint> endpoint = found->second.endpoint;
   end(id, End::withdrawn);
-  Node& node = of(listener);
-  auto& topics = node.topics[endpoint->role];
+  auto& topics = node->topics[endpoint->role];
   const auto topic = topics.find(endpoint->topic);
   if (--topic->second > 0) return;
   topics.erase(topic);
   for (const auto& [other_id, entry] : entries_) {
     const Endpoint& one = *entry.endpoint;
     const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
-    if (was_told && entry.node != listener && !concerns(node, one)) notify_departed({listener}, other_id);
+    if (was_told && entry.node != node && !concerns(*node, one)) notify_departed({node}, other_id);
   }
 }
 
@@ -264,8 +255,8 @@ void Directory::notify_report(NodeReport report, const std::shared_ptr<Listening
   });
   if (report.empty()) return;
   ListeningNodes to;
-  for (const Node& node : nodes_) {
-    if (node.listener != by && !node.inquiries.empty()) to.push_back(node.listener);
+  for (const auto& node : nodes_) {
+    if (node != by && !node->inquiries.empty()) to.push_back(node);
   }
   notify(std::move(to), [told = std::move(report)](DiscoveryListener& node) { node.report_received(told); });
 }
@@ -281,17 +272,18 @@ void Directory::reported(const std::shared_ptr<ListeningNode>& node, const NodeR
 }
 
 void Directory::inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries) {
-  of(node).inquiries = std::move(inquiries);
+  node->inquiries = std::move(inquiries);
   ++inquiries_made_;
 }
 
-bool Directory::do_we_inquire() const {
-  return std::ranges::any_of(nodes_, [](const Node& node) { return !node.inquiries.empty(); });
+std::set<Inquiry> Directory::own_inquiries() const {
+  std::set<Inquiry> all;
+  for (const auto& node : nodes_) all.insert(node->inquiries.begin(), node->inquiries.end());
+  return all;
 }
 
 Discovery::Inquiries Directory::inquiries() const {
-  Discovery::Inquiries inquiries{.made = inquiries_made_};
-  for (const Node& node : nodes_) inquiries.all.insert(node.inquiries.begin(), node.inquiries.end());
+  Discovery::Inquiries inquiries{.all = own_inquiries(), .made = inquiries_made_};
   for (const auto& [place, inquiry] : inquiries_) inquiries.all.insert(inquiry);
   return inquiries;
 }
@@ -301,24 +293,20 @@ void Directory::notify_departed(ListeningNodes to, EndpointId id) {
 }
 
 template <class Which>
-void Directory::notify_of_all(const Node& node, Which which) {
+void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
   for (const auto& [id, entry] : entries_) {
-    if (entry.node != node.listener && which(*entry.endpoint)) notify_seen({node.listener}, entry);
+    if (entry.node != node && which(*entry.endpoint)) notify_seen({node}, entry);
   }
 }
 
-void Directory::refuse(std::string why) {
-  notify(all_nodes(), [why = std::move(why)](DiscoveryListener& to) { to.control_malformed(why); });
+void Directory::refuse(std::string why) { tell(&DiscoveryListener::control_malformed, std::move(why)); }
+
+void Directory::tell(void (DiscoveryListener::*function)(std::string), std::string text) {
+  notify(nodes_, [function, text = std::move(text)](DiscoveryListener& to) { (to.*function)(text); });
 }
 
 void Directory::vanilla_changed() {
-  notify(all_nodes(), [](DiscoveryListener& to) { to.vanilla_changed(); });
-}
-
-ListeningNodes Directory::all_nodes() const {
-  ListeningNodes all;
-  for (const Node& node : nodes_) all.push_back(node.listener);
-  return all;
+  notify(nodes_, [](DiscoveryListener& to) { to.vanilla_changed(); });
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {

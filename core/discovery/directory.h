@@ -3,7 +3,7 @@
 // other role, of the same topic. A node that asks for a role is notified of all endpoints of that role. An
 // endpoint id belongs to the process that announced it first, until that process withdraws it or is lost.
 // Meanwhile other processes cannot announce or change it. Pure: events go in, notices come out. One thread at
-// a time, except for ListeningNode.
+// a time.
 #pragma once
 
 #include <cstddef>
@@ -21,29 +21,29 @@
 
 #include "core/control/control.h"
 #include "core/discovery/discovery.h"
-#include "core/discovery/discovery_listener.h"
 #include "core/discovery/peers.h"
 #include "core/sync/guarded_call.h"
 
 namespace sft::core {
 
-/// A node of this process. Any thread.
-class ListeningNode {
- public:
-  /// The listener must exist until close() was called or this object is destroyed.
-  explicit ListeningNode(DiscoveryListener& listener) : listener_(listener) {}
+/// A node of this process. Any thread may call its functions; the other members belong to the directory.
+struct ListeningNode {
+  explicit ListeningNode(DiscoveryListener& of) : listener(of) {}
 
   /// Calls `call(listener)`, unless close() was called.
   template <class Call>
   void notify(Call call) {
-    gate_.call([&] { call(listener_); });
+    gate.call([&] { call(listener); });
   }
   /// After it has returned, the listener is not called any more.
-  void close() { gate_.close(); }
+  void close() { gate.close(); }
 
- private:
-  DiscoveryListener& listener_;
-  CallGate gate_;
+  DiscoveryListener& listener;  ///< must exist until close() was called or this object is destroyed
+  CallGate gate{};
+  AnnouncerId number = 0;
+  PerRole<bool> hears_all{};
+  std::set<Inquiry> inquiries{};
+  PerRole<std::map<std::string, std::size_t>> topics{};  ///< the number of its endpoints on each topic
 };
 using ListeningNodes = std::vector<std::shared_ptr<ListeningNode>>;
 
@@ -57,9 +57,9 @@ class Directory {
 
   // Nodes of this process.
 
-  void join(const std::shared_ptr<ListeningNode>& node);
+  std::shared_ptr<ListeningNode> join(DiscoveryListener& listener);
   /// The node must have withdrawn its endpoints.
-  void leave(const std::shared_ptr<ListeningNode>& node);
+  void leave(const std::shared_ptr<ListeningNode>& node) { std::erase(nodes_, node); }
   void hear_all(const std::shared_ptr<ListeningNode>& node, Role role);
   void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
   void requested(const Request& request);
@@ -79,6 +79,8 @@ class Directory {
   void vanilla_changed();
   /// Notifies all nodes that something malformed or forged was refused.
   void refuse(std::string why);
+  /// Passes a text for people to that function of all nodes.
+  void tell(void (DiscoveryListener::*function)(std::string text), std::string text);
 
   /// A call that some nodes have to get. Notices are in the order of the events.
   struct Notice {
@@ -90,17 +92,10 @@ class Directory {
   /// The inquiries of our own nodes and of other processes.
   Discovery::Inquiries inquiries() const;
   bool do_others_inquire() const { return !inquiries_.empty(); }
-  bool do_we_inquire() const;
+  std::set<Inquiry> own_inquiries() const;
   std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
 
  private:
-  struct Node {
-    std::shared_ptr<ListeningNode> listener;
-    AnnouncerId number = 0;
-    PerRole<bool> hears_all{};
-    std::set<Inquiry> inquiries{};
-    PerRole<std::map<std::string, std::size_t>> topics{};  ///< the number of its endpoints on each topic
-  };
   using Place = std::tuple<ProcessId, Role, std::uint32_t>;  ///< of a slot; our own endpoints have none
   struct Slot {
     std::optional<Endpoint> endpoint{};
@@ -114,8 +109,7 @@ class Directory {
   };
   enum class End : std::uint8_t { withdrawn, lost };
 
-  Node& of(const std::shared_ptr<ListeningNode>& node);
-  static bool concerns(const Node& node, const Endpoint& endpoint);
+  static bool concerns(const ListeningNode& node, const Endpoint& endpoint);
   ListeningNodes concerned_by(const Entry& entry) const;
   void take_announcement(const Place& place, const Record& record);
   void take_request(const Place& place, const Record& record);
@@ -125,17 +119,16 @@ class Directory {
   void show_next(EndpointId id);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   void notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call);
-  ListeningNodes all_nodes() const;
   void notify_seen(ListeningNodes to, const Entry& entry);
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
   void notify_departed(ListeningNodes to, EndpointId id);
   template <class Which>
-  void notify_of_all(const Node& node, Which which);
+  void notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which);
 
   const LeadsTo leads_to_;
   AnnouncerId last_number_ = AnnouncerId{1} << 63;  ///< of nodes; other processes have their ids
-  std::vector<Node> nodes_;
+  ListeningNodes nodes_;
   std::map<Place, Slot> slots_;
   std::map<EndpointId, Entry> entries_;
   std::map<Place, Inquiry> inquiries_;  ///< of other processes

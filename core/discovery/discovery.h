@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/discovery/discovery_listener.h"
 #include "core/platform/clock.h"
 #include "sft/options.h"
 #include "sft/result.h"
@@ -25,6 +24,34 @@ struct DiscoveryOptions {
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
+/// A listener is notified of what other nodes announce: once of each item, however many links bring it. It is
+/// called by Cyclone's threads and by agents of this process, one call at a time. They must not be held up,
+/// so the listener should only post the news.
+class DiscoveryListener {
+ public:
+  virtual void endpoint_seen(Endpoint endpoint) = 0;
+  virtual void endpoint_departed(EndpointId id) = 0;
+  /// The process of the endpoint is silent. If it returns, endpoint_seen() is called again.
+  virtual void endpoint_lost(EndpointId id) = 0;
+  virtual void request_received(Request request) = 0;
+  /// A node has reported on its own endpoints. Called for nodes that inquire.
+  virtual void report_received(NodeReport report) = 0;
+  /// A control sample, or the type description in one, was refused.
+  virtual void control_malformed(std::string why) = 0;
+  /// The result of Discovery::vanilla() has changed.
+  virtual void vanilla_changed() {}
+  /// The interfaces in use have changed.
+  virtual void links_changed(std::string /*summary*/) {}
+  /// A record of another process was missing on one link, so that link was made anew.
+  virtual void link_was_renewed(std::string /*what*/) {}
+  /// The user has to know that a participant has another release, that a peer by name has no address, or that
+  /// the program has closed the sockets.
+  virtual void warned(std::string /*what*/) {}
+
+ protected:
+  ~DiscoveryListener() = default;
+};
+
 class Discovery {
  public:
   /// `listener` outlives the discovery.
@@ -36,7 +63,7 @@ class Discovery {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not apply, and why
     std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
-    std::vector<std::string> interfaces{};  ///< in use; empty if the program chooses them itself
+    std::vector<std::string> interfaces{};  ///< in use
     bool waits_for_network = false;         ///< see DesiredLinks
   };
   /// The present configuration. Any thread.

@@ -1,5 +1,6 @@
 #include "core/discovery/known_peers.h"
 
+#include <utility>
 #include <variant>
 
 namespace sft::core {
@@ -10,7 +11,7 @@ KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
         const auto spec = specs_.find(link);
         return spec != specs_.end() && leads_to(spec->second, address);
       }),
-      releases_(timing) {}
+      timing_(timing) {}
 
 /// Actions that concern links wait for the next agent that calls look().
 void KnownPeers::take_actions() {
@@ -21,18 +22,25 @@ void KnownPeers::take_actions() {
       directory_.peer_lost(lost->process);
     } else if (const auto* const cut = std::get_if<PathsCut>(&action)) {
       directory_.paths_cut(*cut);
-    } else if (!std::holds_alternative<PeerFound>(action)) {
+    } else {
       of_links_.push_back(std::move(action));
     }
   }
 }
 
-/// The lock is released while nodes are notified, and held again when this returns.
+/// The lock is released while nodes are notified, and held again when this returns. If another thread is
+/// notifying nodes, it passes these notices on, too.
 void KnownPeers::pass_on_notices(Lock& lock) {
   take_actions();
-  delivery_.deliver(lock, directory_.take_notices(), [](const Directory::Notice& notice) {
-    for (const std::shared_ptr<ListeningNode>& node : notice.to) node->notify(notice.call);
-  });
+  if (std::exchange(notifies_, true)) return;
+  for (auto batch = directory_.take_notices(); !batch.empty(); batch = directory_.take_notices()) {
+    lock.unlock();
+    for (const Directory::Notice& notice : batch) {
+      for (const std::shared_ptr<ListeningNode>& node : notice.to) node->notify(notice.call);
+    }
+    lock.lock();
+  }
+  notifies_ = false;
 }
 
 void KnownPeers::pass_on() {
@@ -68,10 +76,10 @@ void KnownPeers::link_retired(LinkId link) {
 void KnownPeers::link_closed(LinkId link) {
   const Lock lock(mutex_);
   peers_.link_gone(link);
-  releases_.link_gone(link);
   specs_.erase(link);
-  if (std::erase_if(vanilla_, [link](const RemoteParticipant& one) { return one.link == link; }) > 0)
-    note_vanilla_gone();
+  const auto is_there = [link](const RemoteParticipant& one) { return one.link == link; };
+  std::erase_if(other_releases_, is_there);
+  if (std::erase_if(vanilla_, is_there) > 0) note_vanilla_gone();
 }
 
 Discovery::Vanilla KnownPeers::vanilla() {
@@ -84,18 +92,14 @@ void KnownPeers::note_vanilla_gone() {
   if (vanilla_.empty()) directory_.vanilla_changed();
 }
 
-std::optional<std::string> KnownPeers::take_other_releases(Time now) {
+void KnownPeers::tell_of_other_releases(Time now) {
   const Lock lock(mutex_);
-  const std::optional<ReleaseMonitor::Report> report = releases_.take_report(now);
-  if (!report) return std::nullopt;
-  const auto spec = specs_.find(report->participant.link);
-  std::string text = "a participant with control protocol " + std::to_string(report->version) + " is on " +
-                     (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
-                     std::to_string(control_protocol_version()) +
-                     "; they do not see each other: use the same release";
-  if (report->others > 0)
-    text += " (" + std::to_string(report->others) + " more with another protocol have come)";
-  return text;
+  if (other_release_.empty() || now < releases_not_before_) return;
+  releases_not_before_ = now + timing_.name_releases_every;
+  std::string text = std::exchange(other_release_, "");
+  if (const std::uint64_t further = std::exchange(further_releases_, 0); further > 0)
+    text += " (" + std::to_string(further) + " more with another protocol have come)";
+  directory_.tell(&DiscoveryListener::warned, std::move(text));
 }
 
 void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) {
@@ -109,7 +113,7 @@ void KnownPeers::participant_came(const RemoteParticipant& id, const Participant
 void KnownPeers::participant_gone(const RemoteParticipant& id) {
   Lock lock(mutex_);
   peers_.participant_gone(id);
-  releases_.gone(id);
+  other_releases_.erase(id);
   if (vanilla_.erase(id) > 0) note_vanilla_gone();
   pass_on_notices(lock);
 }
@@ -122,9 +126,19 @@ void KnownPeers::vanilla_came(const RemoteParticipant& id) {
   pass_on_notices(lock);
 }
 
+/// Each participant counts once.
 void KnownPeers::other_release_seen(const RemoteParticipant& id, std::uint32_t version) {
   const Lock lock(mutex_);
-  releases_.seen(id, version);
+  if (other_releases_.size() >= other_releases_max || !other_releases_.insert(id).second) return;
+  if (!other_release_.empty()) {
+    ++further_releases_;
+    return;
+  }
+  const auto spec = specs_.find(id.link);
+  other_release_ = "a participant with control protocol " + std::to_string(version) + " is on " +
+                   (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
+                   std::to_string(control_protocol_version()) +
+                   "; they do not see each other: use the same release";
 }
 
 void KnownPeers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) {

@@ -15,7 +15,6 @@
 #include "core/discovery/control_link.h"
 #include "core/discovery/desired_links.h"
 #include "core/discovery/directory.h"
-#include "core/discovery/ordered_delivery.h"
 #include "core/discovery/participant_data.h"
 #include "core/discovery/peers.h"
 #include "core/sync/mutex.h"
@@ -27,7 +26,7 @@ class KnownPeers final : public ControlLinkListener {
   KnownPeers(ProcessId self, const Timing& timing);
 
   /// Calls act(peers, directory). The resulting notices to nodes wait for pass_on(), which the caller calls
-  /// without holding a lock.
+  /// without holding a lock. Nodes are notified in the order of the events, by one thread at a time.
   template <class Act>
   auto with(Act act) {
     const Lock lock(mutex_);
@@ -53,8 +52,9 @@ class KnownPeers final : public ControlLinkListener {
   /// The address of the link is gone.
   void link_retired(LinkId link);
   void link_closed(LinkId link);
-  /// Returns a text for people about participants of other releases, if there are new ones.
-  std::optional<std::string> take_other_releases(Time now);
+  /// Tells nodes that participants of other releases have come, if there are new ones. However many of them
+  /// an attacker makes up, it does so only now and then.
+  void tell_of_other_releases(Time now);
 
   /// See Discovery::vanilla().
   Discovery::Vanilla vanilla();
@@ -71,19 +71,25 @@ class KnownPeers final : public ControlLinkListener {
 
  private:
   void take_actions() SFT_REQUIRES(mutex_);
-  void pass_on_notices(Lock& lock) SFT_REQUIRES(mutex_);
+  // Clang does not follow a lock through a reference.
+  void pass_on_notices(Lock& lock) SFT_REQUIRES(mutex_) SFT_NO_THREAD_SAFETY_ANALYSIS;
   void note_vanilla_gone() SFT_REQUIRES(mutex_);
 
   Mutex mutex_;
   Peers peers_ SFT_GUARDED_BY(mutex_);
   Directory directory_ SFT_GUARDED_BY(mutex_);
-  ReleaseMonitor releases_ SFT_GUARDED_BY(mutex_);
+  const Timing timing_;
+  static constexpr std::size_t other_releases_max = 256;  ///< further ones are not looked at
+  std::set<RemoteParticipant> other_releases_ SFT_GUARDED_BY(mutex_);
+  std::string other_release_ SFT_GUARDED_BY(mutex_);           ///< the first one that nodes were not told of
+  std::uint64_t further_releases_ SFT_GUARDED_BY(mutex_) = 0;  ///< participants after it
+  Time releases_not_before_ SFT_GUARDED_BY(mutex_){};
   static constexpr std::size_t vanilla_known_max = 1024;  ///< further ones are not looked at
   std::set<RemoteParticipant> vanilla_ SFT_GUARDED_BY(mutex_);
   std::uint64_t vanilla_came_ SFT_GUARDED_BY(mutex_) = 0;
   std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);
   std::vector<PeerAction> of_links_ SFT_GUARDED_BY(mutex_);
-  OrderedDelivery<Directory::Notice> delivery_ SFT_GUARDED_BY(mutex_);
+  bool notifies_ SFT_GUARDED_BY(mutex_) = false;  ///< some thread is in pass_on_notices()
 };
 
 }  // namespace sft::core

@@ -27,19 +27,6 @@ Links::~Links() {
     one.link->flush(settings_.timing.farewell_max / static_cast<int>(links_.size()));
 }
 
-Result<void> Links::join(std::uint32_t domain) {
-  OpenLink link{.id = ++links_made_};
-  known_.link_made(link.id, link.spec);
-  auto opened = ControlLink::open({.link = link.id, .number = domain, .process = own_.process()}, known_);
-  if (!opened) {
-    known_.link_closed(link.id);
-    return tl::unexpected(opened.error());
-  }
-  link.link = std::move(*opened);
-  links_.push_back(std::move(link));
-  return {};
-}
-
 Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts) {
   Result<void> result;
   hosts_ = hosts;
@@ -54,7 +41,7 @@ Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& h
   }
   for (OpenLink& one : links_) {
     const bool is_wanted = std::ranges::find(wanted, one.spec) != wanted.end();
-    if (is_wanted || one.is_retired || one.domain == nullptr) continue;
+    if (is_wanted || one.is_retired) continue;
     one.is_retired = true;
     known_.link_retired(one.id);
   }
@@ -120,14 +107,14 @@ Result<void> Links::open_link(OpenLink& link) {
 }
 
 Links::OpenLink* Links::present(const LinkSpec& spec) {
-  const auto link = std::ranges::find_if(
-      links_, [&](const OpenLink& one) { return !one.is_retired && one.domain && one.spec == spec; });
+  const auto link =
+      std::ranges::find_if(links_, [&](const OpenLink& one) { return !one.is_retired && one.spec == spec; });
   return link == links_.end() ? nullptr : &*link;
 }
 
 std::optional<Links::Renewal> Links::renew(LinkId id, const std::string& why) {
   const auto link = std::ranges::find(links_, id, &OpenLink::id);
-  if (link == links_.end() || link->is_retired || link->domain == nullptr) return std::nullopt;
+  if (link == links_.end() || link->is_retired) return std::nullopt;
   const std::string what = "on " + link->spec.interface + " " + why;
   const Result<void> opened = open(LinkSpec(link->spec), &*link);
   if (opened) return Renewal{.is_made = true, .text = what + "; the link is made anew"};

@@ -35,8 +35,6 @@ class Links {
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Opens one link in a DDS domain that the program itself has configured. This link is never made anew.
-  Result<void> join(std::uint32_t domain);
   /// Opens the links that are wanted, and retires others. Returns the error of the first link that could not
   /// be opened. The next call tries such links again. A link is made anew if `hosts` has other addresses for
   /// its peers than before.
@@ -45,8 +43,7 @@ class Links {
     bool is_made = false;
     std::string text{};  ///< for people; empty if it failed as it did before
   };
-  /// Makes a link anew. Returns nothing if the link does not exist, has retired, or is in a domain of the
-  /// program.
+  /// Makes a link anew. Returns nothing if the link does not exist, or has retired.
   std::optional<Renewal> renew(LinkId link, const std::string& why);
   void close(LinkId link);
   void close_all();
@@ -77,8 +74,8 @@ class Links {
   struct OpenLink {
     LinkId id = 0;
     LinkSpec spec{};
-    std::string config{};                           ///< the text that `domain` was made with
-    std::shared_ptr<const CycloneDomain> domain{};  ///< null if the program has made it
+    std::string config{};  ///< the text that `domain` was made with
+    std::shared_ptr<const CycloneDomain> domain{};
     std::unique_ptr<ControlLink> link{};
     bool is_retired = false;
     std::string failure{};  ///< why it could not be made anew the last time

@@ -1,7 +1,7 @@
 #include "core/discovery/participant_data.h"
 
 #include <charconv>
-#include <utility>
+#include <cstddef>
 
 #include "core/platform/random_id.h"
 
@@ -65,21 +65,6 @@ std::optional<std::uint32_t> other_release(std::string_view user_data) {
   if (digits == 0 || digits > version_digits || user_data.front() == '0') return std::nullopt;
   const auto version = number_in<std::uint32_t>(user_data.substr(0, digits), 10);
   return version && *version != control_protocol_version() ? version : std::nullopt;
-}
-
-void ReleaseMonitor::seen(const RemoteParticipant& participant, std::uint32_t version) {
-  if (known_.size() >= known_max || !known_.insert(participant).second) return;
-  if (next_) {
-    ++next_->others;
-  } else {
-    next_ = Report{.participant = participant, .version = version};
-  }
-}
-
-std::optional<ReleaseMonitor::Report> ReleaseMonitor::take_report(Time now) {
-  if (!next_ || now < not_before_) return std::nullopt;
-  not_before_ = now + timing_.name_releases_every;
-  return std::exchange(next_, std::nullopt);
 }
 
 }  // namespace sft::core

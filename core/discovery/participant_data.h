@@ -1,19 +1,13 @@
 // The user data of our DDS participants: the process that the participant belongs to, and how its heartbeats
-// go. Cyclone announces a change of them at once. Also the participants of other releases, which a node sees
-// but cannot understand. Uses no clock, thread or I/O.
+// go. Cyclone announces a change of them at once. Pure functions.
 #pragma once
 
-#include <chrono>
-#include <cstddef>
 #include <cstdint>
 #include <optional>
-#include <set>
 #include <string>
 #include <string_view>
 
 #include "core/discovery/records.h"
-#include "core/discovery/timing.h"
-#include "core/platform/clock.h"
 
 namespace sft::core {
 
@@ -39,36 +33,5 @@ std::optional<ParticipantData> parse_participant_data(std::string_view user_data
 /// Returns the version of the control protocol if it differs from ours. The user data of all versions begin
 /// with "sft/", the version and "/".
 std::optional<std::uint32_t> other_release(std::string_view user_data);
-
-/// Decides when the log names participants of other releases. However many of them an attacker makes up, the
-/// log gets only a line now and then.
-class ReleaseMonitor {
- public:
-  explicit ReleaseMonitor(const Timing& timing) : timing_(timing) {}
-
-  /// Records that a participant with another version was seen, for the first time or again.
-  void seen(const RemoteParticipant& participant, std::uint32_t version);
-  void gone(const RemoteParticipant& participant) { known_.erase(participant); }
-  void link_gone(LinkId link) {
-    std::erase_if(known_, [link](const RemoteParticipant& one) { return one.link == link; });
-  }
-
-  struct Report {
-    RemoteParticipant participant{};
-    std::uint32_t version = 0;
-    std::uint64_t others = 0;  ///< further participants since the last report
-  };
-  /// Returns the report that is due now, if any. Each participant counts once, and no more than `known_max`
-  /// count.
-  std::optional<Report> take_report(Time now);
-
- private:
-  static constexpr std::size_t known_max = 256;
-
-  const Timing timing_;
-  std::set<RemoteParticipant> known_;
-  std::optional<Report> next_;
-  Time not_before_{};
-};
 
 }  // namespace sft::core

@@ -146,9 +146,7 @@ void Peers::join(const RemoteParticipant& id, Participant& participant) {
     actions_.emplace_back(RecordChanged{process, role, key, record});
   };
   participant.is_cropped = false;  // it may have found no room only because it was not heard
-  const auto [peer, is_new] = peers_.try_emplace(process, timing_, listened_, changed);
-  if (is_new) actions_.emplace_back(PeerFound{process});
-  peer->second.join(id, participant);
+  peers_.try_emplace(process, timing_, listened_, changed).first->second.join(id, participant);
 }
 
 /// The records of a process end with its last participant. PeerLost reports that once for all of them.

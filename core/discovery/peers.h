@@ -23,10 +23,6 @@
 
 namespace sft::core {
 
-/// A process was found, for the first time or again. Its records follow.
-struct PeerFound {
-  ProcessId process = 0;
-};
 /// All participants of the process are silent or gone, and no record of it holds.
 struct PeerLost {
   ProcessId process = 0;
@@ -56,8 +52,8 @@ struct EndLink {
 };
 using RenewLink = LinkCare::Renewal;
 using Announce = LinkCare::Announcement;
-using PeerAction = std::variant<PeerFound, PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink,
-                                Announce, EndLink>;
+using PeerAction =
+    std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, Announce, EndLink>;
 
 struct PeerLimits {
   /// While all participants together have fewer records than `full`, of fewer bytes than `full_bytes`, each

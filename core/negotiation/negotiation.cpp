@@ -1,8 +1,9 @@
 #include "core/negotiation/negotiation.h"
 
 #include <optional>
+#include <utility>
 
-#include "core/negotiation/own_request.h"
+#include "core/negotiation/id_list.h"
 
 namespace sft::core {
 
@@ -12,6 +13,12 @@ namespace {
 bool is_of_our_topic(const EndpointTable& table, EndpointId id) {
   const Endpoint* const endpoint = table.known(id);
   return endpoint != nullptr && table.is_topic_of_ours(endpoint->topic);
+}
+
+/// Each change of a request of ours makes it a newer one.
+bool renew(Request& request) {
+  ++request.sequence;
+  return true;
 }
 
 }  // namespace
@@ -30,7 +37,9 @@ bool Negotiation::self_changed(const Self& self) {
   if (!facts_.host.self_changed(self)) return false;
   for (Endpoint* const ours : facts_.table.ours()) {
     facts_.host.equip(*ours);
-    if (new_host) OwnRequest(ours->request).memory_lost();
+    if (!new_host || ours->request.attached.empty()) continue;
+    ours->request.attached.clear();
+    renew(ours->request);
   }
   return true;
 }
@@ -98,26 +107,48 @@ bool Negotiation::request_received(const Request& request) {
 
 bool Negotiation::requirement_changed(EndpointId reader, const Selection& selection) {
   TableEntry* const ours = facts_.table.find_ours(reader);
-  return ours != nullptr && OwnRequest(ours->endpoint.request).needs(selection);
+  if (ours == nullptr) return false;
+  Request& request = ours->endpoint.request;
+  std::vector<std::uint64_t> words = selection.mask().to_words();
+  std::vector<std::byte> parts;
+  if (!selection.is_mask()) parts = selection.to_bytes();
+  if (words == request.mask_words && parts == request.parts) return false;
+  request.mask_words = std::move(words);
+  request.parts = std::move(parts);
+  return renew(request);
 }
 
 bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {
   TableEntry* const ours = facts_.table.find_ours(reader);
-  return ours != nullptr && OwnRequest(ours->endpoint.request).takes_a_sample_per(min_period_us);
+  if (ours == nullptr || ours->endpoint.request.min_period_us == min_period_us) return false;
+  ours->endpoint.request.min_period_us = min_period_us;
+  return renew(ours->endpoint.request);
 }
 
+/// If the path is lost by which retained samples came, they come again from the beginning.
 bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path,
                                      bool connected) {
   TableEntry* const ours = facts_.table.find_ours(reader);
   if (ours == nullptr) return false;
-  if (!OwnRequest(ours->endpoint.request).connection_changed(writer, path, connected)) return false;
-  if (!connected) facts_.history.disconnected(ours->endpoint, writer);
+  Request& request = ours->endpoint.request;
+  std::vector<EndpointId>& writers = path == TransportKind::shm ? request.attached : request.listening;
+  if (connected == holds(writers, writer)) return false;
+  renew(request);
+  if (connected) {
+    writers.push_back(writer);
+    return true;
+  }
+  std::erase(writers, writer);
+  if (!holds(request.listening, writer)) std::erase(request.begun, writer);
+  facts_.history.disconnected(ours->endpoint, writer);
   return true;
 }
 
 bool Negotiation::history_began(EndpointId reader, EndpointId writer) {
   TableEntry* const ours = facts_.table.find_ours(reader);
-  return ours != nullptr && OwnRequest(ours->endpoint.request).history_began(writer);
+  if (ours == nullptr || holds(ours->endpoint.request.begun, writer)) return false;
+  ours->endpoint.request.begun.push_back(writer);
+  return renew(ours->endpoint.request);
 }
 
 bool Negotiation::history_came(EndpointId reader, EndpointId writer) {

@@ -286,16 +286,18 @@ void NodeCore::report_received(NodeReport report) {
   has_time ? agent_.post_for_next_tick(std::move(task)) : agent_.post(std::move(task));
 }
 
-void NodeCore::links_changed(const std::string& summary) {
-  log_.write(LogLevel::info, "discovery: " + summary);
+void NodeCore::links_changed(std::string summary) {
+  agent_.post([this, summary = std::move(summary)] { log_.write(LogLevel::info, "discovery: " + summary); });
 }
 
-void NodeCore::link_was_renewed(const std::string& what) {
+void NodeCore::link_was_renewed(std::string what) {
   counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
-  log_.write(LogLevel::warning, "discovery: " + what);
+  warned(std::move(what));
 }
 
-void NodeCore::warned(const std::string& what) { log_.write(LogLevel::warning, "discovery: " + what); }
+void NodeCore::warned(std::string what) {
+  agent_.post([this, what = std::move(what)] { log_.write(LogLevel::warning, "discovery: " + what); });
+}
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;

@@ -72,7 +72,7 @@ class NodeCore final : private DiscoveryListener {
   EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
-  // DiscoveryListener: each call is posted to the agent, except for calls by the agent itself.
+  // DiscoveryListener: each call is posted to the agent.
   void endpoint_seen(Endpoint endpoint) override;
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
@@ -80,9 +80,9 @@ class NodeCore final : private DiscoveryListener {
   void report_received(NodeReport report) override;
   void vanilla_changed() override;
   void control_malformed(std::string why) override;
-  void links_changed(const std::string& summary) override;  // called by the agent
-  void link_was_renewed(const std::string& what) override;  // called by the agent
-  void warned(const std::string& what) override;
+  void links_changed(std::string summary) override;
+  void link_was_renewed(std::string what) override;
+  void warned(std::string what) override;
 
   /// Makes discovery report the publishers, or the subscribers, of all nodes from now on. Called by the agent
   /// only.

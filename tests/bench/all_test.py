@@ -230,14 +230,14 @@ done
         self.assertEqual(self.run_all(*words, "15"), 0)
 
     def test_a_benchmark_that_hangs_or_fails_is_named_and_the_others_run(self):
-        self.bench("that", "spine", "sleep 1000")
+        self.bench("that", "recovery", "sleep 1000")
         self.bench("that", "shm", "exit 3")
         self.both(WRITES.format(value=10), WRITES.format(value=10))
-        for name in ("spine", "shm"):
+        for name in ("recovery", "shm"):
             self.bench("this", name, WRITES.format(value=1))
-        code = self.run_all("--against", "HEAD", "--only", "spine,shm,udp", "--rounds", "2", "--time-limit", "1")
+        code = self.run_all("--against", "HEAD", "--only", "recovery,shm,udp", "--rounds", "2", "--time-limit", "1")
         self.assertEqual(code, 1)
-        self.assertRegex(self.out, "bench_spine of .* does not end within 1")
+        self.assertRegex(self.out, "bench_recovery of .* does not end within 1")
         self.assertRegex(self.out, "bench_shm of .* fails with exit code 3")
         self.assertEqual(self.verdicts(), {"udp": "same"})
 

@@ -148,9 +148,9 @@ class ControlReader final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     ++reports_;
   }
-  void link_was_renewed(const std::string& what) override {
+  void link_was_renewed(std::string what) override {
     const core::Lock lock(mutex_);
-    renewals_.push_back(what);
+    renewals_.push_back(std::move(what));
   }
   void control_malformed(std::string why) override {
     const core::Lock lock(mutex_);

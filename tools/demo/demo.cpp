@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "tools/demo/clouds/scene.h"
 #include "tools/demo/screen/measurement.h"
 #include "tools/demo/screen/report.h"
 
@@ -20,9 +21,6 @@ constexpr seconds timeout_for_arrival{2};
 // After DDS participants have found each other, they repeat their announcements for about this long.
 // Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
 constexpr milliseconds settling{5'000};
-// Each process sends one heartbeat a second. The control traffic of any whole number of these periods is
-// nearly the same.
-constexpr seconds control_period{4};
 constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 constexpr milliseconds refresh{250};
 constexpr milliseconds poll_interval{20};
@@ -41,10 +39,6 @@ std::uint64_t withheld_from(const PublisherReport& publisher, const std::string&
 }
 
 }  // namespace
-
-Demo::Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, tool::Stop& stop,
-           Display& display)
-    : options_(options), source_(source), stage_(stage), stop_(stop), display_(display) {}
 
 Result<RunFigures> Demo::run() {
   return await_readiness()
@@ -86,7 +80,6 @@ Result<Demo::Snapshot> Demo::look(const Order& order, bool says_so) {
   if (!report) return tl::unexpected(report.error());
   now.publisher = std::move(*report);
   now.at = Clock::now();
-  if (settled_.at != Clock::time_point{}) note_idle_traffic(now);
   return now;
 }
 
@@ -122,7 +115,8 @@ std::string Demo::missing(const Snapshot& now, bool any_transport) const {
 }
 
 void Demo::introduce() const {
-  display_.say(fmt::format("  lidar    publishes clouds of {}, {:g} a second", source_.shape(), options_.hz));
+  display_.say(fmt::format("  lidar    publishes clouds of {} x {} points, {:g} a second", Scene::rows,
+                           Scene::columns, options_.hz));
   for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
     const std::string host = stage_.real_hosts() ? subscriber.host : subscriber.local ? "shared" : "by UDP";
     display_.say(fmt::format("  {:<8} {:<9} {}", host, subscriber.name, subscriber.purpose));
@@ -150,24 +144,10 @@ Result<void> Demo::await_readiness() {
   }
 }
 
-/// Waits until discovery is quiet, and then until the run is long enough to measure the idle traffic, if
-/// publishing alone is too short for that. If fields are recorded, the time of publishing does not count,
-/// because nodes change their requests meanwhile, and that causes traffic.
 Result<void> Demo::let_it_settle() {
   if (!stage_.real_hosts()) return {};
-  const Result<void> settled = wait_until(
-      Clock::now() + settling,
-      fmt::format("Waiting until discovery is quiet, {} s", std::chrono::floor<seconds>(settling).count()));
-  if (!settled) return settled;
-  Result<Snapshot> now = look();
-  if (!now) return tl::unexpected(now.error());
-  settled_ = std::move(*now);
-  const auto publishing = std::chrono::floor<milliseconds>(std::chrono::duration<double>(options_.seconds));
-  const auto silence = control_period + 2 * refresh - (options_.arr ? milliseconds(0) : publishing);
-  if (silence <= silence.zero()) return {};
-  return wait_until(settled_.at + silence,
-                    fmt::format("Counting what nodes send while nothing is published, {:.0f} s",
-                                std::chrono::duration<double>(silence).count()));
+  return wait_until(Clock::now() + settling, fmt::format("Waiting until discovery is quiet, {} s",
+                                                         std::chrono::floor<seconds>(settling).count()));
 }
 
 Result<void> Demo::publish() {
@@ -202,34 +182,12 @@ Result<void> Demo::await_arrival() {
   }
 }
 
-/// Control traffic does not depend on published samples, so it can be measured while they are published.
-void Demo::note_idle_traffic(const Snapshot& now) {
-  if (now.at - settled_.at < (control_periods_ + 1) * control_period) return;
-  ++control_periods_;
-  idle_bytes_per_s_ = control_per_node(now);
-}
-
-/// Returns the bytes of control traffic per second and node since discovery was quiet, on average.
-double Demo::control_per_node(const Snapshot& now) const {
-  // The host of the publisher has two nodes, and one meter.
-  double rate = control_bytes_per_s(settled_.publisher.traffic, now.publisher.traffic);
-  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
-    if (stage_.subscribers()[i].local) continue;
-    rate += control_bytes_per_s(settled_.subscribers[i].traffic, now.subscribers[i].traffic);
-  }
-  return rate / static_cast<double>(1 + now.subscribers.size());
-}
-
 RunFigures Demo::figures(const Snapshot& now) const {
   RunFigures run;
-  run.input = source_.name();
-  run.message_shape = source_.shape();
   run.hz = options_.hz;
   run.samples = now.publisher.published;
   run.dropped = now.publisher.dropped;
   run.hosts = stage_.hosts();
-  run.idle_bytes_per_s = idle_bytes_per_s_;
-  const double published = std::max(1.0, static_cast<double>(now.publisher.published));
   for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
     const Stage::Subscriber& who = stage_.subscribers()[i];
     const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_,
@@ -239,7 +197,7 @@ RunFigures Demo::figures(const Snapshot& now) const {
     subscriber.name = who.name;
     subscriber.max_rate_hz = who.max_rate_hz;
     subscriber.host = stage_.real_hosts() ? who.host : "-";
-    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes) / published;
+    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes);
     run.subscribers.push_back(std::move(subscriber));
   }
   return run;

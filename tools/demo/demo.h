@@ -18,7 +18,6 @@ namespace sft::demo {
 
 /// The options of the command line.
 struct DemoOptions {
-  std::optional<std::filesystem::path> input{};  ///< empty: the generated scene
   double hz = 10;
   double seconds = 10;
   bool arr = false;  ///< the fields of all subscribers are recorded, not declared
@@ -31,8 +30,8 @@ struct DemoOptions {
 
 class Demo {
  public:
-  Demo(const DemoOptions& options, const CloudSource& source, Stage& stage, tool::Stop& stop,
-       Display& display);
+  Demo(const DemoOptions& options, Stage& stage, tool::Stop& stop, Display& display)
+      : options_(options), stage_(stage), stop_(stop), display_(display) {}
 
   Result<RunFigures> run();
 
@@ -62,19 +61,13 @@ class Demo {
   bool served_as_wished(const Snapshot& now, std::size_t subscriber, bool any_transport) const;
   Error not_ready(const Snapshot& now) const;
   RunFigures figures(const Snapshot& now) const;
-  void note_idle_traffic(const Snapshot& now);
-  double control_per_node(const Snapshot& now) const;
 
   const DemoOptions& options_;
-  const CloudSource& source_;
   Stage& stage_;
   tool::Stop& stop_;
   Display& display_;
-  Snapshot settled_;  ///< at a moment when all had found each other and nothing was published yet
-  Snapshot begin_;    ///< just before the first sample
+  Snapshot begin_;  ///< just before the first sample
   Snapshot last_;
-  unsigned control_periods_ = 0;  ///< measured for idle_bytes_per_s_
-  std::optional<double> idle_bytes_per_s_;
   bool is_over_ = false;  ///< samples that have not arrived by now are lost
 };
 

@@ -4,37 +4,17 @@
 #include <unistd.h>
 
 #include <CLI/CLI.hpp>
-#include <chrono>
 #include <cstdio>
 #include <exception>
 #include <fstream>
-#include <future>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-#include "tools/demo/clouds/point_cloud_files.h"
 #include "tools/demo/demo.h"
 
 namespace sft::demo {
 
 namespace {
-
-constexpr std::chrono::milliseconds between_notices{200};
-
-Result<std::unique_ptr<CloudSource>> open_source(const DemoOptions& options, Display& display) {
-  if (!options.input) return scene_source(options.hz);
-  // Another thread reads the files. It has ended before the stage is set up, which requires that the process
-  // has a single thread.
-  auto reading =
-      std::async(std::launch::async, [&] { return read_point_clouds(*options.input, options.samples()); });
-  while (reading.wait_for(between_notices) == std::future_status::timeout) {
-    display.waiting("Reading " + options.input->native(), WaitNotice::Clock::now());
-  }
-  Result<Input> input = reading.get();
-  if (!input) return tl::unexpected(input.error());
-  for (const std::string& note : input->notes) display.say(options.input->native() + ": " + note);
-  return file_source(options.input->native(), std::move(input->clouds));
-}
 
 /// Called before the run, since a user does not want to learn after the run that the figures cannot be
 /// written.
@@ -61,18 +41,15 @@ Result<void> run(const DemoOptions& options) {
     if (Result<void> writable = check_writable(*options.json); !writable) return writable;
   }
   Display display;
-  const Result<std::unique_ptr<CloudSource>> source = open_source(options, display);
-  if (!source) return tl::unexpected(source.error());
-
   tool::Stop stop;
-  display.waiting("Setting up the hosts", WaitNotice::Clock::now());
-  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(**source, options.arr);
+  display.waiting("Setting up the hosts", Clock::now());
+  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(options.arr);
   if (!stage) return tl::unexpected(stage.error());
   display.say((*stage)->real_hosts()
                   ? "Five hosts, each in namespaces of its own, on an emulated switch:"
                   : "No real hosts (" + (*stage)->why_not() +
                         "): everything runs on this machine, with the network path forced over loopback:");
-  const Result<RunFigures> figures = Demo(options, **source, **stage, stop, display).run();
+  const Result<RunFigures> figures = Demo(options, **stage, stop, display).run();
   if (!figures) return tl::unexpected(figures.error());
   display.conclude(*figures);
   return options.json ? write_json(*options.json, *figures) : Result<void>();
@@ -87,10 +64,6 @@ int main(int argc, char** argv) try {
   CLI::App app("Shows which fields of a lidar's point clouds each subscriber is sent.");
   app.get_formatter()->column_width(20);
   app.get_formatter()->label("TEXT", "PATH");
-  app.add_option("--input", options.input,
-                 "Publish the clouds of a file (.cdr, .cdrlog, KITTI .bin,\n"
-                 ".pcd) or of a directory of them, again and again.\n"
-                 "Default: a generated street of 128 x 1024 points");
   app.add_option("--hz", options.hz, "Publish this many clouds per second, 0.1 to 1000")
       ->capture_default_str()
       ->type_name("HZ")

@@ -122,8 +122,7 @@ struct NodeOptions {
     /// The threads that run callbacks for samples in shared memory, for events and for the log, and that make
     /// file descriptors readable.
     ThreadSettings callbacks{};
-    /// The threads of Cyclone DDS. Nodes of one process share them only if these settings are equal. If the
-    /// program itself opened the DDS domain, the settings apply only to the link of the loopback.
+    /// The threads of Cyclone DDS. Nodes of one process share them only if these settings are equal.
     ThreadSettings discovery{};
   };
 

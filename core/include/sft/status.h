@@ -215,8 +215,7 @@ struct NodeStatus {
   /// The parts of `discovery` that are warnings: settings of the user that have no effect, and the like.
   std::vector<std::string> discovery_warnings{};
   bool waits_for_network = false;  ///< only the loopback is in use, although other interfaces are wanted
-  /// The names of the interfaces by which nodes are found. Empty if the program itself opened the DDS domain;
-  /// nodes of the host are then found by the loopback, too.
+  /// The names of the interfaces by which nodes are found.
   std::vector<std::string> discovery_interfaces{};
   std::string udp;  ///< how UDP works here, or the reason why it does not
   /// False: UDP uses plain sockets instead; `udp` says why.

@@ -203,16 +203,10 @@ void ControlWorld::act(SimProcess& process) {
 }
 
 void ControlWorld::note(SimProcess& process, const PeerAction& action) {
-  if (const auto* const found = std::get_if<PeerFound>(&action)) process.mirror[found->process] = {};
   if (const auto* const lost = std::get_if<PeerLost>(&action)) process.mirror.erase(lost->process);
   const auto* const changed = std::get_if<RecordChanged>(&action);
   if (changed == nullptr) return;
-  const auto peer = process.mirror.find(changed->process);
-  if (peer == process.mirror.end()) {
-    ++steps_back_;
-    return;
-  }
-  auto& records = peer->second[changed->role];
+  auto& records = process.mirror[changed->process][changed->role];
   const auto before = records.find(changed->key);
   if (before != records.end() && changed->record.revision < before->second.revision) ++steps_back_;
   records.erase(changed->key);
@@ -338,8 +332,9 @@ std::string ControlWorld::what_is_wrong() const {
     if (hearer->is_killed) continue;
     for (const auto& other : processes_) {
       if (other == hearer) continue;
-      const auto known = hearer->mirror.find(other->id);
-      const bool is_known = known != hearer->mirror.end();
+      const auto records = hearer->mirror.find(other->id);
+      const bool is_known =
+          other->is_killed ? records != hearer->mirror.end() : hearer->peers.find(other->id) != nullptr;
       if (is_known == other->is_killed) {
         wrong << other->id << (is_known ? " was killed, and " : " lives, and ") << hearer->id
               << (is_known ? " knows it; " : " does not know it; ");
@@ -347,8 +342,10 @@ std::string ControlWorld::what_is_wrong() const {
       }
       if (!is_known) continue;
       for (const Role role : both_roles) {
-        if (known->second[role] != in_force(other->own.records(role)))
-          wrong << hearer->id << " knows " << known->second[role].size() << " records of the "
+        const auto known =
+            records == hearer->mirror.end() ? std::map<RecordKey, Record>{} : records->second[role];
+        if (known != in_force(other->own.records(role)))
+          wrong << hearer->id << " knows " << known.size() << " records of the "
                 << in_force(other->own.records(role)).size() << " of " << other->id << "; ";
       }
     }

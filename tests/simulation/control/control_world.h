@@ -82,8 +82,7 @@ class ControlWorld {
   /// Returns the first error, or "" if each process has the records of all others, and no records of killed
   /// processes.
   std::string what_is_wrong() const;
-  /// Returns the number of records that replaced newer ones or were of unknown processes. For runs without
-  /// attacks.
+  /// Returns the number of records that were replaced by older ones. For runs without attacks.
   int steps_back() const { return steps_back_; }
 
   std::size_t below(std::size_t end) { return static_cast<std::size_t>(random_() % end); }

@@ -20,8 +20,7 @@ using nlohmann::json;
 // sizes are in bytes.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
-constexpr double header_bytes_max = 130;  // larger, because `header` contains a name
-constexpr double idle_bytes_per_s_max = 300;
+constexpr double header_bytes_max = 130;           // larger, because `header` contains a name
 constexpr double header_share_max = 0.06;          // the share of headers in large messages: 58 of 1514 bytes
 constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and of each point 16 of its 48 bytes
 
@@ -101,8 +100,6 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
   expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,
          "wire_bytes_per_sample of localiser: " + std::to_string(large));
   expect(subscriber(run, "detector").at("wire_bytes_per_sample") == 0, "something was sent to detector");
-  const double idle = run.at("idle_bytes_per_s");
-  expect(idle > 0 && idle <= idle_bytes_per_s_max, "idle_bytes_per_s: " + std::to_string(idle));
 }
 
 void check_total(const json& run, std::uint64_t samples, double full_bytes) {

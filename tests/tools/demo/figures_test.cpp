@@ -9,14 +9,12 @@
 #include "tools/demo/screen/figures.h"
 #include "tools/demo/screen/measurement.h"
 #include "tools/demo/screen/report.h"
-#include "tools/demo/screen/wait_notice.h"
 #include "tools/terminal/columns.h"
 #include "tools/terminal/units.h"
 
 namespace sft::demo {
 namespace {
 
-using namespace std::chrono_literals;
 using testing::AllOf;
 using testing::ElementsAre;
 using testing::HasSubstr;
@@ -85,7 +83,6 @@ SubscriberFigures localiser() {
 
 RunFigures without_hosts(RunFigures run) {
   run.hosts = 1;
-  run.idle_bytes_per_s.reset();
   for (SubscriberFigures& s : run.subscribers) {
     s.wire_bytes_per_sample.reset();
     s.wire_bytes.reset();
@@ -109,12 +106,9 @@ std::string unwrapped(std::vector<std::string> lines) {
 
 RunFigures run_of(std::vector<SubscriberFigures> subscribers) {
   RunFigures run;
-  run.input = "generated scene";
-  run.message_shape = "128 x 1024 points";
   run.hz = 10;
   run.samples = 100;
   run.hosts = 5;
-  run.idle_bytes_per_s = 135.2;
   run.subscribers = std::move(subscribers);
   return run;
 }
@@ -195,17 +189,9 @@ TEST(Measurement, KeepsWhatCameInAllApartFromWhatASampleTook) {
   EXPECT_EQ(s.wire_bytes_per_sample, 82.0);
 }
 
-TEST(Measurement, OfControlTrafficIsARate) {
-  const Traffic begin{.at_ns = 1'000'000'000, .control_sent = 500};
-  const Traffic end{.at_ns = 9'000'000'000, .control_sent = 1540};
-  EXPECT_EQ(control_bytes_per_s(begin, end), 130.0);
-  EXPECT_EQ(control_bytes_per_s(begin, begin), 0.0);
-}
-
 TEST(Json, HasExactlyTheseKeysInThisOrder) {
   const nlohmann::ordered_json json = to_json(run_of({health()}));
-  const std::vector<std::string> run_keys{"input",         "samples",     "hosts",      "idle_bytes_per_s",
-                                          "carried_bytes", "whole_bytes", "subscribers"};
+  const std::vector<std::string> run_keys{"samples", "hosts", "carried_bytes", "whole_bytes", "subscribers"};
   const std::vector<std::string> subscriber_keys{"name",
                                                  "transport",
                                                  "reason",
@@ -228,10 +214,8 @@ TEST(Json, HasExactlyTheseKeysInThisOrder) {
 
 TEST(Json, HasTheFigures) {
   const nlohmann::ordered_json json = to_json(run_of({health()}));
-  EXPECT_EQ(json["input"], "generated scene");
   EXPECT_EQ(json["samples"], 100);
   EXPECT_EQ(json["hosts"], 5);
-  EXPECT_EQ(json["idle_bytes_per_s"], 135.2);
   EXPECT_EQ(json["carried_bytes"], 8200);
   EXPECT_EQ(json["whole_bytes"], 629'172'500);
   const auto& s = json["subscribers"][0];
@@ -246,10 +230,7 @@ TEST(Json, HasNullForWhatWasNotMeasured) {
   SubscriberFigures s = health();
   s.wire_bytes_per_sample.reset();
   s.latency_p50_us.reset();
-  RunFigures run = run_of({s});
-  run.idle_bytes_per_s.reset();
-  const nlohmann::ordered_json json = to_json(run);
-  EXPECT_TRUE(json["idle_bytes_per_s"].is_null());
+  const nlohmann::ordered_json json = to_json(run_of({s}));
   EXPECT_TRUE(json["subscribers"][0]["wire_bytes_per_sample"].is_null());
   EXPECT_TRUE(json["subscribers"][0]["latency_us"]["p50"].is_null());
 }
@@ -295,18 +276,6 @@ TEST(Text, ThatDoesNotFitEndsWithDots) {
   EXPECT_EQ(tool::shortened("12345678", 7), "1234...");
 }
 
-TEST(Wait, IsSaidAtOnceAndThenEverySecond) {
-  WaitNotice notice;
-  const WaitNotice::Clock::time_point start(1h);
-  EXPECT_EQ(notice.line("Waiting for the lidar", start), "Waiting for the lidar ...");
-  EXPECT_EQ(notice.line("Waiting for the lidar", start + 999ms), std::nullopt);
-  EXPECT_EQ(notice.line("Waiting for the lidar", start + 1s), "Waiting for the lidar ... 1 s");
-  EXPECT_EQ(notice.line("Waiting for the lidar", start + 1999ms), std::nullopt);
-  EXPECT_EQ(notice.line("Waiting for the lidar", start + 2100ms), "Waiting for the lidar ... 2 s");
-  EXPECT_EQ(notice.line("Waiting for nothing", start + 2200ms), "Waiting for nothing ...");
-  EXPECT_EQ(notice.line("Waiting for nothing", start + 3200ms), "Waiting for nothing ... 1 s");
-}
-
 TEST(Table, HasALineForEachSubscriber) {
   const std::vector<std::string> table = format_table(run_of({health(), localiser(), detector()}));
   ASSERT_EQ(table.size(), 4U);
@@ -347,10 +316,9 @@ TEST(Summary, SaysFirstOfAllThatSomethingWasLostOrNothingSaved) {
 
 TEST(Summary, TellsWhatWasPublishedAndHowItWasMeasured) {
   EXPECT_THAT(unwrapped(format_summary(run_of({health(), detector()}))),
-              AllOf(HasSubstr("published 100 clouds (128 x 1024 points"),
+              AllOf(HasSubstr("published 100 clouds of a generated yard (6.29 MB each)"),
                     HasSubstr("629.17 MB would be every whole cloud for each of the 1 subscribers"),
-                    HasSubstr("In shared memory nothing is copied or sent."),
-                    HasSubstr("135 bytes/s per node"), Not(HasSubstr("recorded"))));
+                    HasSubstr("In shared memory nothing is copied or sent."), Not(HasSubstr("recorded"))));
 }
 
 TEST(Summary, OfRecordedFieldsTellsWhatLearningTook) {
@@ -387,8 +355,6 @@ RunFigures long_run() {
   s.incomplete = 56;
   s.latency_p50_us = 123'456;
   RunFigures run = run_of({s, s, s, s, detector()});
-  run.input =
-      "a folder/of clouds that/has rather long names in it/and lies somewhere deep/down in the file system";
   run.samples = 864'000;
   run.dropped = 77;
   run.hosts = 5;

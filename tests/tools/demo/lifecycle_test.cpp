@@ -19,7 +19,7 @@
 #include <sstream>
 
 #include "core/platform/file_descriptor.h"
-#include "tests/tools/demo/clouds.h"
+#include "tests/support/temporary_directory.h"
 
 namespace sft::demo {
 namespace {
@@ -117,7 +117,7 @@ class RunningDemo {
 };
 
 TEST(Demo, EndsEarlyOnCtrlCWithTheSummaryAndTheFigures) {
-  const TemporaryDirectory directory;
+  const test::TemporaryDirectory directory;
   const auto json = directory.path() / "figures.json";
   RunningDemo demo({"--seconds", "600", "--json", json.native()});
   ASSERT_TRUE(demo.prints("published; ")) << demo.text();
@@ -236,14 +236,6 @@ TEST(Demo, HasAHelpThatFitsATerminal) {
   const Screen screen(demo.text());
   EXPECT_LE(screen.longest(), 79U) << demo.text();
   EXPECT_LE(screen.rows().size(), 24U) << demo.text();
-}
-
-TEST(Demo, FailsOnInputThatItCannotRead) {
-  const TemporaryDirectory directory;
-  const auto truncated = directory.write("scan.bin", Bytes(15));
-  RunningDemo demo({"--input", truncated.native()});
-  EXPECT_EQ(demo.wait_for_end(), 1);
-  EXPECT_THAT(demo.text(), HasSubstr("sft_demo: " + truncated.native() + ": 15 bytes"));
 }
 
 TEST(Demo, FailsAtOnceIfItCouldNotWriteTheFigures) {

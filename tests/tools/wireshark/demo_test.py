@@ -52,7 +52,6 @@ class DemoTest(unittest.TestCase):
 
     def capture(self, folder):
         pcap = folder / "demo.pcapng"
-        # In a run of this length, the demo does not measure idle traffic. It starts as soon as discovery is quiet.
         with subprocess.Popen([DEMO, "--seconds", "10"], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL) as demo:
             network = self.network_of_publisher(demo)
             subprocess.run(["nsenter", f"--net={network}", "dumpcap", "-q", "-i", "eth0", "-f", UNFRAGMENTED,

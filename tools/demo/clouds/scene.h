@@ -1,8 +1,8 @@
-// A generated street as a spinning lidar sees it: road, houses, parked cars, posts, and a car that drives by.
-// Every call with the same time gives the same bytes.
+// A generated yard as a spinning lidar sees it: the ground, and a wall around it that moves. Every call with
+// the same time gives the same bytes.
 #pragma once
 
-#include <array>
+#include <cstddef>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -26,19 +26,6 @@ struct LidarPoint {
 };
 static_assert(sizeof(LidarPoint) == 48);
 
-struct Vector {
-  float x = 0;
-  float y = 0;
-  float z = 0;
-};
-
-/// A box with faces along the axes, and the light that it reflects (0 to 255).
-struct Box {
-  Vector low;
-  Vector high;
-  std::uint8_t reflectivity = 0;
-};
-
 class Scene {
  public:
   static constexpr std::uint32_t rows = 128;  ///< row 0 looks up
@@ -52,15 +39,11 @@ class Scene {
   void render(double seconds, std::span<std::uint8_t> cloud) const;
 
  private:
-  struct Hit {
-    float range_m = 0;  ///< 0: nothing was hit
-    std::uint8_t reflectivity = 0;
+  struct Direction {
+    float cosine = 1, sine = 0;
   };
-  Hit nearest_standing(const Vector& ray) const;
-  static LidarPoint point_of(std::uint32_t pixel, const Vector& ray, const Hit& hit, std::uint32_t scan);
-
-  std::vector<Vector> rays_;   // one for each pixel, with length 1
-  std::vector<Hit> standing_;  // hits of objects that do not move, computed once
+  std::vector<Direction> elevations_;  // of the rows
+  std::vector<Direction> azimuths_;    // of the columns
 };
 
 }  // namespace sft::demo

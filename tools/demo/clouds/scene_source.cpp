@@ -1,16 +1,21 @@
+#include "tools/demo/clouds/scene_source.h"
+
 #include <chrono>
 #include <cstddef>
+#include <string>
 
 #include "sft/detail/encode.h"
 #include "sft/time.h"
-#include "tools/demo/clouds/cloud_source.h"
-#include "tools/demo/clouds/scene.h"
 
 namespace sft::demo {
 
 namespace {
 
 using sensor_msgs::msg::PointField;
+
+PointField point_field(const char* name, std::size_t offset, std::uint8_t datatype) {
+  return {.name = name, .offset = static_cast<std::uint32_t>(offset), .datatype = datatype, .count = 1};
+}
 
 PointCloud2 cloud_without_points() {
   PointCloud2 cloud;
@@ -34,42 +39,29 @@ PointCloud2 cloud_without_points() {
   return cloud;
 }
 
-/// Returns the bytes of the encapsulation and the body of a cloud with all points.
-std::uint64_t full_bytes(const PointCloud2& prototype) {
-  const auto reservations = PointCloud2::LoanView<detail::LoanedPlace<PointCloud2>>::reservations(
-      {.data = std::uint32_t{Scene::bytes}});
-  const TypeSupport& type = cloud_type();
-  return detail::encapsulation_bytes +
-         detail::encoded_size(type.type(), &prototype, type.full(), reservations).bytes;
-}
-
-/// Computes each cloud in memory that the publisher lends, where readers on this host read it in place.
-class SceneSource final : public CloudSource {
- public:
-  explicit SceneSource(double hz) : hz_(hz), prototype_(cloud_without_points()) {}
-
-  std::string name() const override { return "generated scene"; }
-  std::string shape() const override { return format_shape(Scene::rows, Scene::columns); }
-  Result<Published> publish(Publisher<PointCloud2>& publisher, std::uint64_t number) override {
-    using F = PointCloud2::Field;
-    Result<Loan<PointCloud2>> loan =
-        publisher.loan_for_overwrite(prototype_, {.data = std::uint32_t{Scene::bytes}});
-    if (!loan) return tl::unexpected(loan.error());
-    const auto stamp = time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now());
-    loan->set(F::header.stamp.sec, stamp.sec);
-    loan->set(F::header.stamp.nanosec, stamp.nanosec);
-    scene_.render(static_cast<double>(number) / hz_, (*loan)->data());
-    return Published{std::move(*loan).publish(), full_bytes(prototype_)};
-  }
-
- private:
-  const double hz_;
-  const Scene scene_;
-  const PointCloud2 prototype_;  // all but the points
-};
-
 }  // namespace
 
-std::unique_ptr<CloudSource> scene_source(double hz) { return std::make_unique<SceneSource>(hz); }
+SceneSource::SceneSource() : prototype_(cloud_without_points()) {}
+
+/// Computes the cloud in memory that the publisher lends, where readers on this host read it in place.
+Result<PublishStatus> SceneSource::publish(Publisher<PointCloud2>& publisher, double seconds) const {
+  using F = PointCloud2::Field;
+  Result<Loan<PointCloud2>> loan =
+      publisher.loan_for_overwrite(prototype_, {.data = std::uint32_t{Scene::bytes}});
+  if (!loan) return tl::unexpected(loan.error());
+  const auto stamp = time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now());
+  loan->set(F::header.stamp.sec, stamp.sec);
+  loan->set(F::header.stamp.nanosec, stamp.nanosec);
+  scene_.render(seconds, (*loan)->data());
+  return std::move(*loan).publish();
+}
+
+std::uint64_t SceneSource::full_bytes() const {
+  const auto reservations = PointCloud2::LoanView<detail::LoanedPlace<PointCloud2>>::reservations(
+      {.data = std::uint32_t{Scene::bytes}});
+  const TypeSupport& type = type_support<PointCloud2>();
+  return detail::encapsulation_bytes +
+         detail::encoded_size(type.type(), &prototype_, type.full(), reservations).bytes;
+}
 
 }  // namespace sft::demo

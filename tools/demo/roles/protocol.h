@@ -45,7 +45,7 @@ struct ReaderReport {
 struct PublisherReport {
   std::uint64_t published = 0;
   std::uint64_t dropped = 0;     ///< samples that were not sent to some reader, which counts them as lost
-  std::uint64_t full_bytes = 0;  ///< encapsulation and body of all published messages, whole
+  std::uint64_t full_bytes = 0;  ///< encapsulation and body of a whole message
   bool finished = false;         ///< nothing remains to be published
   std::vector<ReaderReport> readers;
   std::string udp;  ///< NodeStatus::udp
@@ -84,7 +84,7 @@ struct SubscriberReport : Reception {
 };
 
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Order, kind, hz, samples)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Traffic, at_ns, received, sent, control_received, control_sent)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Traffic, received, control_received)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, reason, withheld)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, dropped, full_bytes, finished, readers, udp,
                                    shm, shm_ready, warning, traffic)

@@ -1,5 +1,6 @@
 #include <algorithm>
 
+#include "tools/demo/clouds/scene_source.h"
 #include "tools/demo/roles/protocol.h"
 #include "tools/demo/roles/roles.h"
 
@@ -10,12 +11,12 @@ namespace {
 /// One thread answers orders, and publishes when it is time.
 class LidarRole {
  public:
-  static Result<std::unique_ptr<LidarRole>> open(const NodePlan& plan, CloudSource& source) {
+  static Result<std::unique_ptr<LidarRole>> open(const NodePlan& plan) {
     Result<std::unique_ptr<RoleNode>> node = RoleNode::open(plan);
     if (!node) return tl::unexpected(node.error());
     Result<Publisher<PointCloud2>> publisher = (*node)->node().publisher<PointCloud2>(topic);
     if (!publisher) return tl::unexpected(publisher.error());
-    return std::unique_ptr<LidarRole>(new LidarRole(std::move(*node), std::move(*publisher), source));
+    return std::unique_ptr<LidarRole>(new LidarRole(std::move(*node), std::move(*publisher)));
   }
 
   /// Serves until the channel closes. Returns an error of publishing unless the error may be temporary.
@@ -33,8 +34,8 @@ class LidarRole {
   }
 
  private:
-  LidarRole(std::unique_ptr<RoleNode> node, Publisher<PointCloud2> publisher, CloudSource& source)
-      : node_(std::move(node)), publisher_(std::move(publisher)), source_(source) {}
+  LidarRole(std::unique_ptr<RoleNode> node, Publisher<PointCloud2> publisher)
+      : node_(std::move(node)), publisher_(std::move(publisher)) {}
 
   void follow(const Order& order) {
     if (order.kind == Order::Kind::report) return;
@@ -47,11 +48,11 @@ class LidarRole {
   }
 
   Result<void> publish() {
-    const Result<CloudSource::Published> result = source_.publish(publisher_, published_);
+    const double seconds = std::chrono::duration<double>(period_).count() * static_cast<double>(published_);
+    const Result<PublishStatus> result = source_.publish(publisher_, seconds);
     if (!result && result.error().code != Errc::out_of_memory) return tl::unexpected(result.error());
     ++published_;
-    if (result) full_bytes_ += result->full_bytes;
-    if (!result || result->status != PublishStatus::ok) ++dropped_;
+    if (!result || *result != PublishStatus::ok) ++dropped_;
     // A late publisher does not try to catch up, as a sensor would not.
     next_ = std::max(*next_ + period_, Clock::now());
     if (published_ == ordered_) next_.reset();
@@ -62,7 +63,7 @@ class LidarRole {
     PublisherReport report;
     report.published = published_;
     report.dropped = dropped_;
-    report.full_bytes = full_bytes_;
+    report.full_bytes = source_.full_bytes();
     report.finished = !next_.has_value();
     for (const PublisherStatus::Reader& reader : publisher_.status().readers) {
       report.readers.push_back(
@@ -79,19 +80,18 @@ class LidarRole {
 
   std::unique_ptr<RoleNode> node_;
   Publisher<PointCloud2> publisher_;
-  CloudSource& source_;
+  const SceneSource source_;
   std::uint64_t ordered_ = 0;  // publishing ends with this number of samples
   std::uint64_t published_ = 0;
   std::uint64_t dropped_ = 0;
-  std::uint64_t full_bytes_ = 0;
   Clock::duration period_{};
   std::optional<Clock::time_point> next_;  // empty: nothing to publish
 };
 
 }  // namespace
 
-void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel) {
-  Result<std::unique_ptr<LidarRole>> role = LidarRole::open(plan, source);
+void run_publisher(const NodePlan& plan, Channel& channel) {
+  Result<std::unique_ptr<LidarRole>> role = LidarRole::open(plan);
   const Result<void> served = role ? (*role)->serve(channel) : tl::unexpected(role.error());
   if (!served) refuse(channel, served.error());
 }

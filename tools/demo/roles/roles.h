@@ -2,14 +2,13 @@
 // closes.
 #pragma once
 
-#include "tools/demo/clouds/cloud_source.h"
 #include "tools/demo/roles/channel.h"
 #include "tools/demo/roles/role_node.h"
 
 namespace sft::demo {
 
-/// The lidar publishes the clouds of a source at a rate when the demo orders it.
-void run_publisher(const NodePlan& plan, CloudSource& source, Channel& channel);
+/// The lidar publishes clouds at a rate when the demo orders it.
+void run_publisher(const NodePlan& plan, Channel& channel);
 
 /// Runs a subscriber whose callback reads the fields that `Consumer` needs, and reports through `channel`
 /// what it received. Defined for the five consumers of consumers.h.

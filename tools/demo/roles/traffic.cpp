@@ -7,6 +7,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <thread>
 #include <utility>
 
@@ -44,11 +45,6 @@ constexpr std::array control_only{
 
 }  // namespace
 
-Traffic operator-(const Traffic& after, const Traffic& before) {
-  return {after.at_ns - before.at_ns, after.received - before.received, after.sent - before.sent,
-          after.control_received - before.control_received, after.control_sent - before.control_sent};
-}
-
 Result<std::unique_ptr<TrafficMeter>> TrafficMeter::open(const std::string& interface) {
   return hosts::open_packets(interface, control_only).map([&](core::FileDescriptor&& packets) {
     return std::unique_ptr<TrafficMeter>(new TrafficMeter(interface, std::move(packets)));
@@ -65,7 +61,6 @@ void TrafficMeter::count_control() {
         recvfrom(packets_.get(), &unused, 1, MSG_TRUNC, reinterpret_cast<sockaddr*>(&from), &from_bytes);
     if (bytes < 0 && errno == EINTR) continue;
     if (bytes < 0) return;
-    if (from.sll_pkttype == PACKET_OUTGOING) control_sent_ += static_cast<std::uint64_t>(bytes);
     // PACKET_LOOPBACK marks this host's own copy of a multicast, which never was on the interface.
     if (from.sll_pkttype <= PACKET_OTHERHOST) control_received_ += static_cast<std::uint64_t>(bytes);
   }
@@ -85,15 +80,12 @@ Traffic TrafficMeter::read() {
       const core::Lock lock(mutex_);
       count_control();
       traffic.control_received = control_received_;
-      traffic.control_sent = control_sent_;
     }
     const InterfaceBytes now = counters();
     const bool is_quiet = now == std::exchange(bytes, now);
     if (is_quiet) break;
   }
   traffic.received = bytes.received;
-  traffic.sent = bytes.sent;
-  traffic.at_ns = std::chrono::steady_clock::now().time_since_epoch().count();
   return traffic;
 }
 

@@ -7,7 +7,6 @@
 // not data (its filter drops the data), and the meter adds up the lengths.
 #pragma once
 
-#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <string>
@@ -18,17 +17,15 @@
 
 namespace sft::demo {
 
-/// Bytes since a moment in the past.
+/// Bytes that were received since a moment in the past.
 struct Traffic {
-  std::int64_t at_ns = 0;  ///< steady clock
   std::uint64_t received = 0;
-  std::uint64_t sent = 0;
   std::uint64_t control_received = 0;
-  std::uint64_t control_sent = 0;
 
-  friend Traffic operator-(const Traffic& after, const Traffic& before);
+  friend Traffic operator-(const Traffic& after, const Traffic& before) {
+    return {after.received - before.received, after.control_received - before.control_received};
+  }
   std::int64_t data_received() const { return static_cast<std::int64_t>(received - control_received); }
-  double seconds() const { return static_cast<double>(at_ns) / 1e9; }
 };
 
 class TrafficMeter {
@@ -47,7 +44,6 @@ class TrafficMeter {
   const core::FileDescriptor packets_;
   core::Mutex mutex_;
   std::uint64_t control_received_ SFT_GUARDED_BY(mutex_) = 0;
-  std::uint64_t control_sent_ SFT_GUARDED_BY(mutex_) = 0;
 };
 
 }  // namespace sft::demo

@@ -1,6 +1,9 @@
 #include "tools/demo/screen/display.h"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 
@@ -36,10 +39,18 @@ void Display::say(const std::string& text) {
   replace(lines, 0);
 }
 
-void Display::waiting(std::string_view what, WaitNotice::Clock::time_point now) {
-  const std::optional<std::string> line = notice_.line(what, now);
-  if (!line) return;
-  terminal_.on_terminal() ? replace(tool::shortened(*line, columns_shown()) + "\n", 1) : say(*line);
+void Display::waiting(std::string_view what, Clock::time_point now) {
+  const bool is_new = what != waits_for_;
+  if (!is_new && now - said_at_ < std::chrono::seconds(1)) return;
+  if (is_new) {
+    waits_for_ = what;
+    waits_since_ = now;
+  }
+  said_at_ = now;
+  std::string line = waits_for_ + " ...";
+  if (!is_new)
+    line += fmt::format(" {} s", std::chrono::floor<std::chrono::seconds>(now - waits_since_).count());
+  terminal_.on_terminal() ? replace(tool::shortened(line, columns_shown()) + "\n", 1) : say(line);
 }
 
 void Display::show(const RunFigures& figures, double elapsed_s) {

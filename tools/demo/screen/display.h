@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "tools/demo/screen/figures.h"
-#include "tools/demo/screen/wait_notice.h"
 #include "tools/terminal/terminal.h"
 
 namespace sft::demo {
@@ -16,9 +15,9 @@ namespace sft::demo {
 class Display {
  public:
   void say(const std::string& text);
-  /// Says what the demo waits for. `what` is a sentence without its full stop. Call this several times in a
-  /// second.
-  void waiting(std::string_view what, WaitNotice::Clock::time_point now);
+  /// Says what the demo waits for: at once when it begins to wait for something else, and then once in a
+  /// second. `what` is a sentence without its full stop. Call this several times in a second.
+  void waiting(std::string_view what, Clock::time_point now);
   /// Replaces the table that the previous call showed.
   void show(const RunFigures& figures, double elapsed_s);
   /// Shows the final table, and explains it.
@@ -32,7 +31,8 @@ class Display {
   tool::Terminal terminal_;
   std::size_t shown_lines_ = 0;  // lines that the next text on the terminal replaces
   double next_progress_s_ = 1;
-  WaitNotice notice_;
+  std::string waits_for_;
+  Clock::time_point waits_since_, said_at_;
 };
 
 }  // namespace sft::demo

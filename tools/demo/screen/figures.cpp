@@ -76,10 +76,8 @@ nlohmann::ordered_json to_json(const RunFigures& figures) {
   for (const SubscriberFigures& s : figures.subscribers) subscribers.push_back(to_json(s));
   const Carried carried = figures.carried();
   return {
-      {"input", figures.input},
       {"samples", figures.samples},
       {"hosts", figures.hosts},
-      {"idle_bytes_per_s", number(figures.idle_bytes_per_s)},
       {"carried_bytes", number(carried.bytes)},
       {"whole_bytes", number(carried.whole_bytes)},
       {"subscribers", subscribers},

@@ -39,13 +39,10 @@ struct Carried {
 };
 
 struct RunFigures {
-  std::string input;
-  std::string message_shape;  ///< for people: "128 x 1024 points"
   double hz = 0;
   std::uint64_t samples = 0;
   std::uint64_t dropped = 0;  ///< samples that missed a subscriber, since a queue was full
   unsigned hosts = 0;
-  std::optional<double> idle_bytes_per_s;  ///< control traffic of one node, on average
   std::vector<SubscriberFigures> subscribers;
 
   bool real_hosts() const { return hosts > 1; }

@@ -44,9 +44,4 @@ SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport&
   return figures;
 }
 
-double control_bytes_per_s(const Traffic& begin, const Traffic& now) {
-  const Traffic over = now - begin;
-  return over.at_ns > 0 ? static_cast<double>(over.control_sent) / over.seconds() : 0;
-}
-
 }  // namespace sft::demo

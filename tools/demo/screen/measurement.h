@@ -20,7 +20,4 @@ struct Conditions {
 SubscriberFigures measure(const SubscriberReport& begin, const SubscriberReport& now, std::uint64_t published,
                           const Conditions& conditions);
 
-/// Returns the bytes of control traffic that a host sends in a second.
-double control_bytes_per_s(const Traffic& begin, const Traffic& now);
-
 }  // namespace sft::demo

@@ -14,7 +14,6 @@ namespace {
 
 constexpr double worth_telling = 0.0005;  // as a share of the bytes of whole messages
 constexpr std::size_t request_columns = 24;
-constexpr std::size_t input_columns = 50;
 
 constexpr std::string_view row_format = "{:<9} {:<24} {:<3} {:>8} {:>4} {:>9} {:>9} {:>6}";
 
@@ -70,9 +69,8 @@ std::string format_result(const RunFigures& run) {
 
 std::string format_source(const RunFigures& run) {
   const double full = run.subscribers.empty() ? 0 : run.subscribers.front().full_bytes_per_sample;
-  return fmt::format("The lidar published {} clouds ({}, {} on average) at {:g} Hz from: {}.",
-                     tool::grouped_count_text(run.samples), run.message_shape, tool::aligned_bytes_text(full),
-                     run.hz, tool::shortened(run.input, input_columns));
+  return fmt::format("The lidar published {} clouds of a generated yard ({} each) at {:g} Hz.",
+                     tool::grouped_count_text(run.samples), tool::aligned_bytes_text(full), run.hz);
 }
 
 std::string format_comparison(const RunFigures& run) {
@@ -121,15 +119,8 @@ std::string format_measurement(const RunFigures& run) {
            "on the wire cannot be told apart by subscriber: figures marked * are payload. The first lines "
            "say why there are no real hosts.";
   }
-  std::string text =
-      "Bytes are as counted by each host's network interface, packet headers included, without control "
-      "traffic";
-  if (run.idle_bytes_per_s) {
-    text += fmt::format(
-        ". Control traffic (who is there, and who needs what) is {:.0f} bytes/s per node, idle or not",
-        *run.idle_bytes_per_s);
-  }
-  return text + ".";
+  return "Bytes are as counted by each host's network interface, packet headers included, without control "
+         "traffic.";
 }
 
 }  // namespace

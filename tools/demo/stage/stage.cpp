@@ -49,7 +49,7 @@ std::uint32_t random_domain() {
 
 }  // namespace
 
-Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
+Result<std::unique_ptr<Stage>> Stage::set_up(bool arr) {
   std::unique_ptr<Stage> stage(new Stage);
   if (const Result<void> possible = try_isolation(); possible) {
     if (const Result<void> root = become_root(); !root) return tl::unexpected(root.error());
@@ -59,13 +59,12 @@ Result<std::unique_ptr<Stage>> Stage::set_up(CloudSource& source, bool arr) {
   } else {
     stage->why_not_ = possible.error().message;
   }
-  const Result<void> started = stage->start_hosts(source, arr);
+  const Result<void> started = stage->start_hosts(arr);
   if (!started) return tl::unexpected(started.error());
   return stage;
 }
 
-std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, CloudSource& source,
-                                  bool arr) const {
+std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, bool arr) const {
   const HostPlan& host = host_plans[number];
   const auto metered = [this](const char* interface) {
     return real_hosts() ? std::optional<std::string>(interface) : std::nullopt;
@@ -82,12 +81,12 @@ std::vector<Role> Stage::roles_on(std::size_t number, std::uint32_t domain, Clou
       {subscriber.name, [=](Channel& channel) { host.subscriber.run(subscriber, arr, channel); }}};
   if (host.has_publisher) {
     const NodePlan lidar{.name = "lidar", .domain = domain, .interface = metered(hosts::host_interface)};
-    roles.push_back({lidar.name, [=, &source](Channel& channel) { run_publisher(lidar, source, channel); }});
+    roles.push_back({lidar.name, [=](Channel& channel) { run_publisher(lidar, channel); }});
   }
   return roles;
 }
 
-Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
+Result<void> Stage::start_hosts(bool arr) {
   const std::uint32_t domain = real_hosts() ? 0 : random_domain();
   for (std::size_t i = 0; i < host_plans.size(); ++i) {
     const HostSettings settings{
@@ -95,7 +94,7 @@ Result<void> Stage::start_hosts(CloudSource& source, bool arr) {
         .shared_memory_mib =
             host_plans[i].has_publisher ? publishers_shared_memory_mib : HostSettings{}.shared_memory_mib,
     };
-    Result<Host> host = Host::start(settings, roles_on(i, domain, source, arr));
+    Result<Host> host = Host::start(settings, roles_on(i, domain, arr));
     if (!host) return tl::unexpected(host.error());
     hosts_.push_back(std::move(*host));
   }

@@ -13,7 +13,6 @@
 #include <string>
 #include <vector>
 
-#include "tools/demo/clouds/cloud_source.h"
 #include "tools/demo/roles/protocol.h"
 #include "tools/demo/stage/host.h"
 #include "tools/hosts/network.h"
@@ -31,9 +30,8 @@ class Stage {
     Channel* channel = nullptr;
   };
 
-  /// Starts all hosts. A child process publishes `source`, of which it has a copy. REQUIRES: the calling
-  /// process has one thread.
-  static Result<std::unique_ptr<Stage>> set_up(CloudSource& source, bool arr);
+  /// Starts all hosts. `arr`: subscribers record their fields. REQUIRES: the calling process has one thread.
+  static Result<std::unique_ptr<Stage>> set_up(bool arr);
   /// Ends all hosts.
   ~Stage();
   Stage(const Stage&) = delete;
@@ -50,9 +48,9 @@ class Stage {
 
  private:
   Stage() = default;
-  Result<void> start_hosts(CloudSource& source, bool arr);
+  Result<void> start_hosts(bool arr);
   /// The subscriber of the host comes first.
-  std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, CloudSource& source, bool arr) const;
+  std::vector<Role> roles_on(std::size_t number, std::uint32_t domain, bool arr) const;
 
   std::string why_not_;
   std::optional<hosts::EmulatedNetwork> network_;

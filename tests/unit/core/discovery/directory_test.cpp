@@ -64,11 +64,11 @@ class DirectoryTest : public ::testing::Test {
   }
   struct Node {
     Listener listener;
-    std::shared_ptr<ListeningNode> node = std::make_shared<ListeningNode>(listener);
+    std::shared_ptr<ListeningNode> node;
   };
   std::unique_ptr<Node> open() {
     auto made = std::make_unique<Node>();
-    directory.join(made->node);
+    made->node = directory.join(made->listener);
     return made;
   }
   void announce(const Node& node, const Endpoint& endpoint) { directory.announced(node.node, endpoint); }
@@ -333,7 +333,7 @@ TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) 
   const auto inquired = [&] { return directory.inquiries().all; };
   const std::uint64_t made = directory.inquiries().made;
   directory.inquires(node->node, {ours});
-  EXPECT_TRUE(directory.do_we_inquire());
+  EXPECT_FALSE(directory.own_inquiries().empty());
   EXPECT_FALSE(directory.do_others_inquire());
   for (const Role role : both_roles) record(process_one, role, 5, RecordKind::inquiry, to_bytes(theirs));
   EXPECT_THAT(inquired(), ElementsAre(ours, theirs));
@@ -344,7 +344,8 @@ TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) 
   directory.peer_lost(process_one);
   directory.inquires(node->node, {});
   EXPECT_THAT(inquired(), IsEmpty());
-  EXPECT_FALSE(directory.do_we_inquire() || directory.do_others_inquire());
+  EXPECT_TRUE(directory.own_inquiries().empty());
+  EXPECT_FALSE(directory.do_others_inquire());
   record(process_one, Role::reader, 5, RecordKind::inquiry, {std::byte{9}});
   EXPECT_THAT(inquired(), IsEmpty());
   notify();

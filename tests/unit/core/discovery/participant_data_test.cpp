@@ -10,7 +10,6 @@
 namespace sft::core {
 namespace {
 
-using namespace std::chrono_literals;
 using ::testing::EndsWith;
 using ::testing::Optional;
 using ::testing::StartsWith;
@@ -51,54 +50,6 @@ TEST(ParticipantDataTest, NameTheOtherRelease) {
        {this_release + "3/0", std::string("sft/"), std::string("sft//1"), std::string("sft/07/1"),
         std::string("sft/12345/1"), std::string("sft/1x/1"), std::string("other/3/1")})
     EXPECT_FALSE(other_release(text)) << text;
-}
-
-class ReleaseMonitorTest : public ::testing::Test {
- protected:
-  void seen(std::uint8_t participant, std::uint32_t version = 3) {
-    monitor.seen({1, {participant}}, version);
-  }
-
-  const Timing timing;
-  Time now = Time(100s);
-  ReleaseMonitor monitor{timing};
-};
-
-TEST_F(ReleaseMonitorTest, ReportsAParticipantOnce) {
-  seen(1);
-  seen(1);
-  const auto report = monitor.take_report(now);
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->version, 3u);
-  EXPECT_EQ(report->others, 0u);
-  seen(1);
-  EXPECT_FALSE(monitor.take_report(now + timing.name_releases_every));
-}
-
-TEST_F(ReleaseMonitorTest, ReportsManyInOneLineInAWhile) {
-  seen(1);
-  EXPECT_TRUE(monitor.take_report(now));
-  for (std::uint8_t participant = 2; participant < 100; ++participant) seen(participant);
-  EXPECT_FALSE(monitor.take_report(now + timing.name_releases_every - 1ms));
-  const auto report = monitor.take_report(now + timing.name_releases_every);
-  ASSERT_TRUE(report);
-  EXPECT_EQ(report->others, 97u);
-}
-
-TEST_F(ReleaseMonitorTest, ReportsAParticipantAgainThatWasGone) {
-  seen(1);
-  EXPECT_TRUE(monitor.take_report(now));
-  monitor.gone({1, {1}});
-  seen(1);
-  EXPECT_TRUE(monitor.take_report(now + timing.name_releases_every));
-}
-
-TEST_F(ReleaseMonitorTest, HasRoomForOthersOnceALinkIsGone) {
-  for (int participant = 0; participant < 256; ++participant) seen(static_cast<std::uint8_t>(participant));
-  EXPECT_TRUE(monitor.take_report(now));
-  monitor.link_gone(1);
-  monitor.seen({2, {1}}, 3);
-  EXPECT_TRUE(monitor.take_report(now + timing.name_releases_every));
 }
 
 }  // namespace

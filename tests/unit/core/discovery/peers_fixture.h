@@ -59,7 +59,6 @@ class PeersTest : public ::testing::Test {
   void look() {
     peers.look(now);
     for (const PeerAction& action : peers.take_actions()) {
-      if (std::holds_alternative<PeerFound>(action)) ++finds;
       if (std::holds_alternative<PeerLost>(action)) ++losses, holds.clear();
       if (const auto* const record = std::get_if<RecordChanged>(&action)) note(*record);
       if (const auto* const renewal = std::get_if<RenewLink>(&action)) renew(renewal->link);
@@ -98,7 +97,7 @@ class PeersTest : public ::testing::Test {
   LinkId last_link = wlan;
   std::uint64_t revision = 0;
   std::map<std::uint32_t, std::string> holds;
-  int finds = 0, losses = 0;
+  int losses = 0;
   std::vector<LinkId> renewed, cut_links, unheard;
 };
 

@@ -372,8 +372,25 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
   EXPECT_FALSE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
   EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
   EXPECT_FALSE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
-  EXPECT_EQ(negotiation.local(200)->request.sequence, first + 2);
-  EXPECT_EQ(negotiation.local(200)->request.attached, std::vector<EndpointId>{7});
+  EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::udp, true));
+  EXPECT_TRUE(negotiation.rate_changed(200, 1000));
+  EXPECT_FALSE(negotiation.rate_changed(200, 1000));
+  const Request& asked = negotiation.local(200)->request;
+  EXPECT_EQ(asked.sequence, first + 4);
+  EXPECT_EQ(asked.attached, std::vector<EndpointId>{7});
+  EXPECT_EQ(asked.listening.back(), 7U);
+}
+
+TEST_F(NegotiationTest, AHistoryBeginsAgainOnceOurReaderListensToTheWriterNoMore) {
+  our_reader();
+  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  negotiation.connection_changed(200, 7, TransportKind::shm, true);
+  EXPECT_TRUE(negotiation.history_began(200, 7));
+  EXPECT_FALSE(negotiation.history_began(200, 7));
+  negotiation.connection_changed(200, 7, TransportKind::shm, false);
+  EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7}) << "it came over the network";
+  negotiation.connection_changed(200, 7, TransportKind::udp, false);
+  EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
 }
 
 TEST_F(NegotiationTest, AReaderIsServedReliablyAndHearsSoIfItAsksForThat) {
@@ -418,11 +435,14 @@ TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
 
 TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
   our_reader();
-  negotiation.connection_changed(200, 7, TransportKind::shm, true);
+  for (const EndpointId writer : {7U, 8U})
+    negotiation.connection_changed(200, writer, TransportKind::shm, true);
   const std::uint64_t before = negotiation.local(200)->request.sequence;
   at_host(token(9));
   EXPECT_TRUE(negotiation.local(200)->request.attached.empty());
-  EXPECT_GT(negotiation.local(200)->request.sequence, before);
+  EXPECT_EQ(negotiation.local(200)->request.sequence, before + 1) << "one newer request";
+  at_host(token(10));
+  EXPECT_EQ(negotiation.local(200)->request.sequence, before + 1) << "nothing was attached";
 }
 
 TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {

@@ -5,7 +5,7 @@
 
 #include "bench/common/hosts.h"
 #include "bench/common/node_options.h"
-#include "bench/spine/spine.h"
+#include "bench/udp/udp.h"
 
 namespace sft::bench {
 
@@ -61,7 +61,7 @@ void subscribe(Exchange& exchange) {
 
 }  // namespace
 
-std::vector<Figure> wire_bytes() {
+std::vector<Figure> diagnostic_bytes() {
   const TwoHosts hosts;
   // The figures were multiplied by 1000, since run_pair() divides times by 1000.
   const auto figures = run_pair(hosts.sides(publish, subscribe), 5);
