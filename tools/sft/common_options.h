@@ -16,6 +16,7 @@ struct CommonOptions {
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
+  bool sim_time = false;                ///< the node follows /clock
   double wait_s = 1;     ///< how long a command collects what it hears before it prints a complete list
   double timeout_s = 5;  ///< how long a command waits for a topic or a sample that the user named
 };
