@@ -31,6 +31,9 @@ struct Parsed {
   WhyOptions why;
   TopOptions top;
   DoctorOptions doctor;
+  RecordOptions record{.version = SFT_VERSION};
+  PlayOptions play;
+  BagOptions bag;
   bool csv = false;
   bool yaml = false;
 };
@@ -238,6 +241,94 @@ void declare_doctor(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.doctor; });
 }
 
+void declare_record(CLI::App& app, Parsed& parsed) {
+  RecordOptions& record = parsed.record;
+  CLI::App* command =
+      declare(app, parsed, "record", "Write samples into a file (MCAP), until Ctrl-C is pressed");
+  command->add_option("TOPICS", record.topics,
+                      "Topics; behind each can stand which fields and parts, and when: 'imu', "
+                      "'points{header.stamp, data{x,y,z}[::2]}@every 2', 'battery{voltage}@changed 1%'");
+  command->add_flag("-a,--all", record.all, "Record all topics, also those that come later");
+  command->add_option("-o,--output", record.output, "The file to write (default: a name with the time)");
+  command->add_option("--compression", record.compression, "Compress the samples")
+      ->check(CLI::IsMember({"none", "lz4", "zstd"}))
+      ->capture_default_str();
+  command->add_option("--split-mb", record.split_mb, "Begin a new file after this many megabytes")
+      ->check(CLI::Range(0.1, 1e9));
+  command->add_option("--split-time", record.split_s, "Begin a new file after this many seconds")
+      ->check(CLI::Range(0.1, 1e9));
+  command
+      ->add_option("--last", record.last_s,
+                   "Keep this many seconds in memory, and write them when a condition of --on holds")
+      ->check(CLI::Range(0.1, 86400.0));
+  command
+      ->add_option("--on", record.on,
+                   "With --last: write when this holds for a sample of any topic with such fields, "
+                   "'level >= 2', or of one topic, 'diagnostics@level >= 2'")
+      ->allow_extra_args(false);
+  command->add_option("--memory-mb", record.memory_mb, "The most memory for samples that are not written yet")
+      ->check(CLI::Range(1.0, 1e9))
+      ->capture_default_str();
+  command->add_option("--for", record.for_s, "End after this many seconds")->check(CLI::Range(0.1, 1e9));
+  command->add_flag("--use-sim-time", parsed.line.common.sim_time,
+                    "Record with the time of /clock, and nothing before its first sample");
+  add_includes(command, parsed.line.common);
+  command->callback([&parsed] { parsed.line.command = parsed.record; });
+}
+
+void declare_play(CLI::App& app, Parsed& parsed) {
+  PlayOptions& play = parsed.play;
+  CLI::App* command = declare(app, parsed, "play", "Publish the samples of recordings again");
+  command->add_option("FILES", play.files, "Recordings: MCAP, SQLite files of rosbag2, or folders with them")
+      ->required();
+  command->add_option("--topics", play.topics, "Play these topics only");
+  command->add_option("--remap", play.remap, "Play a topic under another name: OLD:=NEW")
+      ->allow_extra_args(false);
+  command->add_option("-r,--rate", play.rate, "Play so many times as fast")
+      ->check(CLI::Range(0.001, 1000.0))
+      ->capture_default_str();
+  command->add_option("--start", play.start_s, "Begin so many seconds behind the first message")
+      ->check(CLI::Range(0.0, 1e9));
+  command->add_option("--for", play.for_s, "Play so many seconds of the recording")
+      ->check(CLI::Range(0.001, 1e9));
+  command->add_flag("-l,--loop", play.loop, "Begin anew at the end");
+  command
+      ->add_option("-w,--wait-for-subscribers", play.wait_for,
+                   "Wait until each topic has as many subscribers, for at most --timeout seconds")
+      ->expected(0, 1)
+      ->default_str("1")
+      ->check(CLI::NonNegativeNumber);
+  command
+      ->add_option("--clock", play.clock_hz,
+                   "Publish the time of the recording on /clock, so many times a second")
+      ->expected(0, 1)
+      ->default_str("40")
+      ->check(CLI::Range(0.1, 10000.0));
+  add_includes(command, parsed.line.common);
+  command->callback([&parsed] { parsed.line.command = parsed.play; });
+}
+
+void declare_bag(CLI::App& app, Parsed& parsed) {
+  BagOptions& bag = parsed.bag;
+  CLI::App* command = declare(app, parsed, "bag",
+                              "Look at recordings, check them, or estimate what selections would have saved");
+  command->add_option("WHAT", bag.what, "info, check, repair or estimate")
+      ->required()
+      ->check(CLI::IsMember({"info", "check", "repair", "estimate"}));
+  command->add_option("FILES", bag.files, "Recordings: MCAP, SQLite files of rosbag2, or folders with them")
+      ->required();
+  command
+      ->add_option(
+          "--like", bag.like,
+          "For estimate: a topic with the selection that a subscriber would have: 'points{data{x,y,z}}'")
+      ->allow_extra_args(false);
+  command->add_option("-o,--output", bag.output,
+                      "For repair: write what can be read to this file, and check it");
+  command->add_option("--html", bag.html, "For estimate: also write a page with bars to this file");
+  add_includes(command, parsed.line.common);
+  command->callback([&parsed] { parsed.line.command = parsed.bag; });
+}
+
 /// A command that users of the command line of ROS 2 may type, and the command of sft with the same effect.
 struct Counterpart {
   std::string_view typed, command;
@@ -247,6 +338,8 @@ constexpr Counterpart counterparts[] = {{"topic list", "ls"},
                                         {"topic info", "info"},
                                         {"topic hz", "hz"},
                                         {"topic bw", "bw"},
+                                        {"bag record", "record"},
+                                        {"bag play", "play"},
                                         {"topic delay", "delay"},
                                         {"topic pub", "pub"},
                                         {"topic type", "type --name"},
@@ -261,15 +354,16 @@ constexpr Counterpart counterparts[] = {{"topic list", "ls"},
 std::string fault_of_command(const CLI::App& app, std::span<char* const> words) {
   if (words.size() < 2 || words[1][0] == '-') return "";
   const std::string one = words[1];
+  const std::string two = words.size() < 3 ? "" : one + ' ' + words[2];
+  const auto* const counterpart = std::ranges::find(counterparts, two, &Counterpart::typed);
+  if (counterpart != std::end(counterparts))
+    return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
   std::string names;
   for (const CLI::App* const command : app.get_subcommands([](const CLI::App*) { return true; })) {
     if (command->get_name() == one) return "";
     names += (names.empty() ? "" : ", ") + command->get_name();
   }
-  const std::string two = words.size() < 3 ? "" : one + ' ' + words[2];
-  const auto* const counterpart = std::ranges::find(counterparts, two, &Counterpart::typed);
-  if (counterpart == std::end(counterparts)) return "there is no command '" + one + "'; there are " + names;
-  return "there is no command '" + two + "'; 'sft " + std::string(counterpart->command) + "' does that";
+  return "there is no command '" + one + "'; there are " + names;
 }
 
 /// Prints a mistake that CLI11 has found. The sentence of CLI11 has no full stop.
@@ -283,14 +377,16 @@ ExitCode report_mistake(const CLI::App& app, const std::string& what) {
 }  // namespace
 
 std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
-  CLI::App app("Looks at the nodes, topics and samples of SFT, and publishes samples.", "sft");
+  CLI::App app(
+      "Looks at the nodes, topics and samples of SFT, publishes samples, and records and plays them.", "sft");
   app.formatter(std::make_shared<HelpFormat>());
   app.set_version_flag("--version", "sft " SFT_VERSION);
   app.footer(exit_codes_help);
   app.require_subcommand(1);
   Parsed parsed;
-  for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz,
-                         declare_bw, declare_delay, declare_why, declare_top, declare_doctor}) {
+  for (const auto add :
+       {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz, declare_bw,
+        declare_delay, declare_why, declare_top, declare_doctor, declare_record, declare_play, declare_bag}) {
     add(app, parsed);
   }
   try {

@@ -3,6 +3,7 @@
 
 #include <variant>
 
+#include "tools/sft/bag.h"
 #include "tools/sft/bw.h"
 #include "tools/sft/common_options.h"
 #include "tools/sft/delay.h"
@@ -12,7 +13,9 @@
 #include "tools/sft/hz.h"
 #include "tools/sft/info.h"
 #include "tools/sft/ls.h"
+#include "tools/sft/play.h"
 #include "tools/sft/pub.h"
+#include "tools/sft/record.h"
 #include "tools/sft/top.h"
 #include "tools/sft/type.h"
 #include "tools/sft/why.h"
@@ -20,8 +23,9 @@
 namespace sft::tool {
 
 /// The options of the chosen subcommand.
-using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
-                             BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
+using Command =
+    std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions, BwOptions,
+                 DelayOptions, WhyOptions, TopOptions, DoctorOptions, RecordOptions, PlayOptions, BagOptions>;
 
 struct CommandLine {
   std::string name;  ///< the name of the subcommand

@@ -13,6 +13,7 @@ using namespace sft::tool;
 ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
   if (const auto* doctor = std::get_if<DoctorOptions>(&line.command))
     return run(*doctor, line.common, stop, output);
+  if (const auto* bag = std::get_if<BagOptions>(&line.command)) return run(*bag, line.common, stop, output);
   sft::Result<Session> session = Session::open(line.common, line.name, stop, output);
   if (!session) {
     complain(session.error().message);
@@ -20,8 +21,9 @@ ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
   }
   return std::visit(
       [&](const auto& options) {
-        if constexpr (std::is_same_v<std::decay_t<decltype(options)>, DoctorOptions>) {
-          return ExitCode::done;  // `sft doctor` has been run above
+        using Options = std::decay_t<decltype(options)>;
+        if constexpr (std::is_same_v<Options, DoctorOptions> || std::is_same_v<Options, BagOptions>) {
+          return ExitCode::done;  // these commands have been run above
         } else {
           return run(options, line.common, *session);
         }

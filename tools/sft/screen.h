@@ -1,11 +1,10 @@
 // A terminal that shows a changing page, by plain escape sequences.
 #pragma once
 
-#include <termios.h>
-
 #include <string>
 #include <vector>
 
+#include "tools/sft/keys.h"
 #include "tools/sft/output.h"
 
 namespace sft::tool {
@@ -25,15 +24,11 @@ class Screen {
   };
   void show(const std::vector<Line>& lines);
 
-  /// Returns the descriptor from which keys are read, or -1 if the standard input is not a terminal.
-  int keys() const { return keys_; }
-  /// Returns true if the user has pressed the key. Discards all other keys.
-  bool pressed(char key) const;
+  const Keys& keys() const { return keys_; }
 
  private:
   Output& output_;
-  int keys_ = -1;
-  termios before_{};
+  Keys keys_{};
 };
 
 }  // namespace sft::tool

@@ -54,6 +54,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
                               Output& output) {
   NodeOptions node{.name = "sft_" + std::string(command) + "_" + std::to_string(getpid())};
   node.domain = options.domain;
+  node.use_sim_time = options.sim_time;
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
   node.shm.start_daemon = false;

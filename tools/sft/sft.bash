@@ -15,7 +15,7 @@ _sft_messages() { # prints the messages that are installed with sft, as package/
 
 _sft() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="ls info type echo pub hz bw delay why top doctor"
+  local commands="ls info type echo pub hz bw delay why top doctor record play bag"
   local common="--json --no-color --domain --interface --peer --wait --timeout --help"
   COMPREPLY=()
 
@@ -32,10 +32,17 @@ _sft() {
     --interface)
       mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
       return ;;
+    --output | -o | --html)
+      mapfile -t COMPREPLY < <(compgen -f -- "$word")
+      return ;;
+    --compression)
+      mapfile -t COMPREPLY < <(compgen -W "none lz4 zstd" -- "$word")
+      return ;;
     --include | -I)
       mapfile -t COMPREPLY < <(compgen -d -- "$word")
       return ;;
-    --domain | --peer | --wait | --timeout | --for | --window | --count | -n | --rate | -r | --every | --wait-for | -w)
+    --domain | --peer | --wait | --timeout | --for | --window | --count | -n | --rate | -r | --every | --wait-for | \
+      -w | --split-mb | --split-time | --last | --on | --memory-mb | --start | --remap | --like)
       [[ $command == bw && $before == --every ]] || return ;;
   esac
 
@@ -51,14 +58,23 @@ _sft() {
     why) own="--types" ;;
     top) own="--every --for" ;;
     doctor) own="--quiet" ;;
+    record)
+      own="--all --output --compression --split-mb --split-time --last --on --memory-mb --for --use-sim-time"
+      own+=" --include" ;;
+    play) own="--topics --remap --rate --start --for --loop --wait-for-subscribers --clock --include" ;;
+    bag) own="--like --output --html --include" ;;
   esac
   if [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$own $common" -- "$word")
   elif [[ $command == ls ]]; then
     mapfile -t COMPREPLY < <(compgen -W "nodes topics types endpoints" -- "$word")
+  elif [[ $command == bag ]] && ((COMP_CWORD == 2)); then
+    mapfile -t COMPREPLY < <(compgen -W "info check repair estimate" -- "$word")
+  elif [[ $command == @(play|bag) ]]; then
+    mapfile -t COMPREPLY < <(compgen -d -- "$word"; compgen -f -X '!*.@(mcap|db3)' -- "$word")
   elif [[ $command == pub ]] && ((COMP_CWORD == 3)); then
     mapfile -t COMPREPLY < <(compgen -W "auto $(_sft_messages)" -- "$word"; compgen -f -X '!*.msg' -- "$word")
-  elif [[ $command == @(info|type|echo|hz|bw|delay|why) || $command == pub && $COMP_CWORD == 2 ]]; then
+  elif [[ $command == @(info|type|echo|hz|bw|delay|why|record) || $command == pub && $COMP_CWORD == 2 ]]; then
     local slash=
     [[ $word == /* ]] && slash=/
     mapfile -t COMPREPLY < <(compgen -P "$slash" -W "$(_sft_names ls topics --names)" -- "${word#/}")

@@ -143,8 +143,8 @@ void watch(const TopOptions& options, Session& session, const Screen* screen, Sh
       next = now + seconds(options.every_s);
     }
     if (options.for_s > 0 && now - begun >= seconds(options.for_s)) return;
-    session.stop().wait_for(key_pause, screen == nullptr ? -1 : screen->keys());
-    if (screen != nullptr && screen->pressed('q')) return;
+    session.stop().wait_for(key_pause, screen == nullptr ? -1 : screen->keys().descriptor());
+    if (screen != nullptr && screen->keys().pressed('q')) return;
   }
 }
 

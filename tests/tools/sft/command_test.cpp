@@ -77,6 +77,7 @@ TEST_F(CommandTest, AWordThatIsNoCommandIsNamedAndACommandOfRos2LeadsToItsOwn) {
   const Ended of_ros2 = run_tool({"topic", "list", "-t"});
   EXPECT_EQ(of_ros2.code, 2);
   EXPECT_THAT(of_ros2.err, StartsWith("sft: there is no command 'topic list'; 'sft ls' does that;"));
+  EXPECT_THAT(run_tool({"bag", "record", "points"}).err, HasSubstr("'sft record' does that"));
   EXPECT_THAT(run_tool({"interface", "show", "sensor_msgs/Image"}).err, HasSubstr("'sft type' does that"));
 }
 
@@ -99,8 +100,8 @@ std::vector<std::string> shown_lines(const std::string& out) {
 
 TEST_F(CommandTest, TheHelpOfEachSubcommandFitsEightyColumns) {
   std::vector<std::vector<std::string>> helps{{"--help"}};
-  for (const char* command :
-       {"ls", "info", "type", "echo", "pub", "hz", "bw", "delay", "why", "top", "doctor"})
+  for (const char* command : {"ls", "info", "type", "echo", "pub", "hz", "bw", "delay", "why", "top",
+                              "doctor", "record", "play", "bag"})
     helps.push_back({command, "--help"});
   for (const auto& arguments : helps) {
     const std::vector<std::string> lines = shown_lines(run_tool(arguments).out);

@@ -1,0 +1,31 @@
+#include "tools/recording/block.h"
+
+namespace sft::recording {
+
+void walk(std::span<const std::byte> bytes, const RecordVisitor& visitor) {
+  for (std::uint64_t offset = 0; offset < bytes.size();) {
+    ByteReader head(bytes.subspan(static_cast<std::size_t>(offset)));
+    const auto opcode = head.number<std::uint8_t>();
+    const auto length = head.number<std::uint64_t>();
+    if (!head.is_good()) return visitor.fault(offset, "the head of a record is cut off");
+    if (length > head.left()) {
+      return visitor.fault(offset, "a record claims " + std::to_string(length) + " bytes, and " +
+                                       std::to_string(head.left()) + " are left");
+    }
+    if (opcode == 0) return visitor.fault(offset, "there is no record of the kind 0");
+    visitor.record(static_cast<Opcode>(opcode), head.raw(length), offset);
+    offset += record_head_bytes + length;
+  }
+}
+
+bool read_message(std::span<const std::byte> content, Message& message) {
+  ByteReader from(content);
+  message.channel = from.number<std::uint16_t>();
+  message.sequence = from.number<std::uint32_t>();
+  message.log_ns = from.number<std::uint64_t>();
+  message.publish_ns = from.number<std::uint64_t>();
+  message.data = from.raw(from.left());
+  return from.is_good();
+}
+
+}  // namespace sft::recording

@@ -1,0 +1,64 @@
+// A recording as it is read: its channels, and its messages in the order of their log times. MCAP and the
+// SQLite files of rosbag2 are read alike.
+#pragma once
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "tools/recording/mcap.h"
+
+namespace sft::recording {
+
+/// What a recording contains, as its summary says or as its messages were counted.
+struct Overview {
+  std::uint64_t messages = 0;
+  std::uint64_t first_ns = 0;  ///< the log time of the first message; 0: there is none
+  std::uint64_t last_ns = 0;
+  std::map<std::uint16_t, std::uint64_t> of_channel{};  ///< the number of its messages
+  std::map<std::string, std::uint64_t> chunks{};        ///< the number of chunks by compression
+  std::map<std::string, Texts> metadata{};              ///< the last metadata record of each name
+  std::map<std::string, std::uint64_t> attachments{};   ///< sizes by name
+};
+
+class Recording {
+ public:
+  virtual ~Recording() = default;
+
+  /// "MCAP" or "rosbag2 (SQLite)", with the profile and the writer as far as the file names them.
+  virtual std::string format() const = 0;
+  /// Counts the messages if the file does not say how many there are.
+  virtual const Overview& overview() = 0;
+  /// Begins anew, with the first message that was logged at `from_ns` or later. Only messages of these
+  /// channels are read; null: of all.
+  virtual void rewind(std::uint64_t from_ns = 0, const std::set<std::uint16_t>* only = nullptr) = 0;
+  /// Returns the next message, whose data are valid until the next call; nothing at the end. What cannot be
+  /// read is left out, and named by faults().
+  virtual std::optional<Message> next() = 0;
+  /// The contents of the attachment records that can be read.
+  virtual std::vector<Bytes> attachments() { return {}; }
+  /// Reads everything, and compares it with what the file says of it.
+  virtual void check() = 0;
+
+  const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
+  const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
+  /// What was wrong so far, each once: "Chunk at offset 4711: its checksum is wrong; it is left out".
+  const std::vector<std::string>& faults() const { return faults_; }
+
+ protected:
+  void add(Schema schema, const std::string& where);
+  void add(Channel channel, const std::string& where);
+  void add_fault(std::string fault);
+
+  std::map<std::uint16_t, Schema> schemas_;
+  std::map<std::uint16_t, Channel> channels_;
+
+ private:
+  std::vector<std::string> faults_;
+};
+
+}  // namespace sft::recording

@@ -1,0 +1,32 @@
+// `sft bag`: looks at recordings, checks them, and says what selections would have saved.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "tools/recording/open_recording.h"
+#include "tools/sft/common_options.h"
+#include "tools/sft/exit_code.h"
+#include "tools/sft/output.h"
+#include "tools/terminal/stop.h"
+
+namespace sft::tool {
+
+struct BagOptions {
+  std::string what{};  ///< info, check, repair or estimate
+  std::vector<std::string> files{};
+  std::vector<std::string> like{};  ///< selections of topics
+  std::string output{};             ///< the file that a repair writes
+  std::string html{};               ///< the file for the page of an estimate; empty: none
+};
+
+ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop, Output& output);
+
+/// The type of a schema: by the definition in the recording, or by the files of the user and of SFT.
+Result<DynamicType> find_type(const recording::Schema& schema, const CommonOptions& common);
+
+/// Runs `sft bag estimate` for one file.
+ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, recording::Recording& bag,
+                      Stop& stop, Output& output);
+
+}  // namespace sft::tool
