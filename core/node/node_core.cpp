@@ -48,13 +48,13 @@ void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   }
 }
 
-VanillaAccess::Setup vanilla_setup(const NodeOptions& options, std::function<void()> readers_changed) {
+VanillaAccess::Setup vanilla_setup(const NodeOptions& options, std::function<void()> endpoints_changed) {
   return {.choice = options.vanilla_dds.value_or(NodeOptions::VanillaDds::automatic),
           .plan = {.domain = options.domain.value_or(0),
                    .user_config = options.cyclonedds_config.value_or(""),
                    .threads = options.threads.discovery},
           .sender = options.threads.sender,
-          .readers_changed = std::move(readers_changed)};
+          .endpoints_changed = std::move(endpoints_changed)};
 }
 
 /// Logs once that the topic "/clock", which the node follows, has no publisher.

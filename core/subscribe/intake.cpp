@@ -15,6 +15,7 @@ bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
 }  // namespace
 
 TransportKind Intake::transport_of(Inlet inlet) {
+  if (inlet == Inlet::vanilla) return TransportKind::dds;
   return inlet == Inlet::network ? TransportKind::udp : TransportKind::shm;
 }
 
@@ -26,7 +27,7 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
 /// gates the sample has passed.
 void Intake::put(Inlet inlet, SampleHandle sample) {
   head(inlet) = std::move(sample);
-  if (inlet == Inlet::network || is_empty(inlet)) return;
+  if (inlet == Inlet::network || inlet == Inlet::vanilla || is_empty(inlet)) return;
   SampleBuffer& buffer = *head(inlet);
   for (const std::uint64_t gate : accounts_.asked_gates().nameable()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
@@ -38,15 +39,16 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
 }
 
 /// By UDP a writer sends only samples that are for this subscriber, so the writer applies the maximum rate.
-/// It also does so in shared memory for samples that name a gate with conditions.
+/// It also does so in shared memory for samples that name a gate with conditions. For unmodified DDS writers
+/// VanillaInlet does it.
 RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
-  const bool by_writer = inlet == Inlet::network || head(inlet)->gate != 0;
+  const bool by_writer = inlet == Inlet::network || inlet == Inlet::vanilla || head(inlet)->gate != 0;
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 
 std::optional<Intake::Inlet> Intake::oldest() const {
   std::optional<Inlet> oldest;
-  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken}) {
+  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken, Inlet::vanilla}) {
     if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
   }
   return oldest;
@@ -58,7 +60,7 @@ Intake::Decision Intake::next(LazyRealtime& now) {
   const std::optional<Inlet> oldest = this->oldest();
   if (!oldest) return Decision::nothing;
   chosen_ = *oldest;
-  if (follows(chosen_)) return choose(chosen_, now);
+  if (chosen_ == Inlet::vanilla || follows(chosen_)) return choose(chosen_, now);
   if (chosen_ == Inlet::network) return let_overtaken_go_first(now);
   if (!may_wait(now)) return choose(chosen_, now);
   asked_about_ = head(chosen_)->writer;

@@ -1,6 +1,6 @@
-// Decides in which order a subscriber takes the samples that come by two paths for one of its selections, and
-// which of them it takes at all. Pure: samples, answers and the time are passed in, decisions are returned;
-// it uses no port, clock or lock. Not thread-safe: subscriber_ports.h guards it.
+// Decides in which order a subscriber takes the samples that come by several paths for one of its selections,
+// and which of them it takes at all. Pure: samples, answers and the time are passed in, decisions are
+// returned; it uses no port, clock or lock. Not thread-safe: subscriber_ports.h guards it.
 //
 // - The samples of one writer are delivered in the order of their sequences, whichever path they come by.
 //   Of samples of different writers, the one with the older stamp is delivered first.
@@ -10,6 +10,7 @@
 //   sample in shared memory names the last one that its writer has diverted, and waits for it for at most
 //   `timeout`.
 // - Each sample is delivered once, even if it comes by both paths.
+// - Samples of unmodified DDS writers come by one path only, and never wait for others of their writer.
 // - A sample is dropped if it has expired, or if the maximum rate of the subscriber does not allow it.
 #pragma once
 
@@ -48,7 +49,7 @@ class Intake {
 
   /// The places for the next samples, one for each path. `overtaken` is for a sample that was taken from the
   /// middle of the queue in shared memory, because a later one has come by UDP.
-  enum class Inlet : std::uint8_t { memory, network, overtaken };
+  enum class Inlet : std::uint8_t { memory, network, overtaken, vanilla };
 
   enum class Decision : std::uint8_t {
     deliver,        ///< take() returns the next sample
@@ -60,9 +61,9 @@ class Intake {
 
   explicit Intake(const Options& options) : options_(options), accounts_(options.min_period_us) {}
 
-  // The caller fills the inlets `memory` and `network`, if there are samples, before it calls next().
+  // The caller fills all inlets but `overtaken`, if there are samples, before it calls next().
   bool is_empty(Inlet inlet) const { return !head(inlet); }
-  bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
+  bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2] && !heads_[3]; }
   void put(Inlet inlet, SampleHandle sample);
 
   /// Decides about the next sample.
@@ -80,7 +81,7 @@ class Intake {
   /// Takes the sample for which the last decision was `deliver`.
   Taken take();
   /// Sets for which paths samples are copied before they are delivered. Such samples count as received when
-  /// copied() is called, not in take().
+  /// copied() is called, not in take(). Samples of DDS are as whole as those in shared memory.
   void copy(bool from_memory, bool from_network) {
     copies_from_memory_ = from_memory;
     copies_from_network_ = from_network;
@@ -122,7 +123,7 @@ class Intake {
   const Options options_;
   bool copies_from_memory_ = false;
   bool copies_from_network_ = false;
-  std::array<SampleHandle, 3> heads_;  ///< the sample in each Inlet
+  std::array<SampleHandle, 4> heads_;  ///< the sample in each Inlet
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< the inlet of the sample that the latest decision is about
   EndpointId asked_about_ = 0;

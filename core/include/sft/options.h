@@ -124,10 +124,11 @@ struct NodeOptions {
     ThreadSettings discovery{};
   };
 
-  /// Whether publishers also serve unmodified nodes of DDS and ROS 2 that read their topics (docs/ros2.md).
-  /// `automatic`: while a node is found that is not one of SFT, unless the program speaks DDS itself. A node
-  /// on this host that was started before is found within 8 s, and one that uses the loopback only is not
-  /// found. `always`: as long as the node has a publisher.
+  /// Whether publishers also serve unmodified nodes of DDS and ROS 2 that read their topics, and subscribers
+  /// hear those that write to theirs (docs/ros2.md). `automatic`: while a node is found that is not one of
+  /// SFT, unless the program speaks DDS itself. A node on this host that was started before is found within
+  /// 8 s, and one that uses the loopback only is not found. `always`: as long as the node has a publisher or
+  /// a subscriber.
   enum class VanillaDds : std::uint8_t { automatic, always, never };
 
   /// A callback for lines of the log. It runs on a thread of the node that only handles log lines and events
