@@ -47,7 +47,7 @@ int note_dds_library(dl_phdr_info* library, std::size_t, void* found) {
 }  // namespace
 
 Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan) {
-  const Result<VanillaConfig> config = vanilla_config(plan.domain, plan.user_config);
+  const Result<VanillaConfig> config = vanilla_config(plan.domain, plan.user_config, plan.ros);
   if (!config) return tl::unexpected(config.error());
   if (config->is_secured) {
     return fail(Errc::unavailable,

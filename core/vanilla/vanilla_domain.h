@@ -10,6 +10,7 @@
 #include <optional>
 #include <string>
 
+#include "core/discovery/ros_discovery.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/options.h"
 #include "sft/result.h"
@@ -27,6 +28,7 @@ using DdsQos = std::unique_ptr<dds_qos_t, DdsQosDeleter>;
 struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
+  RosDiscovery ros{};         ///< what the environment says; `user_config` overrides it
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 

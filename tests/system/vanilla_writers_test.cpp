@@ -376,6 +376,45 @@ TEST_F(VanillaHearingTest, ThereIsADdsReaderOnlyWhileAWriterIsThere) {
   dds_delete(participant);
 }
 
+struct Localhost {
+  const char* name;
+  const char* variable;
+  const char* value;
+  const char* of_ros;  ///< the configuration that rmw_cyclonedds makes of the variable
+};
+class LocalhostTest : public VanillaHearingTest, public testing::WithParamInterface<Localhost> {};
+
+TEST_P(LocalhostTest, NodesThatStayOnTheirHostAreHeardWhereTheEnvironmentSaysSo) {
+  const std::string usual = std::getenv("CYCLONEDDS_URI");
+  const auto start = [&](const char* topic) {
+    setenv("CYCLONEDDS_URI", (usual + "," + GetParam().of_ros).c_str(), 1);
+    auto writer = std::make_unique<VanillaWriter>(network_.host(0), VanillaWriter::How{.topic = topic});
+    setenv("CYCLONEDDS_URI", usual.c_str(), 1);
+    return writer;
+  };
+  setenv(GetParam().variable, GetParam().value, 1);
+  const auto earlier = start("rt/earlier");
+  Node node = open(Way::udp, VanillaDds::always);
+  auto of_earlier = node.subscriber<PointCloud2>("earlier").value();
+  auto of_later = node.subscriber<PointCloud2>("later").value();
+  ASSERT_TRUE(hears(of_earlier, 1) && earlier->matches(1));
+  const auto later = start("rt/later");
+  ASSERT_TRUE(hears(of_later, 1) && later->matches(1));
+  earlier->write_cloud(1);
+  later->write_cloud(2);
+  EXPECT_EQ(next(of_earlier), 1U);
+  EXPECT_EQ(next(of_later), 2U);
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Of, LocalhostTest,
+    testing::Values(Localhost{"humble", "ROS_LOCALHOST_ONLY", "1",
+                              "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></></>"},
+                    Localhost{"iron", "ROS_AUTOMATIC_DISCOVERY_RANGE", "LOCALHOST",
+                              "<General><AllowMulticast>false</></>,<Discovery><ParticipantIndex>auto</>"
+                              "<MaxAutoParticipantIndex>32</><Peers><Peer address=\"localhost\"/></></>"}),
+    [](const auto& one) { return one.param.name; });
+
 struct Published {
   std::atomic<std::uint32_t> number{0};
   std::atomic<std::size_t> vanilla_readers{0};
