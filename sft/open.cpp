@@ -4,6 +4,7 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
+#include "core/discovery/ros_discovery.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/vanilla_choice.h"
@@ -108,9 +109,14 @@ Result<Node> Node::open(const NodeOptions& options) {
   if (!names) return tl::unexpected(names.error());
   const auto vanilla = core::vanilla_choice(options.vanilla_dds, std::getenv("SFT_VANILLA_DDS"));
   if (!vanilla) return tl::unexpected(vanilla.error());
+  Result<core::RosDiscovery> ros =
+      core::ros_discovery(std::getenv("ROS_LOCALHOST_ONLY"), std::getenv("ROS_AUTOMATIC_DISCOVERY_RANGE"),
+                          std::getenv("ROS_STATIC_PEERS"));
+  if (!ros) return tl::unexpected(ros.error());
   const NodeOptions resolved = with_defaults(options, *domain, *vanilla, *names);
   core::NodeCore::Parts parts;
   parts.names = std::move(*names);
+  parts.ros = std::move(*ros);
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
   parts.log = core::log_setting(options, std::getenv("SFT_LOG"));
   if (options.transport != TransportChoice::shm) {

@@ -319,9 +319,22 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   return config;
 }
 
+/// Participants with an index are few where peers are asked, and ROS 2's nodes need one each. This one has
+/// none: it asks the peers, and they answer.
+static std::string settings_of_ros(const RosDiscovery& ros) {
+  if (ros.loopback_only) return "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></></>";
+  std::string peers = ros.localhost_only ? "<Peer address=\"localhost\"/>" : "";
+  for (const std::string& peer : ros.peers) peers += "<Peer address=\"" + peer + "\"/>";
+  if (peers.empty()) return {};
+  return (ros.localhost_only ? "<General><AllowMulticast>false</></>" : "") +
+         element("Discovery",
+                 "<ParticipantIndex>none</><MaxAutoParticipantIndex>32</>" + element("Peers", peers));
+}
+
 /// Multicasts of samples would reach the ports of all links of this network. The one setting that SFT cannot
 /// do without concerns the runtime of iceoryx, of which a process has one.
-Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config) {
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
+                                     const RosDiscovery& ros) {
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
   const bool suffices = !user->sets(own_domain_number) && !user->depends_on_domain();
@@ -333,7 +346,9 @@ Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& us
       "<Internal><MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>";
   const std::string insisted = element("SharedMemory", element("Enable", "false")) +
                                element("Discovery", element("ExternalDomainId", on_wire));
-  return VanillaConfig{.text = document(ours) + "," + (users.empty() ? "" : users + ",") + document(insisted),
+  const std::string of_ros = settings_of_ros(ros);
+  return VanillaConfig{.text = document(ours) + "," + (of_ros.empty() ? "" : document(of_ros) + ",") +
+                               (users.empty() ? "" : users + ",") + document(insisted),
                        .is_secured = user->sets("Security")};
 }
 

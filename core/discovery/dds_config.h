@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/discovery/desired_links.h"
+#include "core/discovery/ros_discovery.h"
 #include "core/platform/host_lookup.h"
 #include "core/platform/peer_addresses.h"
 #include "sft/options.h"
@@ -50,13 +51,14 @@ struct DdsConfig {
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
 
-/// The configuration of the participant that serves DDS nodes which know nothing of SFT. It is that of a ROS
-/// 2 node in the same environment: interfaces, peers and all other settings are those of the user.
+/// The configuration of the participant that serves and hears DDS nodes which know nothing of SFT. It is that
+/// of a ROS 2 node in the same environment: interfaces, peers and all other settings are those of the user.
 struct VanillaConfig {
   std::string text;         ///< the argument of dds_create_domain
   bool is_secured = false;  ///< the user's configuration has DDS Security
 };
-Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config);
+Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
+                                     const RosDiscovery& ros = {});
 
 /// Returns the names and addresses of the interfaces that the user's configuration chooses, or else the
 /// settings.

@@ -35,11 +35,11 @@ bool is_waited_for(const Source& source) { return source.reliable && source.wait
 
 LocalReader::LocalReader(NodeContext& node, const Endpoint& endpoint, Parts parts)
     : node_(node),
-      id_(endpoint.id),
       core_(std::move(parts.core)),
       selection_(parts.selection),
       feed_(core_->feed(selection_)),
       network_(std::move(parts.network)),
+      vanilla_(node, *core_, feed_),
       callback_(selection_ == 0 ? std::make_unique<CallbackMonitor>(core_) : nullptr),
       requested_(endpoint.qos),
       accepted_({feed_.spec().selection, endpoint.request.min_period_us},
@@ -54,12 +54,17 @@ void LocalReader::close() {
 }
 
 void LocalReader::reconcile(std::size_t& unattached) {
-  const std::vector<Hearing> wanted = node_.negotiation.hearing(id_);
+  std::vector<Hearing> wanted = node_.negotiation.hearing(feed_.spec().id);
   std::map<EndpointId, Hearing> heard;
   for (const Hearing& hearing : wanted) {
     const auto before = heard_.find(hearing.source.writer);
     const bool known = before != heard_.end();
     heard[hearing.source.writer] = connect(hearing, known ? before->second : Hearing{}, unattached);
+  }
+  vanilla_.reconcile(std::chrono::steady_clock::now());
+  for (const Hearing& hearing : vanilla_.hearing()) {
+    heard[hearing.source.writer] = hearing;
+    wanted.push_back(hearing);
   }
   disconnect_departed(heard);
   heard_ = std::move(heard);
@@ -123,11 +128,11 @@ bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, R
 Result<void> LocalReader::connect_in_memory(const Source& source) {
   if (memory_ == nullptr) {
     const SubscriberOptions& options = core_->spec().options;
-    auto port = node_.memory->open_reader({.id = id_,
+    auto port = node_.memory->open_reader({.id = feed_.spec().id,
                                            .type = &core_->type(),
                                            .depth = options.depth,
                                            .listener = core_.get(),
-                                           .doorbell = node_.negotiation.local(id_)->doorbell,
+                                           .doorbell = node_.negotiation.local(feed_.spec().id)->doorbell,
                                            .max_held = options.max_held,
                                            .depth_bytes = options.depth_bytes});
     if (!port) return tl::unexpected(port.error());
@@ -143,8 +148,8 @@ void LocalReader::disconnect_departed(const std::map<EndpointId, Hearing>& heard
     if (heard.contains(writer)) continue;
     if (before.network) departed_[writer] = std::chrono::steady_clock::now();
     if (before.memory && memory_ != nullptr) memory_->disconnect(writer);
-    changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
-    changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
+    changed |= node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, false);
+    changed |= node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, false);
   }
   if (changed) send_request();
 }
@@ -162,8 +167,10 @@ LocalReader::Connections LocalReader::look_after_connections() {
     const bool listening = hearing.network && network_->connected(writer);
     const bool attached = hearing.memory && memory_ != nullptr && memory_->connected(writer);
     const bool awaits_history = hearing.source.history_first;
-    request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::udp, listening);
-    request_changed |= node_.negotiation.connection_changed(id_, writer, TransportKind::shm, attached);
+    request_changed |=
+        node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, listening);
+    request_changed |=
+        node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, attached);
     if (listening && awaits_history) request_changed |= look_after_history(*network_, writer, connections);
     if (attached && awaits_history && !hearing.network)
       request_changed |= look_after_history(*memory_, writer, connections);
@@ -179,8 +186,9 @@ LocalReader::Connections LocalReader::look_after_connections() {
 bool LocalReader::look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections) {
   const HistoryProgress progress = port.history(writer);
   if (progress == HistoryProgress::awaited) return false;
-  if (progress == HistoryProgress::came) connections.changed |= node_.negotiation.history_came(id_, writer);
-  return node_.negotiation.history_began(id_, writer);
+  if (progress == HistoryProgress::came)
+    connections.changed |= node_.negotiation.history_came(feed_.spec().id, writer);
+  return node_.negotiation.history_began(feed_.spec().id, writer);
 }
 
 void LocalReader::drop_memory() {
@@ -192,17 +200,18 @@ void LocalReader::drop_memory() {
 }
 
 bool LocalReader::may_try_again(Time now) const {
-  return std::ranges::any_of(connecting_, [&](const auto& item) {
-    const Connecting& connecting = item.second;
-    return node_.attempts.may_retry_in_memory(connecting.memory, now) || connecting.network.due_again(now);
-  });
+  return vanilla_.is_due(now) || std::ranges::any_of(connecting_, [&](const auto& item) {
+           const Connecting& connecting = item.second;
+           return node_.attempts.may_retry_in_memory(connecting.memory, now) ||
+                  connecting.network.due_again(now);
+         });
 }
 
 bool LocalReader::requirement_changed() {
   has_changes_ = true;  // status() shows the new requirement already
   const Wanted wanted{feed_.required(), ports().min_period_us()};
-  const bool is_other = node_.negotiation.requirement_changed(id_, wanted.selection);
-  const bool has_other_rate = node_.negotiation.rate_changed(id_, wanted.min_period_us);
+  const bool is_other = node_.negotiation.requirement_changed(feed_.spec().id, wanted.selection);
+  const bool has_other_rate = node_.negotiation.rate_changed(feed_.spec().id, wanted.min_period_us);
   if (!is_other && !has_other_rate) return false;
   const Time now = std::chrono::steady_clock::now();
   const Wanted& before = accepted_.latest();
@@ -220,7 +229,7 @@ void LocalReader::accept() {
 }
 
 void LocalReader::send_request() {
-  const Request& request = node_.negotiation.local(id_)->request;
+  const Request& request = node_.negotiation.local(feed_.spec().id)->request;
   has_changes_ = true;
   feed_.requests(accepted_.latest().selection, request.sequence);
   node_.discovery.send(request);
@@ -292,7 +301,7 @@ bool LocalReader::awaits_reports(Time now) {
 bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>& reported, bool held_up,
                              Time now) {
   const EndpointId writer = hearing.source.writer;
-  const Request& request = node_.negotiation.local(id_)->request;
+  const Request& request = node_.negotiation.local(feed_.spec().id)->request;
   const auto holds = [&](const auto& writers) { return std::ranges::find(writers, writer) != writers.end(); };
   const bool attached = holds(request.attached);
   ArrivalWatchdog& watchdog = watchdogs_[writer];
@@ -342,8 +351,10 @@ void LocalReader::restart(Hearing& hearing, Time now) {
                            (prefers_network ? Time::duration(connecting.network_preferred) : restart_pause));
   }
   hearing.network = hearing.memory = false;
-  const bool listened = node_.negotiation.connection_changed(id_, writer, TransportKind::udp, false);
-  const bool was_attached = node_.negotiation.connection_changed(id_, writer, TransportKind::shm, false);
+  const bool listened =
+      node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, false);
+  const bool was_attached =
+      node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, false);
   if (listened || was_attached) send_request();
   ports().restarted(writer);
   node_.log.write(LogLevel::warning, text_of_topic(core_->spec().topic, selection_) + ", node " +
@@ -372,7 +383,8 @@ void LocalReader::report_events() {
 std::vector<EndpointId> LocalReader::matching_writers() const {
   std::vector<EndpointId> writers;
   for (const auto& [writer, hearing] : heard_) {
-    if (hearing.status.matched) writers.push_back(writer);
+    const bool is_of_sft = hearing.status.transport != TransportKind::dds;
+    if (hearing.status.matched && is_of_sft) writers.push_back(writer);
   }
   return writers;
 }

@@ -16,6 +16,7 @@
 #include "core/node/arrival_watchdog.h"
 #include "core/node/callback_monitor.h"
 #include "core/node/node_context.h"
+#include "core/node/vanilla_hearing.h"
 #include "core/platform/clock.h"
 #include "core/subscribe/subscriber_core.h"
 
@@ -89,7 +90,7 @@ class LocalReader {
 
   /// Reports events to the user.
   void report_events();
-  /// Returns the writers that match. Each of them has an account.
+  /// Returns the writers of SFT that match. Each of them has an account.
   std::vector<EndpointId> matching_writers() const;
 
  private:
@@ -112,12 +113,12 @@ class LocalReader {
   void restart(Hearing& hearing, Time now);
 
   NodeContext& node_;
-  EndpointId id_;
   std::shared_ptr<SubscriberCore> core_;
   std::size_t selection_;
   Feed& feed_;  ///< a part of `core_`
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
+  VanillaHearing vanilla_;
   // The keys of these maps are the ids of writers.
   std::map<EndpointId, Hearing> heard_;  ///< the connections in force
   std::map<EndpointId, Connecting> connecting_;

@@ -49,13 +49,16 @@ void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
   }
 }
 
-VanillaAccess::Setup vanilla_setup(const NodeOptions& options, std::function<void()> readers_changed) {
-  return {.choice = options.vanilla_dds.value_or(NodeOptions::VanillaDds::automatic),
+VanillaAccess::Setup vanilla_setup(const NodeOptions& options, const RosDiscovery& ros,
+                                   std::function<void()> endpoints_changed) {
+  using enum NodeOptions::VanillaDds;
+  return {.choice = ros.is_off ? never : options.vanilla_dds.value_or(automatic),
           .plan = {.domain = options.domain.value_or(0),
                    .user_config = options.cyclonedds_config.value_or(""),
+                   .ros = ros,
                    .threads = options.threads.discovery},
           .sender = options.threads.sender,
-          .readers_changed = std::move(readers_changed)};
+          .endpoints_changed = std::move(endpoints_changed)};
 }
 
 /// Logs once that the topic "/clock", which the node follows, has no publisher.
@@ -88,6 +91,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   const std::shared_ptr<BufferPool> heap = parts.heap;
   const auto names = std::make_shared<NodeNames>(std::move(parts.names));
   const std::string complaint = parts.log.complaint;
+  const RosDiscovery ros = parts.ros;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
     if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
@@ -107,7 +111,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   }
   node->reconciler_ = std::make_unique<Reconciler>(
       node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
-      node->log_, vanilla_setup(node->options_, [node = node.get()] { node->vanilla_changed(); }));
+      node->log_, vanilla_setup(node->options_, ros, [node = node.get()] { node->vanilla_changed(); }));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,

@@ -13,6 +13,7 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
+#include "core/discovery/ros_discovery.h"
 #include "core/node/endpoint_opening.h"
 #include "core/node/endpoint_registry.h"
 #include "core/node/kept_types.h"
@@ -42,6 +43,7 @@ class NodeCore final : private DiscoveryListener {
     std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
     LogSetting log{};
     Remapping names{};
+    RosDiscovery ros{};  ///< where unmodified nodes of DDS are looked for
   };
 
   /// `options` must have its defaults resolved (domain, configuration), and must contain the full name of the

@@ -58,6 +58,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
   if (is_first && parts.core->has_callback()) dispatcher_.add(parts.core);
   const LocalReader& added =
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
+  look_after_vanilla(std::chrono::steady_clock::now());
   negotiation_.local_added(endpoint, added.core().type());
   dirty_ = true;
   reports_.inquire(std::chrono::steady_clock::now());
@@ -123,7 +124,7 @@ void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time no
 }
 
 void Reconciler::look_after_vanilla(Time now) {
-  vanilla_.look(discovery_.vanilla(), !ours_.writers.empty(), now);
+  vanilla_.look(discovery_.vanilla(), has_endpoints(), now);
   dirty_ = true;
 }
 
@@ -133,7 +134,7 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   next_piece_of_work();
   look_after_addresses(now);
   next_piece_of_work();
-  dirty_ |= vanilla_.look(discovery_.vanilla(), !ours_.writers.empty(), now);
+  dirty_ |= vanilla_.look(discovery_.vanilla(), has_endpoints(), now);
   next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);

@@ -50,8 +50,7 @@ class Reconciler {
   void endpoint_lost(EndpointId id);
   void request_received(const Request& request);
   void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
-  /// To be called when nodes of DDS have appeared or departed, or when the DDS readers of a publisher of this
-  /// node have changed.
+  /// To be called when nodes of DDS, or readers or writers of such nodes, have appeared or departed.
   void look_after_vanilla(Time now = std::chrono::steady_clock::now());
 
   /// Does the work that is due in transports, discovery and endpoints. Returns the time until the next call.
@@ -73,6 +72,7 @@ class Reconciler {
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
+  bool has_endpoints() const { return !ours_.writers.empty() || !ours_.readers.empty(); }
   void report(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
   void look_at_arrivals(const std::vector<Progress>& reported, Time now);

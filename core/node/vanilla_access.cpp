@@ -5,15 +5,16 @@
 
 namespace sft::core {
 
-bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_publishers, Time now) {
+bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_endpoints, Time now) {
   next_look_ = Time::max();
-  const bool wanted = is_wanted(heard, now) && has_publishers;
+  const bool wanted = is_wanted(heard, now) && has_endpoints;
   if (!wanted) {
     opening_ = {};
+    writers_.reset();
     return std::exchange(domain_, nullptr) != nullptr;
   }
   if (domain_ != nullptr) {
-    const std::uint64_t changes = domain_->readers().changes();
+    const std::uint64_t changes = domain_->readers().changes() + writers_->changes();
     return std::exchange(changes_, changes) != changes;
   }
   if (opening_.due(now) && open(now)) return true;
@@ -35,9 +36,11 @@ bool VanillaAccess::may_serve(const Discovery::Vanilla& heard) {
   if (std::exchange(came_, heard.came) == heard.came) return !program_speaks_dds_;
   const bool speaks = setup_.program_speaks(setup_.plan.domain);
   if (speaks && !program_speaks_dds_) {
-    log_.write(LogLevel::info,
-               "DDS nodes are not served, because this program speaks DDS itself, and might get back what it "
-               "publishes: choose NodeOptions::VanillaDds::always if it does not pass on messages");
+    log_.write(
+        LogLevel::info,
+        "DDS nodes are neither served nor heard, because this program speaks DDS itself, and might get "
+        "twice what it passes on: choose NodeOptions::VanillaDds::always if it does not pass on "
+        "messages");
   }
   program_speaks_dds_ = speaks;
   return !speaks;
@@ -47,13 +50,16 @@ bool VanillaAccess::open(Time now) {
   Result<std::shared_ptr<VanillaDomain>> opened = setup_.open(setup_.plan);
   if (!opened) {
     if (opening_.failed(opened.error().message, now))
-      log_.write(LogLevel::warning, "DDS nodes are not served: " + opened.error().message);
+      log_.write(LogLevel::warning, "DDS nodes are neither served nor heard: " + opened.error().message);
     return false;
   }
   opening_.succeeded();
   domain_ = std::move(*opened);
-  log_.write(LogLevel::info, "publishers serve nodes of DDS and ROS 2, too, in DDS domain " +
-                                 std::to_string(setup_.plan.domain));
+  writers_ = std::make_unique<VanillaEndpoints>(domain_->participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
+                                                setup_.endpoints_changed);
+  log_.write(LogLevel::info,
+             "publishers serve nodes of DDS and ROS 2, and subscribers hear them, in DDS domain " +
+                 std::to_string(setup_.plan.domain));
   return true;
 }
 

@@ -1,5 +1,5 @@
 // Decides when a node has a participant for unmodified nodes of DDS and ROS 2: while the node has publishers
-// and, with `automatic`, only while such nodes are found. Used by the agent only.
+// or subscribers and, with `automatic`, only while such nodes are found. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -27,19 +27,22 @@ class VanillaAccess {
     ThreadSettings sender{};  ///< settings of the threads that hand samples over
     std::function<Result<std::shared_ptr<VanillaDomain>>(const VanillaPlan&)> open = &VanillaDomain::of;
     std::function<bool(std::uint32_t domain)> program_speaks = &program_speaks_dds;
-    /// Called by any thread when readers of some publisher have come or gone. Must return at once.
-    std::function<void()> readers_changed{};
+    /// Called by any thread when readers of some publisher, or writers, have come or gone. Must return at
+    /// once.
+    std::function<void()> endpoints_changed{};
   };
   VanillaAccess(Setup setup, NodeLog& log) : setup_(std::move(setup)), log_(log) {}
 
-  /// `heard` counts the DDS nodes that the links have found. Returns true if the domain or its readers have
+  /// `heard` counts the DDS nodes that the links have found. Returns true if the domain or its endpoints have
   /// changed.
-  bool look(const Discovery::Vanilla& heard, bool has_publishers, Time now);
+  bool look(const Discovery::Vanilla& heard, bool has_endpoints, Time now);
   /// Returns the time by which look() has to be called again; Time::max() if nothing changes by itself.
   Time next_look() const { return next_look_; }
 
   /// Null while the node has no such participant.
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
+  /// The unmodified writers in the domain; null while the node has no such participant.
+  const VanillaEndpoints* writers() const { return writers_.get(); }
   const Setup& setup() const { return setup_; }
 
  private:
@@ -50,9 +53,10 @@ class VanillaAccess {
   const Setup setup_;
   NodeLog& log_;
   std::shared_ptr<VanillaDomain> domain_;
+  std::unique_ptr<VanillaEndpoints> writers_;
   Retry opening_;
   Time heard_at_{};                  ///< when such a node was found last; Time{}: never
-  std::uint64_t changes_ = 0;        ///< VanillaReaders::changes() at the last look
+  std::uint64_t changes_ = 0;        ///< of readers and writers, at the last look
   std::uint64_t came_ = 0;           ///< Discovery::Vanilla::came at the last look at the program
   bool program_speaks_dds_ = false;  ///< the result of that look
   Time next_look_ = Time::max();

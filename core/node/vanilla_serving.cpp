@@ -54,7 +54,7 @@ void VanillaServing::open_writer(Time now) {
                                 .type = &core_.type(),
                                 .qos = core_.spec().qos,
                                 .max_sample_bytes = core_.spec().max_sample_bytes,
-                                .readers_changed = node_.vanilla->setup().readers_changed});
+                                .readers_changed = node_.vanilla->setup().endpoints_changed});
   if (!writer) return failed(writer.error(), now);
   opening_.succeeded();
   writer_ = std::move(*writer);

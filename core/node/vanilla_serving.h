@@ -45,7 +45,7 @@ class VanillaServing {
   std::shared_ptr<VanillaOutlet> outlet_;
   std::shared_ptr<VanillaOutlet> retired_;  ///< the former port, until in_force()
   std::set<std::string> unserved_;          ///< the reasons that the log has named
-  std::uint64_t readers_changes_ = 0;       ///< VanillaReaders::changes() when the log named them
+  std::uint64_t readers_changes_ = 0;       ///< VanillaEndpoints::changes() when the log named them
   Retry opening_;
 };
 

@@ -1,14 +1,23 @@
-// The port by which a publisher sends to unmodified readers of DDS and ROS 2. These take whole samples only,
-// and DDS discovers and matches them. So there are no routes to them: the publisher hands each sample over
-// once, whatever the number of readers.
+// The port by which a publisher sends to unmodified readers of DDS and ROS 2, and what a subscriber gets from
+// unmodified writers. Readers take whole samples only, and DDS discovers and matches them. So there are no
+// routes to them: the publisher hands each sample over once, whatever the number of readers.
 #pragma once
 
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "core/seam/sample_buffer.h"
 
 namespace sft::core {
+
+/// A sample of an unmodified writer.
+struct VanillaArrival {
+  EndpointId writer = 0;
+  std::uint64_t sequence = 0;  ///< by its writer; 0: unknown
+  std::int64_t source_stamp_ns = 0;
+  SampleHandle sample{};  ///< whole, checked, and shared with other readers; empty: it cannot be read
+};
 
 class VanillaPort {
  public:

@@ -71,7 +71,7 @@ SubscriberStatus Feed::status() {
   SubscriberStatus status = ports_.status();
   status.long_waits = long_waits_.load(std::memory_order_relaxed);
   for (SubscriberStatus::Writer& writer : status.writers) {
-    const bool as_asked = writer.transport == TransportKind::udp || common_.memory_depth == 0;
+    const bool as_asked = writer.transport != TransportKind::shm || common_.memory_depth == 0;
     writer.depth = as_asked ? common_.depth : common_.memory_depth;
   }
   return status;

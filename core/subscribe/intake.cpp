@@ -15,6 +15,7 @@ bool is_newer(const SampleInfo& next, const SampleInfo& latest) {
 }  // namespace
 
 TransportKind Intake::transport_of(Inlet inlet) {
+  if (inlet == Inlet::vanilla) return TransportKind::dds;
   return inlet == Inlet::network ? TransportKind::udp : TransportKind::shm;
 }
 
@@ -26,7 +27,7 @@ bool Intake::has_of(Inlet inlet, EndpointId writer) const {
 /// gates the sample has passed.
 void Intake::put(Inlet inlet, SampleHandle sample) {
   head(inlet) = std::move(sample);
-  if (inlet == Inlet::network || is_empty(inlet)) return;
+  if (inlet == Inlet::network || inlet == Inlet::vanilla || is_empty(inlet)) return;
   SampleBuffer& buffer = *head(inlet);
   for (const std::uint64_t gate : accounts_.asked_gates().nameable()) {
     const std::optional<std::uint32_t> ordinal = ordinal_in_gate(buffer, options_.slots, gate);
@@ -39,15 +40,15 @@ void Intake::put(Inlet inlet, SampleHandle sample) {
 
 /// Returns the side that applies the maximum rate to the sample in the inlet. By UDP a writer sends only
 /// samples that are for this subscriber, so the writer applies the rate. The writer also applies it in shared
-/// memory for samples that name a gate with conditions.
+/// memory for samples that name a gate with conditions. VanillaInlet applies it for unmodified DDS writers.
 RateKeeper Intake::rate_keeper_of(Inlet inlet) const {
-  const bool by_writer = inlet == Inlet::network || head(inlet)->gate != 0;
+  const bool by_writer = inlet == Inlet::network || inlet == Inlet::vanilla || head(inlet)->gate != 0;
   return by_writer ? RateKeeper::writer : RateKeeper::reader;
 }
 
 std::optional<Intake::Inlet> Intake::oldest() const {
   std::optional<Inlet> oldest;
-  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken}) {
+  for (const Inlet inlet : {Inlet::memory, Inlet::network, Inlet::overtaken, Inlet::vanilla}) {
     if (!is_empty(inlet) && (!oldest || goes_first(*head(inlet), *head(*oldest)))) oldest = inlet;
   }
   return oldest;
@@ -59,7 +60,7 @@ Intake::Decision Intake::next(LazyRealtime& now) {
   const std::optional<Inlet> oldest = this->oldest();
   if (!oldest) return Decision::nothing;
   chosen_ = *oldest;
-  if (follows(chosen_)) return choose(chosen_, now);
+  if (chosen_ == Inlet::vanilla || follows(chosen_)) return choose(chosen_, now);
   if (chosen_ == Inlet::network) return let_overtaken_go_first(now);
   if (!may_wait(now)) return choose(chosen_, now);
   asked_about_ = head(chosen_)->writer;

@@ -1,6 +1,6 @@
-// Decides in which order a subscriber takes the samples that arrive by two paths for one of its selections,
-// and which of them it drops. Uses no port, clock or lock: samples, answers and the time are passed in,
-// decisions are returned. Not thread-safe: the mutex of SubscriberPorts protects it.
+// Decides in which order a subscriber takes the samples that arrive by several paths for one of its
+// selections, and which of them it drops. Uses no port, clock or lock: samples, answers and the time are
+// passed in, decisions are returned. Not thread-safe: the mutex of SubscriberPorts protects it.
 //
 // - The samples of one writer are delivered in the order of their sequences, whichever path they took. If
 //   samples are of different writers, the one with the older stamp is delivered first.
@@ -10,6 +10,8 @@
 //   sample in shared memory names the last sample that its writer has diverted, and waits at most `timeout`
 //   until that sample has arrived.
 // - Each sample is delivered once, even if it arrives by both paths.
+// - Samples of unmodified DDS writers arrive by one path only, and never wait for other samples of their
+//   writer.
 // - A sample is dropped if it has expired, or if the maximum rate of the subscriber does not allow it.
 #pragma once
 
@@ -50,7 +52,7 @@ class Intake {
 
   /// The places for the next samples, one for each path, and `overtaken` for a sample that was taken from the
   /// middle of the queue in shared memory, because a later sample has arrived by UDP.
-  enum class Inlet : std::uint8_t { memory, network, overtaken };
+  enum class Inlet : std::uint8_t { memory, network, overtaken, vanilla };
 
   enum class Decision : std::uint8_t {
     deliver,        ///< take() returns the next sample
@@ -62,9 +64,9 @@ class Intake {
 
   explicit Intake(const Options& options) : options_(options), accounts_(options.min_period_us) {}
 
-  // The caller fills the inlets `memory` and `network`, if there are samples, before it calls next().
+  // The caller fills all inlets but `overtaken`, if there are samples, before it calls next().
   bool is_empty(Inlet inlet) const { return !head(inlet); }
-  bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2]; }
+  bool is_empty() const { return !heads_[0] && !heads_[1] && !heads_[2] && !heads_[3]; }
   void put(Inlet inlet, SampleHandle sample);
 
   /// Decides what happens to the next sample.
@@ -82,7 +84,7 @@ class Intake {
   /// Takes the sample for which the last decision was `deliver`.
   Taken take();
   /// Sets the paths whose samples are copied before they are delivered. Such samples count as received in
-  /// copied() instead of take().
+  /// copied() instead of take(). Samples of DDS writers are treated as those in shared memory.
   void copy(bool from_memory, bool from_network) {
     copies_from_memory_ = from_memory;
     copies_from_network_ = from_network;
@@ -124,7 +126,7 @@ class Intake {
   const Options options_;
   bool copies_from_memory_ = false;
   bool copies_from_network_ = false;
-  std::array<SampleHandle, 3> heads_;  ///< the sample in each Inlet
+  std::array<SampleHandle, 4> heads_;  ///< the sample in each Inlet
   WriterAccounts accounts_;
   Inlet chosen_{};  ///< the inlet of the sample to which the latest decision applies
   EndpointId asked_about_ = 0;

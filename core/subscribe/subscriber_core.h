@@ -105,8 +105,8 @@ class SubscriberCore final : public ArrivalListener {
   Result<Feed*> find(std::size_t selection);
   SubscriberPorts& ports(std::size_t selection = 0) { return feed(selection).ports(); }
 
-  // The functions for the agent's thread.
-  /// Wakes threads that wait for samples, since there may be samples for which no thread was woken.
+  /// Wakes threads that wait for samples, since there may be samples for which no thread was woken. Any
+  /// thread.
   void wake() { waiter_.wake(); }
 
  private:

@@ -5,8 +5,7 @@
 
 namespace sft::core {
 
-void SubscriberPorts::Counts::add(const ReaderPort& port) {
-  const ReaderPort::Counters counters = port.counters();
+void SubscriberPorts::Counts::add(const ReaderPort::Counters& counters) {
   lost += counters.lost_unnoticed;
   discarded += counters.discarded;
 }
@@ -47,6 +46,12 @@ void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
   if (port != nullptr) of_former_ports_.add(*port);
 }
 
+void SubscriberPorts::set_vanilla(std::shared_ptr<VanillaInlet> inlet) {
+  if (const std::shared_ptr<NetworkReader> beside = network()) beside->share_reader();
+  const Lock lock(mutex_);
+  vanilla_ = std::move(inlet);
+}
+
 std::shared_ptr<NetworkReader> SubscriberPorts::network() {
   const Lock lock(mutex_);
   return network_;
@@ -77,6 +82,8 @@ bool SubscriberPorts::find_next() {
         if (intake_.is_empty(Intake::Inlet::memory)) intake_.put(Intake::Inlet::memory, memory_.take());
         if (network_ != nullptr && intake_.is_empty(Intake::Inlet::network))
           intake_.put(Intake::Inlet::network, network_->take());
+        if (vanilla_ != nullptr && intake_.is_empty(Intake::Inlet::vanilla))
+          intake_.put(Intake::Inlet::vanilla, vanilla_->take());
         if (intake_.is_empty()) {
           if (in_force_ && !memory_.some_wait()) [[unlikely]]
             intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
@@ -110,7 +117,7 @@ void SubscriberPorts::settle(Next& next) {
   next.is_copied = intake_.is_copied(next.info.transport);
   if (!next.is_copied && !reports_asked_) return;
   next.asked = asked_;
-  if (next.info.transport == TransportKind::shm) return;
+  if (next.info.transport != TransportKind::udp) return;  // it has all fields
   const auto is_it = [&sample = *next.sample](const auto& asked) {
     const Selection& selection = asked->selection;
     if (sample.merged) return selection.gate().is_open() && sample.mask.contains(selection.mask());
@@ -222,7 +229,8 @@ std::uint64_t SubscriberPorts::held_too_many() {
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
   const Lock lock(mutex_);
   return (memory_.port() == nullptr ? 0 : memory_.port()->arrivals(writer)) +
-         (network_ == nullptr ? 0 : network_->arrivals(writer));
+         (network_ == nullptr ? 0 : network_->arrivals(writer)) +
+         (vanilla_ == nullptr ? 0 : vanilla_->arrivals(writer));
 }
 
 Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
@@ -237,6 +245,7 @@ SubscriberPorts::Counts SubscriberPorts::counts() const {
   counts.add(memory_.port());
   counts.add(memory_.lost());
   if (network_ != nullptr) counts.add(*network_);
+  if (vanilla_ != nullptr) counts.add(vanilla_->counters());
   return counts;
 }
 

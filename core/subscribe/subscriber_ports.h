@@ -1,4 +1,4 @@
-// The two ports of one selection of a subscriber, and the intake of their samples, protected by one mutex.
+// The ports of one selection of a subscriber, and the intake of their samples, protected by one mutex.
 // Any thread may call its functions, except for those marked as the agent's. The mutex is held for a short
 // time, never during a system call, a copy of a sample or a callback.
 #pragma once
@@ -14,11 +14,13 @@
 #include "core/subscribe/asked.h"
 #include "core/subscribe/intake.h"
 #include "core/subscribe/memory_inlet.h"
+#include "core/subscribe/vanilla_inlet.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
 
 namespace sft::core {
 
+/// Larger than usual: it has a function for each fact that the agent sets or reads under the one mutex.
 class SubscriberPorts {
  public:
   /// A sample that was taken.
@@ -63,6 +65,9 @@ class SubscriberPorts {
   /// there is no lost port afterwards.
   bool release_lost_memory(bool also_if_some_wait);
   void set_network(std::shared_ptr<NetworkReader> port);
+  /// Sets the inlet for samples of unmodified DDS writers. Whoever puts a sample in rings the subscriber's
+  /// doorbell.
+  void set_vanilla(std::shared_ptr<VanillaInlet> inlet);
   void hears(const std::vector<Hearing>& hearing);
   /// Sets the request that is in force from now on, and its number. Null: only the number changes.
   void requests(std::shared_ptr<const Asked> asked, std::uint64_t sequence);
@@ -89,7 +94,8 @@ class SubscriberPorts {
     std::uint64_t lost = 0;
     std::uint64_t discarded = 0;
     std::uint64_t held_too_many = 0;
-    void add(const ReaderPort& port);
+    void add(const ReaderPort::Counters& counters);
+    void add(const ReaderPort& port) { add(port.counters()); }
     void add(const MemoryInlet::Port& port);
   };
 
@@ -110,6 +116,7 @@ class SubscriberPorts {
   Intake intake_ SFT_GUARDED_BY(mutex_);
   MemoryInlet memory_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<VanillaInlet> vanilla_ SFT_GUARDED_BY(mutex_);  ///< null until it is needed
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<const Asked> asked_ SFT_GUARDED_BY(mutex_);
   /// The earlier requests, the latest first.

@@ -1,24 +1,33 @@
 #include "core/vanilla/raw_sample.h"
 
 #include <dds/ddsi/ddsi_keyhash.h>
+#include <dds/ddsi/q_protocol.h>
 #include <dds/ddsi/q_radmin.h>
 #include <dds/ddsrt/heap.h>
 
 #include <algorithm>
+#include <array>
 #include <cstring>
+#include <limits>
 #include <new>
+#include <utility>
 
 #include "sft/detail/sample_format.h"
+#include "sft/detail/walk.h"
 
 namespace sft::core {
 
 namespace {
 
-struct RawType : ddsi_sertype {};
+struct RawType : ddsi_sertype {
+  RawReading reading{};
+};
 
 /// The encapsulation lies before the body in the memory of each sample.
 struct RawSample : ddsi_serdata {
   SampleHandle sample{};
+  std::uint64_t sequence = 0;  ///< of a received sample; 0: unknown
+  RawFault fault = RawFault::none;
   const std::byte* bytes = nullptr;  ///< encapsulation and body
   std::size_t size = 0;              ///< of both
   std::size_t readable = 0;          ///< `size`, and what lies behind in the same memory
@@ -69,14 +78,108 @@ ddsi_serdata* without_type(const ddsi_serdata* data) {
   return key;
 }
 
-// Nothing is received by these types: they refuse it.
+void refer_to_bytes(RawSample& data, std::size_t slots) {
+  const detail::SampleState state = state_of(*data.sample, slots);
+  data.bytes = state.body - detail::encapsulation_bytes;
+  data.size = state.body_bytes + detail::encapsulation_bytes;
+  data.readable = static_cast<std::size_t>(data.sample->data + data.sample->capacity - data.bytes);
+}
+
+/// Calls `use` for the bytes of each fragment in order, without those that an earlier fragment had, too.
+template <class Use>
+void for_each_piece(const nn_rdata* fragments, Use use) {
+  std::size_t done = 0;
+  for (; fragments != nullptr; fragments = fragments->nextfrag) {
+    if (fragments->maxp1 <= done) continue;
+    const unsigned char* const payload = NN_RMSG_PAYLOADOFF(fragments->rmsg, NN_RDATA_PAYLOAD_OFF(fragments));
+    use(done, payload + (done - fragments->min), fragments->maxp1 - done);
+    done = fragments->maxp1;
+  }
+}
+
+/// Cyclone has brought the message into the byte order of this host.
+std::uint64_t sequence_of(const nn_rdata& first) {
+  if (NN_RDATA_SUBMSG_OFF(&first) == 0) return 0;
+  const unsigned char* const message = NN_RMSG_PAYLOADOFF(first.rmsg, NN_RDATA_SUBMSG_OFF(&first));
+  nn_sequence_number_t number;
+  std::memcpy(&number, message + offsetof(Data_DataFrag_common_t, writerSN), sizeof number);
+  return (static_cast<std::uint64_t>(static_cast<std::uint32_t>(number.high)) << 32) | number.low;
+}
+
+using Encapsulation = std::array<unsigned char, detail::encapsulation_bytes>;
+
+/// The second octet of the encapsulation of XCDR1 is 0 or 1. The padding in the fourth one is not needed.
+RawFault fault_of(const Encapsulation& head) {
+  if (head[0] != 0 || head[1] > 1) return RawFault::other_encoding;
+  return head[1] == 0 ? RawFault::big_endian : RawFault::none;
+}
+
+/// Makes the sample whose body is copied afterwards.
+SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
+  const std::size_t slots = reading.type->index_slots();
+  const detail::SampleLayout layout(slots);
+  if (body_bytes > std::numeric_limits<std::uint32_t>::max() - layout.body_offset) return {};
+  SampleHandle sample = reading.memory->take(layout.bytes(body_bytes), reading.memory->limit_bytes() / 4);
+  if (!sample) return {};
+  sample->mask = reading.type->full();
+  sample->parts = 0;
+  detail::SampleHeader& header = sample->header();
+  header.index_slots = static_cast<std::uint16_t>(slots);
+  header.type_hash = reading.type->hash();
+  header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
+  header.body_bytes = static_cast<std::uint32_t>(body_bytes);
+  std::memcpy(sample->data + layout.body_offset - detail::encapsulation_bytes,
+              detail::encapsulation_cdr_le.data(), detail::encapsulation_bytes);
+  return sample;
+}
+
+/// Checks the body, and makes its index. The padding behind the last member is cut off.
+bool check_and_index(SampleBuffer& sample, const TypeSupport& type) {
+  std::uint32_t body_end = 0;
+  const detail::WalkStatus status = detail::build_index(state_of(sample, type.index_slots()), type.type(),
+                                                        {sample.index(), type.index_slots()}, &body_end);
+  sample.header().body_bytes = body_end;
+  return status == detail::WalkStatus::ok;
+}
+
+RawFault read(RawSample& data, const RawReading& reading, const nn_rdata* fragments, std::size_t size) {
+  Encapsulation head{};
+  if (size < head.size()) return RawFault::malformed;
+  SampleHandle sample = room_for(size - head.size(), reading);
+  std::byte* const body =
+      sample ? sample->data + detail::SampleLayout(reading.type->index_slots()).body_offset : nullptr;
+  for_each_piece(fragments, [&](std::size_t at, const unsigned char* piece, std::size_t bytes) {
+    bytes = at < size ? std::min(bytes, size - at) : 0;
+    for (; bytes > 0 && at < head.size(); --bytes) head[at++] = *piece++;
+    if (bytes > 0 && body != nullptr) std::memcpy(body + (at - head.size()), piece, bytes);
+  });
+  if (const RawFault fault = fault_of(head); fault != RawFault::none) return fault;
+  if (!sample) return RawFault::no_memory;
+  if (!check_and_index(*sample, *reading.type)) return RawFault::malformed;
+  data.sample = std::move(sample);
+  refer_to_bytes(data, reading.type->index_slots());
+  return RawFault::none;
+}
+
+/// Samples with faults are handed on, so that the reader can count them.
+ddsi_serdata* receive(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragments,
+                      std::size_t size) try {
+  const RawReading& reading = static_cast<const RawType*>(type)->reading;
+  if (reading.type == nullptr) return nullptr;
+  RawSample* const data = make(type, kind);
+  if (kind != SDK_DATA) return data;
+  data->sequence = sequence_of(*fragments);
+  data->fault = read(*data, reading, fragments, size);
+  return data;
+} catch (const std::bad_alloc&) {
+  return nullptr;
+}
+
 const ddsi_serdata_ops sample_operations = [] {
   ddsi_serdata_ops to{};
   to.eqkey = [](const ddsi_serdata*, const ddsi_serdata*) { return true; };
   to.get_size = [](const ddsi_serdata* data) { return static_cast<std::uint32_t>(of(data).size); };
-  to.from_ser = [](const ddsi_sertype*, ddsi_serdata_kind, const nn_rdata*, std::size_t) -> ddsi_serdata* {
-    return nullptr;
-  };
+  to.from_ser = receive;
   to.from_ser_iov = [](const ddsi_sertype*, ddsi_serdata_kind, ddsrt_msg_iovlen_t, const ddsrt_iovec_t*,
                        std::size_t) -> ddsi_serdata* { return nullptr; };
   to.from_keyhash = [](const ddsi_sertype* type, const ddsi_keyhash*) -> ddsi_serdata* {
@@ -100,7 +203,13 @@ const ddsi_serdata_ops sample_operations = [] {
   return to;
 }();
 
-// Types with one name are equal: no type has a description here.
+/// Types with one name are equal if their samples are read in the same way. No type has a description here.
+bool reads_alike(const ddsi_sertype* a, const ddsi_sertype* b) {
+  const RawReading& one = static_cast<const RawType*>(a)->reading;
+  const RawReading& other = static_cast<const RawType*>(b)->reading;
+  return one.type == other.type && one.memory == other.memory;
+}
+
 const ddsi_sertype_ops type_operations = [] {
   ddsi_sertype_ops to{};
   to.version = ddsi_sertype_v0;
@@ -108,7 +217,7 @@ const ddsi_sertype_ops type_operations = [] {
     ddsi_sertype_fini(type);
     delete static_cast<RawType*>(type);
   };
-  to.equal = [](const ddsi_sertype*, const ddsi_sertype*) { return true; };
+  to.equal = reads_alike;
   to.hash = [](const ddsi_sertype*) { return 0U; };
   to.zero_samples = [](const ddsi_sertype*, void*, std::size_t) {};
   to.realloc_samples = [](void**, const ddsi_sertype*, void*, std::size_t, std::size_t) {};
@@ -118,8 +227,10 @@ const ddsi_sertype_ops type_operations = [] {
 
 }  // namespace
 
-RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std::string& type_name) {
+RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std::string& type_name,
+                   RawReading reading) {
   auto* const made = new RawType{};
+  made->reading = std::move(reading);
   ddsi_sertype_init(made, type_name.c_str(), &type_operations, &sample_operations, true);
   made->allowed_data_representation = DDS_DATA_REPRESENTATION_FLAG_XCDR1;
   ddsi_sertype* type = made;
@@ -130,15 +241,17 @@ RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std:
 }
 
 ddsi_serdata* raw_sample(const ddsi_sertype* type, const SampleHandle& sample, std::size_t slots) {
-  const detail::SampleState state = state_of(*sample, slots);
   RawSample* const data = make(type, SDK_DATA);
   data->sample = sample;
-  data->bytes = state.body - detail::encapsulation_bytes;
-  data->size = state.body_bytes + detail::encapsulation_bytes;
-  data->readable = static_cast<std::size_t>(sample->data + sample->capacity - data->bytes);
+  refer_to_bytes(*data, slots);
   data->timestamp.v = sample->source_stamp_ns;
   data->statusinfo = 0;
   return data;
+}
+
+RawArrival raw_arrival(const ddsi_serdata* data) {
+  const RawSample& received = of(data);
+  return {received.sample, received.sequence, received.fault};
 }
 
 }  // namespace sft::core

@@ -29,11 +29,9 @@ OpenVanillaDomains open_vanilla_domains;
 /// rmw_cyclonedds takes a participant for one of ROS 2 by the key "enclave".
 dds_entity_t create_participant(std::uint32_t domain) {
   const std::string user_data = "enclave=/;" + std::string(vanilla_mark);
-  dds_qos_t* const qos = dds_create_qos();
-  dds_qset_userdata(qos, user_data.data(), user_data.size());
-  const dds_entity_t participant = dds_create_participant(domain, qos, nullptr);
-  dds_delete_qos(qos);
-  return participant;
+  const DdsQos qos(dds_create_qos());
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  return dds_create_participant(domain, qos.get(), nullptr);
 }
 
 /// ROS 2's client library, with whatever middleware, and Fast DDS of both names that it has had.
@@ -49,7 +47,7 @@ int note_dds_library(dl_phdr_info* library, std::size_t, void* found) {
 }  // namespace
 
 Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan) {
-  const Result<VanillaConfig> config = vanilla_config(plan.domain, plan.user_config);
+  const Result<VanillaConfig> config = vanilla_config(plan.domain, plan.user_config, plan.ros);
   if (!config) return tl::unexpected(config.error());
   if (config->is_secured) {
     return fail(Errc::unavailable,
@@ -75,9 +73,14 @@ Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan
 }
 
 VanillaDomain::VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant)
-    : domain_(std::move(domain)), participant_(participant), readers_(participant) {}
+    : domain_(std::move(domain)), participant_(participant) {
+  readers_.emplace(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
+}
 
-VanillaDomain::~VanillaDomain() { dds_delete(participant_); }
+VanillaDomain::~VanillaDomain() {
+  readers_.reset();
+  dds_delete(participant_);
+}
 
 bool program_speaks_dds(std::uint32_t domain) {
   bool found = program_has_opened(domain);

@@ -7,9 +7,11 @@
 
 #include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 
-#include "core/vanilla/vanilla_readers.h"
+#include "core/discovery/ros_discovery.h"
+#include "core/vanilla/vanilla_endpoints.h"
 #include "sft/options.h"
 #include "sft/result.h"
 
@@ -17,9 +19,16 @@ namespace sft::core {
 
 class CycloneDomain;
 
+struct DdsQosDeleter {
+  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
+};
+/// Policies as Cyclone has them.
+using DdsQos = std::unique_ptr<dds_qos_t, DdsQosDeleter>;
+
 struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
+  RosDiscovery ros{};         ///< what the environment says; `user_config` overrides it
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
@@ -35,12 +44,13 @@ class VanillaDomain {
   VanillaDomain& operator=(const VanillaDomain&) = delete;
 
   dds_entity_t participant() const { return participant_; }
-  const VanillaReaders& readers() const { return readers_; }
+  /// The unmodified readers that the participant has discovered.
+  const VanillaEndpoints& readers() const { return *readers_; }
 
  private:
   const std::shared_ptr<const CycloneDomain> domain_;
   const dds_entity_t participant_;
-  VanillaReaders readers_;
+  std::optional<VanillaEndpoints> readers_;
 };
 
 /// Returns true if the program itself uses DDS: it has opened that domain by Cyclone DDS, or has loaded a

@@ -10,6 +10,8 @@ namespace sft::core {
 
 namespace {
 
+constexpr std::string_view type_hash_key = "typehash=";
+
 void add(std::string& reasons, const std::string& reason) {
   if (!reason.empty()) reasons += (reasons.empty() ? "" : "; ") + reason;
 }
@@ -19,12 +21,39 @@ bool is_default_partition(const std::string& name) {
   return std::ranges::all_of(name, [](char letter) { return letter == '*'; });
 }
 
+/// `ours`: "publisher" or "subscriber".
+void add_of_type(std::string& reasons, std::string_view type_name, const std::string& ours,
+                 const VanillaEndpoint& theirs) {
+  if (theirs.type_name != type_name) {
+    add(reasons, "its type is " + in_quotes(theirs.type_name) + ", and that of the " + ours + " is " +
+                     in_quotes(std::string(type_name)));
+  }
+  if (theirs.is_keyed) add(reasons, "its type has keys, and that of the " + ours + " has none");
+}
+
+void add_of_place(std::string& reasons, const std::string& ours, const VanillaEndpoint& theirs) {
+  if (!theirs.partitions.empty() && std::ranges::none_of(theirs.partitions, is_default_partition)) {
+    add(reasons, "it is in the partition " + in_quotes(theirs.partitions.front()) + ", and the " + ours +
+                     " is in the default one");
+  }
+  if (theirs.owns_exclusively) add(reasons, "it asks for exclusive ownership, and the " + ours + " shares");
+}
+
 }  // namespace
 
 std::string endpoint_user_data(std::string_view type_hash) {
   std::string text;
-  if (!type_hash.empty()) text = "typehash=" + std::string(type_hash) + ";";
+  if (!type_hash.empty()) text = std::string(type_hash_key) + std::string(type_hash) + ";";
   return text + std::string(vanilla_mark);
+}
+
+std::string_view type_hash_in(std::string_view user_data) {
+  for (std::size_t at = 0; at < user_data.size();) {
+    const std::string_view pair = user_data.substr(at, user_data.find(';', at) - at);
+    if (pair.starts_with(type_hash_key)) return pair.substr(type_hash_key.size());
+    at += pair.size() + 1;
+  }
+  return {};
 }
 
 Qos offered_to_vanilla(const Qos& publisher) {
@@ -35,24 +64,40 @@ Qos offered_to_vanilla(const Qos& publisher) {
   return offered;
 }
 
-std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaReader& reader) {
+Qos requested_from_vanilla(const Qos& subscriber) {
+  Qos requested = subscriber;
+  if (requested.durability == Durability::transient_local) requested.reliability = Reliability::reliable;
+  return requested;
+}
+
+std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaEndpoint& reader) {
   std::string reasons;
-  if (reader.type_name != type_name) {
-    add(reasons, "its type is " + in_quotes(reader.type_name) + ", and that of the publisher is " +
-                     in_quotes(std::string(type_name)));
-  }
-  if (reader.is_keyed) add(reasons, "its type has keys, and that of the publisher has none");
-  if (!reader.takes_xcdr1) {
+  add_of_type(reasons, type_name, "publisher", reader);
+  if (!reader.has_xcdr1) {
     add(reasons,
         "it takes XCDR2 only (a type that is @appendable or @mutable), and samples are XCDR1: make "
         "its type @final");
   }
   add(reasons, conflict_between(offered, reader.qos).reason);
-  if (!reader.partitions.empty() && std::ranges::none_of(reader.partitions, is_default_partition)) {
-    add(reasons, "it is in the partition " + in_quotes(reader.partitions.front()) +
-                     ", and the publisher is in the default one");
+  add_of_place(reasons, "publisher", reader);
+  return reasons;
+}
+
+std::string why_not_heard(std::string_view type_name, std::string_view type_hash, const Qos& requested,
+                          const VanillaEndpoint& writer) {
+  std::string reasons;
+  add_of_type(reasons, type_name, "subscriber", writer);
+  if (!type_hash.empty() && !writer.type_hash.empty() && writer.type_hash != type_hash) {
+    add(reasons, "its type has another definition (" + writer.type_hash + ") than that of the subscriber (" +
+                     std::string(type_hash) + ")");
   }
-  if (reader.owns_exclusively) add(reasons, "it asks for exclusive ownership, and the publisher shares");
+  if (!writer.has_xcdr1) {
+    add(reasons,
+        "it sends XCDR2 (a type that is @appendable or @mutable), and subscribers read XCDR1: make "
+        "its type @final");
+  }
+  add(reasons, conflict_between(writer.qos, requested).reason);
+  add_of_place(reasons, "subscriber", writer);
   return reasons;
 }
 

@@ -1,5 +1,6 @@
-// Compares what an unmodified DDS reader requests with what SFT offers to such readers. DDS itself decides if
-// the two match; these functions say in words why they do not. They are pure functions.
+// Compares what an unmodified DDS endpoint offers or requests with what SFT requests from such writers, or
+// offers to such readers. DDS itself decides if the two match; these functions say in words why they do not.
+// They are pure functions.
 #pragma once
 
 #include <cstdint>
@@ -7,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "core/seam/address.h"
 #include "sft/qos.h"
 
 namespace sft::core {
@@ -14,13 +16,18 @@ namespace sft::core {
 /// Returns the user data of an endpoint for unmodified peers. `type_hash` is a result of ros_type_hash(), or
 /// empty if the type has no hash.
 std::string endpoint_user_data(std::string_view type_hash);
+/// Returns the hash in the user data of an endpoint of ROS 2; empty if there is none.
+std::string_view type_hash_in(std::string_view user_data);
 
-/// A reader as DDS announces it. A duration of 0 means that the policy is not set.
-struct VanillaReader {
+/// A reader or a writer as DDS announces it. A duration of 0 means that the policy is not set.
+struct VanillaEndpoint {
+  EndpointId id = 0;          ///< made of its GUID
+  std::string participant{};  ///< "DDS" and the GUID prefix of its participant in hexadecimal
   std::string type_name{};
-  Qos qos{};                              ///< the requested policies, as far as SFT has them
+  std::string type_hash{};                ///< empty: it announces none
+  Qos qos{};                              ///< its policies, as far as SFT has them
   std::vector<std::string> partitions{};  ///< empty: the default partition
-  bool takes_xcdr1 = true;                ///< accepts XCDR1, the encoding of SFT's samples
+  bool has_xcdr1 = true;                  ///< accepts or sends XCDR1, the encoding of SFT's samples
   bool is_keyed = false;
   bool owns_exclusively = false;
 };
@@ -28,8 +35,15 @@ struct VanillaReader {
 /// Returns the QoS that a publisher offers to unmodified readers. The publisher is reliable for readers that
 /// request it, and keeps its retained samples for them. Its liveliness is automatic, without a lease.
 Qos offered_to_vanilla(const Qos& publisher);
+/// Returns the QoS that a subscriber requests from unmodified writers. DDS gives retained samples to reliable
+/// readers only, so a subscriber that requests them requests reliability, too.
+Qos requested_from_vanilla(const Qos& subscriber);
 
-/// Returns all conflicts in words, or an empty text if there is none. `type_name` is the name in DDS.
-std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaReader& reader);
+// These return all conflicts in words, or an empty text if there is none. `type_name` is the name in DDS.
+
+std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaEndpoint& reader);
+/// `type_hash` is that of the subscriber's type. Hashes are compared only if both sides have one.
+std::string why_not_heard(std::string_view type_name, std::string_view type_hash, const Qos& requested,
+                          const VanillaEndpoint& writer);
 
 }  // namespace sft::core

@@ -7,7 +7,6 @@
 #include <vector>
 
 #include "core/discovery/dds_domain.h"
-#include "core/discovery/participant_data.h"
 #include "core/platform/quotes.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"
@@ -23,19 +22,14 @@ constexpr std::size_t kept_samples = 10;
 constexpr std::size_t readers_counted = 64;
 constexpr std::size_t reasons_max = 16;  // of one topic: forged readers can cost no more
 
-struct WriterQosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
-using WriterQos = std::unique_ptr<dds_qos_t, WriterQosDeleter>;
-
 /// A writer that keeps the last samples never waits for its readers.
-WriterQos qos_of(const VanillaWriter::Spec& spec) {
+DdsQos qos_of(const VanillaWriter::Spec& spec) {
   const Qos offered = offered_to_vanilla(spec.qos);
   const bool retains = offered.durability == Durability::transient_local;
   const std::size_t resent =
       std::clamp<std::size_t>(kept_bytes / std::max<std::size_t>(spec.max_sample_bytes, 1), 1, kept_samples);
   const auto depth = static_cast<std::int32_t>(retains ? offered.history_depth : resent);
-  WriterQos qos(dds_create_qos());
+  DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, depth);
   if (retains) {
@@ -50,15 +44,6 @@ WriterQos qos_of(const VanillaWriter::Spec& spec) {
   dds_qset_writer_data_lifecycle(qos.get(), false);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
   return qos;
-}
-
-bool is_reader_of_sft(const dds_qos_t* qos) {
-  void* data = nullptr;
-  std::size_t bytes = 0;
-  if (qos == nullptr || !dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return false;
-  const bool is_ours = is_of_sft({static_cast<const char*>(data), bytes});
-  dds_free(data);
-  return is_ours;
 }
 
 }  // namespace
@@ -99,7 +84,7 @@ std::size_t VanillaWriter::readers() const {
   const auto is_vanilla = [this](dds_instance_handle_t handle) {
     dds_builtintopic_endpoint_t* const reader = dds_get_matched_subscription_data(writer_, handle);
     if (reader == nullptr) return false;
-    const bool is_ours = is_reader_of_sft(reader->qos);
+    const bool is_ours = is_endpoint_of_sft(reader->qos);
     dds_builtintopic_free_endpoint(reader);
     return !is_ours;
   };
@@ -108,7 +93,7 @@ std::size_t VanillaWriter::readers() const {
 
 std::set<std::string> VanillaWriter::why_not_served() const {
   std::set<std::string> reasons;
-  for (const VanillaReader& reader : domain_->readers().of(dds_topic(spec_.topic))) {
+  for (const VanillaEndpoint& reader : domain_->readers().of(dds_topic(spec_.topic))) {
     if (reasons.size() < reasons_max)
       reasons.insert(
           core::why_not_served(dds_type(spec_.type->name()), offered_to_vanilla(spec_.qos), reader));

@@ -1,164 +1,22 @@
 // Publishers serve readers of plain DDS, which do not use SFT, on this host and on another one.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
-#include <poll.h>
-#include <sys/prctl.h>
-#include <sys/wait.h>
-#include <unistd.h>
 
-#include <algorithm>
 #include <builtin_interfaces/msg/Time.hpp>
-#include <csignal>
-#include <cstdlib>
-#include <cstring>
 #include <filesystem>
 #include <fstream>
-#include <mutex>
 #include <set>
 
-#include "core/platform/domain_id.h"
-#include "core/platform/file_descriptor.h"
-#include "tests/support/encoded.h"
-#include "tests/support/isolated_host.h"
-#include "tests/system/fixture.h"
-#include "tools/hosts/network.h"
+#include "tests/system/vanilla_fixture.h"
 
 namespace sft::test {
 namespace {
 
 using builtin_interfaces::msg::Time;
 using testing::HasSubstr;
-using VanillaDds = NodeOptions::VanillaDds;
 
-/// A process of the program vanilla_reader on a host.
-class VanillaReader {
- public:
-  struct How {
-    std::string topic = "rt/points";
-    std::string reliability = "reliable", durability = "volatile";
-    int depth = 10;
-  };
-  VanillaReader(const hosts::NetworkNamespace& host, const How& how) {
-    int ends[2];
-    EXPECT_EQ(pipe(ends), 0);
-    const std::string program = program_directory() + "/vanilla_reader";
-    const std::string domain = std::to_string(core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value());
-    const std::string depth = std::to_string(how.depth);
-    process_ = fork();
-    if (process_ == 0) {
-      dup2(ends[1], STDOUT_FILENO);
-      if (host.enter())
-        execl(program.c_str(), program.c_str(), domain.c_str(), how.topic.c_str(), how.reliability.c_str(),
-              how.durability.c_str(), depth.c_str(), nullptr);
-      _exit(1);
-    }
-    close(ends[1]);
-    output_ = core::FileDescriptor(ends[0]);
-  }
-  ~VanillaReader() { kill_now(); }
-  VanillaReader(const VanillaReader&) = delete;
-  VanillaReader& operator=(const VanillaReader&) = delete;
-
-  void kill_now() {
-    if (process_ <= 0) return;
-    kill(process_, SIGKILL);
-    waitpid(process_, nullptr, 0);
-    process_ = -1;
-  }
-  void hold_up() const { kill(process_, SIGSTOP); }
-  void let_go() const { kill(process_, SIGCONT); }
-
-  struct Sample {
-    std::vector<std::byte> body;  ///< the body without padding
-    std::chrono::nanoseconds stamp{0};
-  };
-  /// Returns the next sample, or an empty one if no sample arrives.
-  Sample take() {
-    while (samples_.empty() && read_record(hang_timeout)) continue;
-    if (samples_.empty()) return {};
-    Sample sample = std::move(samples_.front());
-    samples_.erase(samples_.begin());
-    return sample;
-  }
-  /// Waits until that number of writers matches.
-  bool matches(std::uint32_t writers) {
-    while (matched_ != writers && read_record(hang_timeout)) continue;
-    return matched_ == writers;
-  }
-  /// Returns the number of matching writers that the process has reported last.
-  std::uint32_t matched() {
-    while (read_record(std::chrono::milliseconds(0))) continue;
-    return matched_;
-  }
-
- private:
-  struct Head {
-    std::int64_t stamp = 0;
-    std::uint32_t kind = 0, bytes = 0;
-  };
-  bool read_all(void* to, std::size_t bytes) {
-    for (std::size_t done = 0; done < bytes;) {
-      const ssize_t n = read(output_.get(), static_cast<std::byte*>(to) + done, bytes - done);
-      if (n <= 0) return false;
-      done += static_cast<std::size_t>(n);
-    }
-    return true;
-  }
-  bool read_record(std::chrono::milliseconds within) {
-    pollfd ready{output_.get(), POLLIN, 0};
-    Head head;
-    if (poll(&ready, 1, static_cast<int>(within.count())) <= 0 || !read_all(&head, sizeof head)) return false;
-    std::vector<std::byte> bytes(head.bytes);
-    if (!read_all(bytes.data(), bytes.size())) return false;
-    if (head.kind == 1) {
-      std::memcpy(&matched_, bytes.data(), sizeof matched_);
-    } else {
-      const std::size_t padding = std::to_integer<std::size_t>(bytes.at(3)) & 3;
-      samples_.push_back({{bytes.begin() + 4, bytes.end() - static_cast<long>(padding)},
-                          std::chrono::nanoseconds(head.stamp)});
-    }
-    return true;
-  }
-
-  pid_t process_ = -1;
-  core::FileDescriptor output_;
-  std::uint32_t matched_ = 0;
-  std::vector<Sample> samples_;
-};
-
-/// Tests in which the publisher's node is on the first of two hosts.
-class VanillaTest : public ::testing::Test {
+class VanillaServingTest : public VanillaTest {
  protected:
-  VanillaTest() {
-    warnings_expected = false;
-    expected_warning = nullptr;
-    EXPECT_TRUE(network_.host(0).enter());
-    use_lease("2 s");
-  }
-  /// Sets the lease of the node and of the readers. A reader that was killed is lost after this time.
-  static void use_lease(const std::string& lease) {
-    const std::string config = "<Discovery><LeaseDuration>" + lease +
-                               "</></>,<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></>";
-    setenv("CYCLONEDDS_URI", config.c_str(), 1);
-  }
-  Node open(Way way, VanillaDds choice = VanillaDds::automatic) {
-    NodeOptions options = node_options(way, "camera");
-    options.vanilla_dds = choice;
-    return Node::open(options).value();
-  }
-  static PointCloud2 cloud(std::uint32_t number, std::size_t bytes = 1000) {
-    PointCloud2 c;
-    c.header.stamp.sec = static_cast<std::int32_t>(number);
-    c.header.frame_id = "lidar";
-    c.height = number;
-    c.width = number + 1;
-    c.fields.resize(2);
-    c.fields[1].name = "y";
-    c.data.resize(bytes);
-    for (std::size_t i = 0; i < bytes; i += 97) c.data[i] = static_cast<std::uint8_t>(i + number);
-    return c;
-  }
-  static std::vector<std::byte> body_of(const PointCloud2& message) { return Encoded(message).bytes(); }
   template <class P>
   static bool serves(const P& publisher, std::size_t readers) {
     return eventually([&] { return publisher.status().vanilla_readers == readers; });
@@ -188,9 +46,6 @@ class VanillaTest : public ::testing::Test {
     }
     return names;
   }
-  static std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
-
-  const hosts::EmulatedNetwork network_ = hosts::EmulatedNetwork::create(2).value();
 };
 
 struct Case {
@@ -202,7 +57,7 @@ std::string name_of_case(const testing::TestParamInfo<Case>& one) {
   return std::string(one.param.way == Way::shm ? "shm_" : "udp_") +
          (one.param.host == 0 ? "same_host_" : "other_host_") + one.param.reliability;
 }
-class VanillaReadersTest : public VanillaTest, public testing::WithParamInterface<Case> {};
+class VanillaReadersTest : public VanillaServingTest, public testing::WithParamInterface<Case> {};
 
 TEST_P(VanillaReadersTest, GetTheBytesAndTheStampOfEachMessage) {
   Node node = open(GetParam().way);
@@ -229,7 +84,7 @@ INSTANTIATE_TEST_SUITE_P(Of, VanillaReadersTest,
                                          Case{Way::shm, 1, "best_effort"}),
                          name_of_case);
 
-TEST_F(VanillaTest, AReaderThatWasThereBeforeThePublisherIsServed) {
+TEST_F(VanillaServingTest, AReaderThatWasThereBeforeThePublisherIsServed) {
   for (const std::size_t host : {0, 1}) {
     VanillaReader reader(network_.host(host), {});
     Node node = open(Way::udp);
@@ -240,7 +95,7 @@ TEST_F(VanillaTest, AReaderThatWasThereBeforeThePublisherIsServed) {
   }
 }
 
-TEST_F(VanillaTest, LatchedReadersGetWhatThePublisherRetainsInOrderAndThenWhatFollows) {
+TEST_F(VanillaServingTest, LatchedReadersGetWhatThePublisherRetainsInOrderAndThenWhatFollows) {
   Node node = open(Way::shm);
   auto pub =
       node.publisher<PointCloud2>("points", {.durability = transient_local, .history_depth = 3}).value();
@@ -254,7 +109,7 @@ TEST_F(VanillaTest, LatchedReadersGetWhatThePublisherRetainsInOrderAndThenWhatFo
   EXPECT_EQ(later.take().body, body_of(cloud(5)));
 }
 
-TEST_F(VanillaTest, AfterAReaderWasKilledTheNextOneIsServed) {
+TEST_F(VanillaServingTest, AfterAReaderWasKilledTheNextOneIsServed) {
   Node node = open(Way::udp);
   auto pub = node.publisher<PointCloud2>("points").value();
   VanillaReader first(network_.host(1), {});
@@ -268,7 +123,7 @@ TEST_F(VanillaTest, AfterAReaderWasKilledTheNextOneIsServed) {
   EXPECT_EQ(second.take().body, body_of(cloud(2)));
 }
 
-TEST_F(VanillaTest, AReaderThatWasStoppedHoldsFewSamplesAndNobodyElseMissesOne) {
+TEST_F(VanillaServingTest, AReaderThatWasStoppedHoldsFewSamplesAndNobodyElseMissesOne) {
   use_lease("100 s");
   NodeOptions options = node_options(Way::udp, "camera");
   options.udp.memory_limit_bytes = 32 << 20;
@@ -291,33 +146,19 @@ TEST_F(VanillaTest, AReaderThatWasStoppedHoldsFewSamplesAndNobodyElseMissesOne) 
   EXPECT_TRUE(comes_to(stopped, body_of(cloud(59, 1'000'000))));
 }
 
-TEST_F(VanillaTest, TheLogSaysWhyAReaderIsNotServed) {
-  std::mutex mutex;
-  std::vector<std::string> lines;
-  NodeOptions options = node_options(Way::udp, "camera");
-  options.log = [&](LogLevel level, std::string_view line) {
-    const std::lock_guard lock(mutex);
-    if (level == LogLevel::warning) lines.emplace_back(line);
-  };
-  Node node = Node::open(options).value();
+TEST_F(VanillaServingTest, TheLogSaysWhyAReaderIsNotServed) {
+  Node node = Node::open(options_with_log()).value();
   auto pub = node.publisher<PointCloud2>("points").value();
   auto other = node.publisher<Time>("time").value();
   VanillaReader latched(network_.host(1), {.durability = "latched"});
   VanillaReader of_other(network_.host(1), {.topic = "rt/time"});
-  const auto logged = [&](const std::string& part) {
-    return eventually([&] {
-      const std::lock_guard lock(mutex);
-      return std::ranges::any_of(lines,
-                                 [&](const std::string& line) { return line.find(part) != line.npos; });
-    });
-  };
   EXPECT_TRUE(
-      logged("points: a reader of DDS is not served: incompatible QoS: durability volatile is offered"));
+      warns_of("points: a reader of DDS is not served: incompatible QoS: durability volatile is offered"));
   EXPECT_TRUE(
-      logged("time: a reader of DDS is not served: its type is 'sensor_msgs::msg::dds_::PointCloud2_'"));
+      warns_of("time: a reader of DDS is not served: its type is 'sensor_msgs::msg::dds_::PointCloud2_'"));
 }
 
-TEST_F(VanillaTest, WithoutSuchNodesThereIsNothingMoreThanIfTheyWereNeverServed) {
+TEST_F(VanillaServingTest, WithoutSuchNodesThereIsNothingMoreThanIfTheyWereNeverServed) {
   Node node = open(Way::udp, VanillaDds::never);
   auto pub = node.publisher<PointCloud2>("points").value();
   const std::multiset<std::string> before = names_of_threads();
@@ -335,7 +176,7 @@ TEST_F(VanillaTest, WithoutSuchNodesThereIsNothingMoreThanIfTheyWereNeverServed)
   EXPECT_THAT(of_second_node, testing::Not(testing::Contains(HasSubstr("dds"))));
 }
 
-TEST_F(VanillaTest, APublisherOfANodeThatServesThemNeverIsNotMatched) {
+TEST_F(VanillaServingTest, APublisherOfANodeThatServesThemNeverIsNotMatched) {
   Node node = open(Way::udp, VanillaDds::never);
   Node serving = open(Way::udp);
   auto never = node.publisher<PointCloud2>("never").value();
@@ -348,8 +189,8 @@ TEST_F(VanillaTest, APublisherOfANodeThatServesThemNeverIsNotMatched) {
 }
 
 // Otherwise a program that forwards messages of DDS to SFT would get its own messages back.
-TEST_F(VanillaTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo) {
-  const dds_entity_t participant = dds_create_participant(control_domain(), nullptr, nullptr);
+TEST_F(VanillaServingTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo) {
+  const dds_entity_t participant = dds_create_participant(VanillaProcess::domain(), nullptr, nullptr);
   Node node = open(Way::udp);
   Node serving = open(Way::udp, VanillaDds::always);
   auto automatic = node.publisher<PointCloud2>("automatic").value();
@@ -361,7 +202,7 @@ TEST_F(VanillaTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo) {
   dds_delete(participant);
 }
 
-TEST_F(VanillaTest, AProgramThatHasTheLoopbackOnlyServesThemIfItSaysSo) {
+TEST_F(VanillaServingTest, AProgramThatHasTheLoopbackOnlyServesThemIfItSaysSo) {
   const auto host = hosts::NetworkNamespace::create().value();
   ASSERT_TRUE(host.run({"ip", "link", "set", "lo", "up"}));
   ASSERT_TRUE(host.run({"ip", "link", "set", "lo", "multicast", "on"}));

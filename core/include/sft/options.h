@@ -127,9 +127,10 @@ struct NodeOptions {
   };
 
   /// The conditions under which publishers also serve unmodified nodes of DDS and ROS 2 that read their
-  /// topics (docs/ros2.md). `automatic`: while a node that is not one of SFT is found, unless the program
-  /// uses DDS itself. A node on this host that was started earlier is found within 8 s. A node that uses the
-  /// loopback only is not found. `always`: as long as the node has a publisher.
+  /// topics, and subscribers hear those that write to their topics (docs/ros2.md). `automatic`: while a node
+  /// that is not one of SFT is found, unless the program uses DDS itself. A node on this host that was
+  /// started earlier is found within 8 s. A node that uses the loopback only is not found. `always`: as long
+  /// as the node has a publisher or a subscriber.
   enum class VanillaDds : std::uint8_t { automatic, always, never };
 
   /// A callback for lines of the log. It runs on a thread of the node that only handles log lines and events

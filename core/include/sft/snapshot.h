@@ -9,8 +9,8 @@
 //
 // As JSON a snapshot is one object. Later versions keep the names and may add some. Ids are strings of 16 hex
 // digits. Durations are in nanoseconds; 0 means none. `fields` are texts as TypeSupport::parse_selection()
-// takes them. `transport` is "shm" or "udp"; it is null for a reader that is not served and a writer that is
-// not connected:
+// takes them. `transport` is "shm" or "udp", or "dds" for an unmodified DDS writer. It is null for a reader
+// that is not served and a writer that is not connected:
 //
 //   node          name, domain, version, control_protocol, time_ns (CLOCK_REALTIME)
 //   shm           ready, state, refused {malformed, over_limit}

@@ -22,9 +22,12 @@
 
 namespace sft {
 
-/// The path of samples: shared memory within a host, or UDP.
-enum class TransportKind : std::uint8_t { shm, udp };
-constexpr const char* to_string(TransportKind kind) { return kind == TransportKind::shm ? "shm" : "udp"; }
+/// The path of samples: shared memory within a host, UDP, or DDS from a writer that knows nothing of SFT.
+enum class TransportKind : std::uint8_t { shm, udp, dds };
+constexpr const char* to_string(TransportKind kind) {
+  if (kind == TransportKind::dds) return "dds";
+  return kind == TransportKind::shm ? "shm" : "udp";
+}
 
 /// Two different definitions of one type. Publishers and subscribers with different definitions never match.
 /// "Here" is the program whose status this is. All texts are empty if the definitions were not compared
@@ -155,8 +158,10 @@ struct PublisherStatus {
 struct SubscriberStatus {
   /// One publisher of the topic, as the subscriber receives from it.
   struct Writer {
-    std::uint64_t id = 0;    ///< DomainSnapshot::Endpoint::id of the publisher
-    std::string node;        ///< the name of the publisher's node
+    std::uint64_t id = 0;  ///< DomainSnapshot::Endpoint::id of the publisher
+    /// The name of the publisher's node. For an unmodified writer of DDS or ROS 2, "DDS" and the GUID prefix
+    /// of its participant.
+    std::string node;
     bool matched = false;    ///< false: the two do not match, and `reason` says why
     bool connected = false;  ///< true: samples of the publisher arrive, by `transport`
     bool alive = true;  ///< false: the lease of the publisher or of its node is over; `reason` says which
@@ -202,7 +207,7 @@ struct SubscriberStatus {
   double max_rate_hz = 0;      ///< the rate that the subscriber asks for at present; 0: all samples
   std::uint64_t requests = 0;  ///< the number of requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< the number of connections that were set up anew because nothing arrived
-  /// All publishers of the topic, connected or not.
+  /// All publishers of the topic, connected or not, and all unmodified DDS writers that were found.
   std::vector<Writer> writers;
 };
 

@@ -26,8 +26,8 @@ class VanillaAccessTest : public testing::Test {
     access.emplace(std::move(setup), log);
   }
   /// Returns true if there is a participant after a look.
-  bool has_domain(bool has_publishers = true) {
-    access->look(heard, has_publishers, now);
+  bool has_domain(bool has_endpoints = true) {
+    access->look(heard, has_endpoints, now);
     return access->domain() != nullptr;
   }
   void node_comes() { heard = {true, heard.came + 1}; }
@@ -60,7 +60,7 @@ TEST_F(VanillaAccessTest, ByItselfItIsThereWhileSuchNodesAreAndAWhileLonger) {
   EXPECT_EQ(access->next_look(), Time::max());
 }
 
-TEST_F(VanillaAccessTest, ThereIsNoneForANodeWithoutPublishers) {
+TEST_F(VanillaAccessTest, ThereIsNoneForANodeWithoutPublishersAndSubscribers) {
   for (const auto choice : {automatic, always}) {
     choose(choice);
     node_comes();

@@ -52,6 +52,15 @@ TEST_F(IntakeTest, ASampleTellsWhereItCameFrom) {
   EXPECT_EQ(second.receive_stamp.time_since_epoch().count(), 7);
 }
 
+TEST_F(IntakeTest, SamplesOfDdsWritersGoByTheirStampsAndWaitForNoOthers) {
+  intake->put(Inlet::vanilla, sample({.sequence = 5, .writer = 8, .stamp_ns = 30}));
+  in_memory({.sequence = 1, .stamp_ns = 20});
+  over_network({.sequence = 2, .stamp_ns = 40});
+  std::vector<TransportKind> transports;
+  for (Taken next = take(); next.sample; next = take()) transports.push_back(next.info.transport);
+  EXPECT_THAT(transports, ElementsAre(TransportKind::shm, TransportKind::dds, TransportKind::udp));
+}
+
 TEST_F(IntakeTest, ASampleThatBothPathsBringIsTakenOnce) {
   over_network({1});
   over_network({2});

@@ -1,4 +1,5 @@
-// For a reader of plain DDS that is not served, the policy that does not fit is named in words.
+// For readers and writers of plain DDS that are not served or heard, the policy that does not fit is named in
+// words.
 #include "core/vanilla/vanilla_matching.h"
 
 #include <gmock/gmock.h>
@@ -14,10 +15,10 @@ using testing::IsEmpty;
 
 constexpr const char* imu = "sensor_msgs::msg::dds_::Imu_";
 
-std::string why_not(const Qos& publisher, const VanillaReader& reader) {
+std::string why_not(const Qos& publisher, const VanillaEndpoint& reader) {
   return why_not_served(imu, offered_to_vanilla(publisher), reader);
 }
-VanillaReader reader_with(const Qos& qos) { return {.type_name = imu, .qos = qos}; }
+VanillaEndpoint reader_with(const Qos& qos) { return {.type_name = imu, .qos = qos}; }
 
 TEST(VanillaMatching, APublisherOfAnyReliabilityServesReliableReaders) {
   EXPECT_THAT(
@@ -26,7 +27,7 @@ TEST(VanillaMatching, APublisherOfAnyReliabilityServesReliableReaders) {
 }
 
 TEST(VanillaMatching, OnlyAPublisherThatRetainsServesLatchedReaders) {
-  const VanillaReader latched = reader_with({.durability = Durability::transient_local});
+  const VanillaEndpoint latched = reader_with({.durability = Durability::transient_local});
   EXPECT_THAT(why_not({.durability = Durability::transient_local}, latched), IsEmpty());
   EXPECT_THAT(why_not({}, latched), HasSubstr("durability"));
 }
@@ -48,11 +49,11 @@ TEST(VanillaMatching, AnotherTypeIsNamed) {
 }
 
 TEST(VanillaMatching, KeysRepresentationAndOwnershipAreNamed) {
-  VanillaReader reader = reader_with({});
+  VanillaEndpoint reader = reader_with({});
   reader.is_keyed = true;
   EXPECT_THAT(why_not({}, reader), HasSubstr("keys"));
   reader = reader_with({});
-  reader.takes_xcdr1 = false;
+  reader.has_xcdr1 = false;
   EXPECT_THAT(why_not({}, reader), HasSubstr("@final"));
   reader = reader_with({});
   reader.owns_exclusively = true;
@@ -60,13 +61,61 @@ TEST(VanillaMatching, KeysRepresentationAndOwnershipAreNamed) {
 }
 
 TEST(VanillaMatching, OnlyTheDefaultPartitionIsServed) {
-  VanillaReader reader = reader_with({});
+  VanillaEndpoint reader = reader_with({});
   reader.partitions = {"left"};
   EXPECT_THAT(why_not({}, reader), HasSubstr("left"));
   reader.partitions = {"left", ""};
   EXPECT_THAT(why_not({}, reader), IsEmpty());
   reader.partitions = {"*"};
   EXPECT_THAT(why_not({}, reader), IsEmpty());
+}
+
+std::string why_not_hear(const Qos& subscriber, const VanillaEndpoint& writer, const char* type_hash = "") {
+  return why_not_heard(imu, type_hash, requested_from_vanilla(subscriber), writer);
+}
+
+TEST(VanillaMatching, ASubscriberHearsWhatOffersAtLeastWhatItRequests) {
+  const VanillaEndpoint lossy{.type_name = imu};
+  const VanillaEndpoint latched{
+      .type_name = imu,
+      .qos = {.reliability = Reliability::reliable, .durability = Durability::transient_local}};
+  EXPECT_THAT(why_not_hear({}, lossy), IsEmpty());
+  EXPECT_THAT(why_not_hear({}, latched), IsEmpty());
+  EXPECT_THAT(why_not_hear({.reliability = Reliability::reliable}, lossy), HasSubstr("reliability"));
+  EXPECT_THAT(why_not_hear({.durability = Durability::transient_local}, latched), IsEmpty());
+}
+
+TEST(VanillaMatching, RetainedSamplesAreRequestedReliably) {
+  const Qos requested = requested_from_vanilla({.durability = Durability::transient_local});
+  EXPECT_EQ(requested.reliability, Reliability::reliable);
+  EXPECT_EQ(requested_from_vanilla({}), Qos{});
+}
+
+TEST(VanillaMatching, WritersThatCannotBeHeardAreTold) {
+  VanillaEndpoint writer{.type_name = "other"};
+  EXPECT_THAT(why_not_hear({}, writer), HasSubstr("'other'"));
+  writer = {.type_name = imu, .has_xcdr1 = false};
+  EXPECT_THAT(why_not_hear({}, writer), HasSubstr("@final"));
+  writer = {.type_name = imu, .is_keyed = true};
+  EXPECT_THAT(why_not_hear({}, writer), HasSubstr("keys"));
+  writer = {.type_name = imu, .partitions = {"left"}};
+  EXPECT_THAT(why_not_hear({}, writer), HasSubstr("left"));
+}
+
+TEST(VanillaMatching, DefinitionsAreComparedByTheirHashesIfBothSidesHaveOne) {
+  const VanillaEndpoint writer{.type_name = imu, .type_hash = "RIHS01_1"};
+  EXPECT_THAT(why_not_hear({}, writer, "RIHS01_2"), AllOf(HasSubstr("RIHS01_1"), HasSubstr("RIHS01_2")));
+  EXPECT_THAT(why_not_hear({}, writer, "RIHS01_1"), IsEmpty());
+  EXPECT_THAT(why_not_hear({}, writer), IsEmpty());
+  EXPECT_THAT(why_not_hear({}, {.type_name = imu}, "RIHS01_2"), IsEmpty());
+}
+
+TEST(VanillaMatching, TheHashIsFoundInTheUserDataOfROS2) {
+  EXPECT_EQ(type_hash_in("typehash=RIHS01_00;"), "RIHS01_00");
+  EXPECT_EQ(type_hash_in("a=b;typehash=RIHS01_00"), "RIHS01_00");
+  EXPECT_EQ(type_hash_in(endpoint_user_data("RIHS01_00")), "RIHS01_00");
+  EXPECT_EQ(type_hash_in("enclave=/;"), "");
+  EXPECT_EQ(type_hash_in(";;"), "");
 }
 
 TEST(VanillaMatching, EndpointsOfSftAreKnownByTheirMarkWhateverElseTheySay) {

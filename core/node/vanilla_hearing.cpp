@@ -1,0 +1,149 @@
+#include "core/node/vanilla_hearing.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/control/names.h"
+#include "core/node/vanilla_access.h"
+#include "core/vanilla/dds_names.h"
+#include "core/vanilla/type_hash.h"
+
+namespace sft::core {
+
+namespace {
+
+constexpr std::size_t reasons_max = 16;  // of one topic: forged writers can cost no more
+
+const char* text_of(RawFault fault) {
+  switch (fault) {
+    case RawFault::none:
+      break;
+    case RawFault::malformed:
+      return "the message does not fit the type";
+    case RawFault::big_endian:
+      return "its numbers are big-endian, and subscribers read little-endian ones";
+    case RawFault::other_encoding:
+      return "it is not encoded as XCDR1";
+    case RawFault::no_memory:
+      return "no memory is free for it: take samples sooner, or raise UdpSettings::memory_limit_bytes";
+  }
+  return "";
+}
+
+}  // namespace
+
+VanillaHearing::VanillaHearing(NodeContext& node, SubscriberCore& core, Feed& feed)
+    : node_(node), core_(core), feed_(feed) {}
+
+void VanillaHearing::reconcile(Time now) {
+  if (node_.vanilla == nullptr) return;
+  const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();
+  if (reader_ != nullptr && reader_->domain() != domain) reader_.reset();
+  if (domain == nullptr) opening_ = {};
+  look_at_writers();
+  if (inlet_ != nullptr) inlet_->ask(feed_.ports().requested(), feed_.ports().min_period_us());
+  if (is_wanted()) {
+    wanted_at_ = now;
+    if (reader_ == nullptr) open_reader(now);
+  } else if (is_due(now)) {
+    reader_.reset();
+  }
+  if (reader_ != nullptr) name_faults();
+}
+
+bool VanillaHearing::is_wanted() const {
+  return std::ranges::any_of(writers_, [](const Writer& writer) { return writer.why_not.empty(); });
+}
+
+bool VanillaHearing::is_due(Time now) const {
+  return opening_.due_again(now) || (reader_ != nullptr && !is_wanted() && now - wanted_at_ >= kept);
+}
+
+void VanillaHearing::look_at_writers() {
+  const VanillaEndpoints* const known = node_.vanilla->writers();
+  if (known == nullptr) {
+    writers_.clear();
+    changes_ = 0;
+    return;
+  }
+  if (const std::uint64_t now = known->changes(); std::exchange(changes_, now) == now) return;
+  const SubscriberCore::Spec& spec = core_.spec();
+  const std::string type_name = dds_type(spec.type->name());
+  const std::string type_hash = ros_type_hash(spec.type->type()).value_or("");
+  const Qos requested = requested_from_vanilla(feed_.spec().qos);
+  writers_.clear();
+  std::vector<EndpointId> present;
+  std::set<std::string> unheard;
+  for (VanillaEndpoint& writer : known->of(dds_topic(spec.topic))) {
+    if (writers_.size() == writers_per_reader_max) break;
+    std::string why_not = why_not_heard(type_name, type_hash, requested, writer);
+    if (!why_not.empty() && unheard.size() < reasons_max && unheard.insert(why_not).second &&
+        !unheard_.contains(why_not))
+      warn("a writer of DDS is not heard: " + why_not);
+    present.push_back(writer.id);
+    writers_.push_back({std::move(writer), std::move(why_not)});
+  }
+  unheard_ = std::move(unheard);
+  if (inlet_ != nullptr) inlet_->forget_others_than(present);
+}
+
+/// A thread that receives wakes the subscriber as a publisher in shared memory does, by its doorbell. So
+/// callbacks of the program never run on a thread of Cyclone.
+void VanillaHearing::open_reader(Time now) {
+  if (!opening_.due(now)) return;
+  const SubscriberCore::Spec& spec = core_.spec();
+  if (inlet_ == nullptr) {
+    inlet_ = std::make_shared<VanillaInlet>(*spec.type, spec.options.depth, spec.options.depth_bytes);
+    inlet_->ask(feed_.ports().requested(), feed_.ports().min_period_us());
+    feed_.ports().set_vanilla(inlet_);
+  }
+  Result<std::unique_ptr<VanillaReader>> reader = VanillaReader::open(
+      node_.vanilla->domain(),
+      {.topic = spec.topic,
+       .reading = {.type = spec.type, .type_owner = spec.type_owner, .memory = spec.copies},
+       .qos = feed_.spec().qos,
+       .arrived = [inlet = inlet_](const VanillaArrival& arrival) { return inlet->put(arrival); },
+       .wake = [&core = core_] { core.wake(); },
+       .changed = node_.vanilla->setup().endpoints_changed});
+  if (!reader) {
+    if (opening_.failed(reader.error().message, now))
+      warn("writers of DDS are not heard: " + reader.error().message);
+    return;
+  }
+  opening_.succeeded();
+  reader_ = std::move(*reader);
+}
+
+void VanillaHearing::name_faults() {
+  const std::set<RawFault> faults = reader_->faults();
+  for (const RawFault fault : faults) {
+    if (faults_.insert(fault).second)
+      warn(std::string("a sample of a writer of DDS cannot be read, and is discarded: ") + text_of(fault));
+  }
+}
+
+void VanillaHearing::warn(const std::string& text) const {
+  node_.log.write(LogLevel::warning, core_.spec().topic + ": " + text);
+}
+
+/// Leases are those of DDS: a writer whose lease is over is gone.
+std::vector<Hearing> VanillaHearing::hearing() const {
+  std::vector<Hearing> hearing;
+  for (const Writer& writer : writers_) {
+    const VanillaEndpoint& endpoint = writer.endpoint;
+    const bool is_heard = writer.why_not.empty() && reader_ != nullptr;
+    Hearing& added = hearing.emplace_back();
+    added.source.writer = endpoint.id;
+    added.offered = endpoint.qos;
+    added.offered.liveliness_lease = {};
+    added.status = {.id = endpoint.id,
+                    .node = endpoint.participant,
+                    .matched = is_heard,
+                    .connected = is_heard && reader_->is_matched(endpoint.id),
+                    .transport = TransportKind::dds,
+                    .reason = is_heard ? "it knows nothing of SFT" : writer.why_not};
+  }
+  return hearing;
+}
+
+}  // namespace sft::core

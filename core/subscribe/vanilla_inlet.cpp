@@ -1,0 +1,165 @@
+#include "core/subscribe/vanilla_inlet.h"
+
+#include <algorithm>
+#include <utility>
+
+#include "core/platform/clock.h"
+
+namespace sft::core {
+
+/// Lends buffers that refer to the memory of samples which several readers share. Each reader needs a buffer
+/// of its own, since buffers name the gate that the sample has passed, and where readers have found elements.
+class VanillaInlet::Lender final : public BufferOwner, public std::enable_shared_from_this<Lender> {
+ public:
+  explicit Lender(const TypeSupport& type) : type_(type) {}
+
+  SampleHandle lend(const VanillaArrival& arrival) {
+    SampleBuffer& buffer = take();
+    const SampleBuffer& whole = *arrival.sample;
+    buffer.origin() = {.writer = arrival.writer, .source_stamp_ns = arrival.source_stamp_ns};
+    buffer.data = whole.data;
+    buffer.capacity = whole.capacity;
+    buffer.receive_stamp_ns = realtime_ns();
+    buffer.owner_data = SampleHandle(arrival.sample).release();
+    buffer.owner = shared_from_this();
+    return SampleHandle(buffer);
+  }
+  void recycle(SampleBuffer& buffer) noexcept override {
+    const SampleHandle whole =
+        SampleHandle::adopt(static_cast<SampleBuffer*>(std::exchange(buffer.owner_data, nullptr)));
+    const Lock lock(mutex_);
+    free_.push_back(&buffer);
+  }
+
+ private:
+  SampleBuffer& take() {
+    const Lock lock(mutex_);
+    if (free_.empty()) {
+      free_.reserve(all_.size() + 1);  // so that returning a buffer allocates nothing
+      SampleBuffer& made = all_.emplace_back();
+      made.mask = type_.full();
+      return made;
+    }
+    SampleBuffer& buffer = *free_.back();
+    free_.pop_back();
+    return buffer;
+  }
+
+  const TypeSupport& type_;
+  Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::jobs);
+  std::deque<SampleBuffer> all_ SFT_GUARDED_BY(mutex_);
+  std::vector<SampleBuffer*> free_ SFT_GUARDED_BY(mutex_);
+};
+
+VanillaInlet::VanillaInlet(const TypeSupport& type, std::uint32_t depth, std::uint64_t depth_bytes)
+    : type_(type), depth_(depth), depth_bytes_(depth_bytes), lender_(std::make_shared<Lender>(type)) {}
+
+VanillaInlet::~VanillaInlet() = default;
+
+bool VanillaInlet::put(const VanillaArrival& arrival) {
+  SampleHandle sample = arrival.sample ? lender_->lend(arrival) : SampleHandle();
+  const Lock lock(mutex_);
+  Writer* const writer = writer_of(arrival.writer);
+  if (writer == nullptr || !sample) {
+    ++counters_.discarded;
+    return false;
+  }
+  sample->sequence = arrival.sequence == 0 ? writer->last + 1 : arrival.sequence;
+  if (sample->sequence <= writer->last) return false;  // it came to an earlier DDS reader of the subscriber
+  if (writer->last != 0) writer->missing += static_cast<std::uint32_t>(sample->sequence - writer->last - 1);
+  writer->last = sample->sequence;
+  ++writer->arrivals;
+  if (writer->gate != nullptr && !passes(*writer, *sample, type_.index_slots())) return false;
+  enqueue(*writer, std::move(sample));
+  return true;
+}
+
+bool VanillaInlet::passes(Writer& writer, SampleBuffer& sample, std::size_t slots) {
+  Gate& gate = *writer.gate;
+  const detail::SampleState state = state_of(sample, slots);
+  const detail::FieldSource fields = detail::FieldSource::of_sample(state);
+  gate.consider(fields, sample.source_stamp_ns);
+  if (!gate.passes()) return false;
+  gate.made(fields, sample.source_stamp_ns);
+  sample.gate = gate.id();
+  sample.min_period_us = gate.min_period_us();
+  sample.ordinal = gate.ordinal() + writer.missing;
+  return true;
+}
+
+void VanillaInlet::enqueue(Writer& writer, SampleHandle sample) {
+  writer.bytes += sample->header().body_bytes;
+  writer.waiting.push_back({std::move(sample), ++arrivals_});
+  const auto has_too_many = [&] {
+    return writer.waiting.size() > depth_ || (depth_bytes_ != 0 && writer.bytes > depth_bytes_);
+  };
+  while (writer.waiting.size() > 1 && has_too_many()) discard_oldest(writer);
+}
+
+void VanillaInlet::discard_oldest(Writer& writer) {
+  writer.bytes -= writer.waiting.front().sample->header().body_bytes;
+  writer.waiting.pop_front();
+  ++counters_.discarded;
+  if (!writer.was_taken) ++writer.discarded;
+}
+
+SampleHandle VanillaInlet::take() {
+  const Lock lock(mutex_);
+  Writer* first = nullptr;
+  for (auto& [id, writer] : writers_) {
+    if (writer.waiting.empty()) continue;
+    if (first == nullptr || writer.waiting.front().arrival < first->waiting.front().arrival) first = &writer;
+  }
+  if (first == nullptr) return {};
+  SampleHandle sample = std::move(first->waiting.front().sample);
+  first->waiting.pop_front();
+  first->bytes -= sample->header().body_bytes;
+  if (!std::exchange(first->was_taken, true)) counters_.lost_unnoticed += first->discarded;
+  return sample;
+}
+
+void VanillaInlet::ask(const Selection& selection, std::uint32_t min_period_us) {
+  const Lock lock(mutex_);
+  const bool is_same =
+      min_period_us == min_period_us_ && selection.gate().conditions == asked_.gate().conditions;
+  asked_ = selection;
+  min_period_us_ = min_period_us;
+  if (is_same) return;
+  for (auto& [id, writer] : writers_) writer.gate = make_gate();
+}
+
+std::unique_ptr<Gate> VanillaInlet::make_gate() const {
+  const std::vector<Selection::Condition>& conditions = asked_.gate().conditions;
+  if (conditions.empty()) return min_period_us_ == 0 ? nullptr : std::make_unique<Gate>(min_period_us_);
+  auto gate = std::make_unique<Gate>(min_period_us_, detail::Conditions(type_.type(), conditions),
+                                     asked_.gate_hash());
+  gate->reader_begins();
+  return gate;
+}
+
+VanillaInlet::Writer* VanillaInlet::writer_of(EndpointId id) {
+  const auto known = writers_.find(id);
+  if (known != writers_.end()) return &known->second;
+  if (writers_.size() >= writers_max) return nullptr;
+  return &writers_.emplace(id, Writer{.gate = make_gate()}).first->second;
+}
+
+void VanillaInlet::forget_others_than(std::span<const EndpointId> writers) {
+  const Lock lock(mutex_);
+  std::erase_if(writers_, [&](const auto& item) {
+    return item.second.waiting.empty() && std::ranges::find(writers, item.first) == writers.end();
+  });
+}
+
+std::uint64_t VanillaInlet::arrivals(EndpointId writer) const {
+  const Lock lock(mutex_);
+  const auto known = writers_.find(writer);
+  return known == writers_.end() ? 0 : known->second.arrivals;
+}
+
+ReaderPort::Counters VanillaInlet::counters() const {
+  const Lock lock(mutex_);
+  return counters_;
+}
+
+}  // namespace sft::core

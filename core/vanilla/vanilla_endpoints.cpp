@@ -1,0 +1,158 @@
+#include "core/vanilla/vanilla_endpoints.h"
+
+#include <algorithm>
+#include <chrono>
+#include <iterator>
+
+#include "core/discovery/participant_data.h"
+#include "sft/detail/fnv1a.h"
+
+namespace sft::core {
+
+namespace {
+
+// The last octet of the key of a writer and of a reader whose type has keys (RTPS 2.3, 9.3.1.2).
+constexpr unsigned char keyed_writer = 0x02, keyed_reader = 0x07;
+
+std::string user_data_in(const dds_qos_t* qos) {
+  void* data = nullptr;
+  std::size_t bytes = 0;
+  if (!dds_qget_userdata(qos, &data, &bytes) || data == nullptr) return {};
+  std::string user_data(static_cast<const char*>(data), bytes);
+  dds_free(data);
+  return user_data;
+}
+
+std::chrono::nanoseconds duration_of(dds_duration_t duration) {
+  return std::chrono::nanoseconds(duration == DDS_INFINITY ? 0 : duration);
+}
+
+Qos policies_in(const dds_qos_t* qos) {
+  Qos policies;
+  dds_reliability_kind_t reliability = DDS_RELIABILITY_BEST_EFFORT;
+  dds_durability_kind_t durability = DDS_DURABILITY_VOLATILE;
+  dds_liveliness_kind_t liveliness = DDS_LIVELINESS_AUTOMATIC;
+  dds_duration_t deadline = DDS_INFINITY, lease = DDS_INFINITY, lifespan = DDS_INFINITY;
+  dds_qget_reliability(qos, &reliability, nullptr);
+  dds_qget_durability(qos, &durability);
+  dds_qget_deadline(qos, &deadline);
+  dds_qget_liveliness(qos, &liveliness, &lease);
+  dds_qget_lifespan(qos, &lifespan);
+  if (reliability == DDS_RELIABILITY_RELIABLE) policies.reliability = Reliability::reliable;
+  if (durability != DDS_DURABILITY_VOLATILE) policies.durability = Durability::transient_local;
+  if (liveliness != DDS_LIVELINESS_AUTOMATIC) policies.liveliness = Liveliness::manual_by_topic;
+  policies.deadline = duration_of(deadline);
+  policies.liveliness_lease = duration_of(lease);
+  policies.lifespan = duration_of(lifespan);
+  return policies;
+}
+
+std::vector<std::string> partitions_in(const dds_qos_t* qos) {
+  std::uint32_t count = 0;
+  char** names = nullptr;
+  if (!dds_qget_partition(qos, &count, &names)) return {};
+  std::vector<std::string> partitions(names, names + count);
+  std::for_each(names, names + count, [](char* name) { dds_free(name); });
+  dds_free(names);
+  return partitions;
+}
+
+/// An endpoint that names no representation has XCDR1. A writer sends the first one that it names.
+bool has_xcdr1(const dds_qos_t* qos, bool is_writer) {
+  std::uint32_t count = 0;
+  dds_data_representation_id_t* values = nullptr;
+  if (!dds_qget_data_representation(qos, &count, &values) || count == 0) return true;
+  const auto* const end = values + (is_writer ? 1 : count);
+  const bool has =
+      std::find<const dds_data_representation_id_t*>(values, end, DDS_DATA_REPRESENTATION_XCDR1) != end;
+  dds_free(values);
+  return has;
+}
+
+std::string text_of(const dds_guid_t& participant) {
+  constexpr std::size_t prefix_bytes = 12;
+  std::string text = "DDS ";
+  for (std::size_t i = 0; i < prefix_bytes; ++i) {
+    text += "0123456789abcdef"[participant.v[i] >> 4];
+    text += "0123456789abcdef"[participant.v[i] & 15];
+  }
+  return text;
+}
+
+}  // namespace
+
+VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint) {
+  dds_ownership_kind_t ownership = DDS_OWNERSHIP_SHARED;
+  dds_qget_ownership(endpoint.qos, &ownership);
+  const unsigned char kind = endpoint.key.v[sizeof endpoint.key.v - 1];
+  detail::Fnv1a id;
+  id.add(std::string_view(reinterpret_cast<const char*>(endpoint.key.v), sizeof endpoint.key.v));
+  return {.id = id.value(),
+          .participant = text_of(endpoint.participant_key),
+          .type_name = endpoint.type_name,
+          .type_hash = std::string(type_hash_in(user_data_in(endpoint.qos))),
+          .qos = policies_in(endpoint.qos),
+          .partitions = partitions_in(endpoint.qos),
+          .has_xcdr1 = has_xcdr1(endpoint.qos, kind <= 3),
+          .is_keyed = kind == keyed_reader || kind == keyed_writer,
+          .owns_exclusively = ownership == DDS_OWNERSHIP_EXCLUSIVE};
+}
+
+bool is_endpoint_of_sft(const dds_qos_t* qos) { return qos != nullptr && is_of_sft(user_data_in(qos)); }
+
+/// Endpoints may have been discovered before.
+VanillaEndpoints::VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic,
+                                   std::function<void()> changed)
+    : changed_(std::move(changed)) {
+  dds_listener_t* const listener = dds_create_listener(this);
+  dds_lset_data_available(listener, [](dds_entity_t builtin, void* self) {
+    static_cast<VanillaEndpoints*>(self)->take(builtin);
+  });
+  reader_ = dds_create_reader(participant, builtin_topic, nullptr, listener);
+  dds_delete_listener(listener);
+  if (reader_ > 0) take(reader_);
+}
+
+VanillaEndpoints::~VanillaEndpoints() {
+  if (reader_ > 0) dds_delete(reader_);
+}
+
+void VanillaEndpoints::take(dds_entity_t builtin) {
+  bool is_news = false;
+  {
+    const Lock lock(mutex_);
+    void* sample = nullptr;
+    dds_sample_info_t info{};
+    while (dds_take(builtin, &sample, &info, 1, 1) > 0) {
+      is_news |= note(*static_cast<const dds_builtintopic_endpoint_t*>(sample), info);
+      dds_return_loan(builtin, &sample, 1);
+      sample = nullptr;
+    }
+  }
+  if (is_news && changed_) changed_();
+}
+
+/// Returns true if the known endpoints have changed.
+bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info) {
+  Key key{};
+  std::copy(std::begin(endpoint.key.v), std::end(endpoint.key.v), key.begin());
+  if (info.instance_state != DDS_IST_ALIVE) {
+    if (known_.erase(key) == 0) return false;
+  } else {
+    if (!info.valid_data || known_.size() >= known_max || is_endpoint_of_sft(endpoint.qos)) return false;
+    known_.insert_or_assign(key, std::pair(std::string(endpoint.topic_name), described(endpoint)));
+  }
+  changes_.fetch_add(1, std::memory_order_relaxed);
+  return true;
+}
+
+std::vector<VanillaEndpoint> VanillaEndpoints::of(std::string_view topic) const {
+  std::vector<VanillaEndpoint> endpoints;
+  const Lock lock(mutex_);
+  for (const auto& [key, endpoint] : known_) {
+    if (endpoint.first == topic) endpoints.push_back(endpoint.second);
+  }
+  return endpoints;
+}
+
+}  // namespace sft::core

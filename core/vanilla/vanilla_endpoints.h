@@ -1,0 +1,60 @@
+// The readers, or the writers, of unmodified nodes that a participant has discovered. They are kept so that
+// the log can say why one of them is not served or heard: DDS itself reports nothing if the names of types
+// differ, and little if policies do. Writers are also the reason why subscribers have DDS readers.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <array>
+#include <atomic>
+#include <cstddef>
+#include <cstdint>
+#include <functional>
+#include <map>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "core/sync/mutex.h"
+#include "core/vanilla/vanilla_matching.h"
+
+namespace sft::core {
+
+/// Returns an announced endpoint as a plain value.
+VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint);
+/// Returns true if the user data say that the endpoint is one of SFT. `qos` may be null.
+bool is_endpoint_of_sft(const dds_qos_t* qos);
+
+class VanillaEndpoints {
+ public:
+  /// `builtin_topic`: DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION for readers, or DDS_BUILTIN_TOPIC_DCPSPUBLICATION
+  /// for writers. `changed`, if given, is called by threads of Cyclone when changes() has changed; it must
+  /// return at once.
+  VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic, std::function<void()> changed = {});
+  /// Waits until no listener runs any more. Must be called before the participant is deleted.
+  ~VanillaEndpoints();
+  VanillaEndpoints(const VanillaEndpoints&) = delete;
+  VanillaEndpoints& operator=(const VanillaEndpoints&) = delete;
+
+  /// Returns a number that changes whenever an endpoint comes or goes. Any thread.
+  std::uint64_t changes() const { return changes_.load(std::memory_order_relaxed); }
+  /// Returns the endpoints of that DDS topic. Any thread.
+  std::vector<VanillaEndpoint> of(std::string_view topic) const;
+
+ private:
+  static constexpr std::size_t known_max = 4096;  ///< further endpoints are ignored
+  using Key = std::array<unsigned char, 16>;
+
+  void take(dds_entity_t builtin);
+  bool note(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info) SFT_REQUIRES(mutex_);
+
+  const std::function<void()> changed_;
+  dds_entity_t reader_ = 0;
+  std::atomic<std::uint64_t> changes_{0};
+  mutable Mutex mutex_;
+  std::map<Key, std::pair<std::string, VanillaEndpoint>> known_
+      SFT_GUARDED_BY(mutex_);  ///< each with its topic
+};
+
+}  // namespace sft::core

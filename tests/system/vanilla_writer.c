@@ -1,0 +1,79 @@
+/* A node of plain Cyclone DDS, which knows nothing of SFT. It reads lines "NUMBER BYTES", and writes for each
+   of them a cloud with that number and so many bytes. It writes the number of matching readers to its
+   standard output whenever that changes. At the end of its input it leaves.
+
+   vanilla_writer DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH KIND
+
+   KIND is plain, or xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot hear. */
+#include <dds/dds.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/prctl.h>
+#include <unistd.h>
+
+#include "vanilla_messages.h"
+
+static void tell_matched(dds_entity_t writer, const dds_publication_matched_status_t status, void* unused) {
+  (void)writer;
+  (void)unused;
+  const uint32_t readers = status.current_count;
+  if (write(STDOUT_FILENO, &readers, sizeof readers) != sizeof readers) exit(0); /* the test has ended */
+}
+
+static dds_qos_t* qos_of(char** words) {
+  dds_qos_t* qos = dds_create_qos();
+  const int reliable = strcmp(words[0], "reliable") == 0, latched = strcmp(words[1], "latched") == 0;
+  const int depth = atoi(words[2]);
+  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_SECS(10));
+  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
+                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
+  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth);
+  if (strcmp(words[3], "xcdr2") == 0) {
+    const dds_data_representation_id_t only = DDS_DATA_REPRESENTATION_XCDR2;
+    dds_qset_data_representation(qos, 1, &only);
+  }
+  const char* partition = "left";
+  if (strcmp(words[3], "partition") == 0) dds_qset_partition(qos, 1, &partition);
+  const char* hash = "typehash=RIHS01_0;";
+  if (strcmp(words[3], "other_hash") == 0) dds_qset_userdata(qos, hash, strlen(hash));
+  return qos;
+}
+
+static void write_cloud(dds_entity_t writer, uint32_t number, uint32_t bytes) {
+  sensor_msgs_msg_dds__PointField_ fields[2] = {{.name_ = ""}, {.name_ = "y"}};
+  uint8_t* data = calloc(bytes, 1);
+  for (uint32_t i = 0; i < bytes; i += 97) data[i] = (uint8_t)(i + number);
+  const sensor_msgs_msg_dds__PointCloud2_ cloud = {
+      .header_ = {.stamp_ = {.sec_ = (int32_t)number}, .frame_id_ = "lidar"},
+      .height_ = number,
+      .width_ = number + 1,
+      .fields_ = {._maximum = 2, ._length = 2, ._buffer = fields},
+      .point_step_ = 10,
+      .row_step_ = 10 * (number + 1),
+      .data_ = {._maximum = bytes, ._length = bytes, ._buffer = data}};
+  if (dds_write(writer, &cloud) != DDS_RETCODE_OK) exit(4);
+  free(data);
+}
+
+int main(int argc, char** argv) {
+  if (argc != 7) return 2;
+  prctl(PR_SET_PDEATHSIG, SIGKILL);
+  const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
+  const int is_other = strcmp(argv[6], "other_type") == 0;
+  const dds_entity_t topic = dds_create_topic(
+      participant, is_other ? &std_msgs_msg_dds__Header__desc : &sensor_msgs_msg_dds__PointCloud2__desc,
+      argv[2], NULL, NULL);
+  dds_listener_t* listener = dds_create_listener(NULL);
+  dds_lset_publication_matched(listener, tell_matched);
+  const dds_entity_t writer = dds_create_writer(participant, topic, qos_of(argv + 3), listener);
+  if (writer < 0) return 3;
+  unsigned number, bytes;
+  while (scanf("%u %u", &number, &bytes) == 2) write_cloud(writer, number, bytes);
+  dds_wait_for_acks(writer, DDS_SECS(10));
+  dds_delete(participant);
+  return 0;
+}

@@ -1,0 +1,175 @@
+// Samples of DDS writers wait for their subscriber, as far as it asks for them.
+#include "core/subscribe/vanilla_inlet.h"
+
+#include <gmock/gmock.h>
+
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <vector>
+
+#include "core/seam/buffer_pool.h"
+#include "tests/support/encoded.h"
+
+namespace sft::core {
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+using testing::ElementsAre;
+using testing::IsEmpty;
+
+class VanillaInletTest : public testing::Test {
+ protected:
+  explicit VanillaInletTest(std::uint32_t depth = 3, std::uint64_t depth_bytes = 0)
+      : inlet(type, depth, depth_bytes) {}
+
+  /// A whole sample with that height, as a thread that receives makes it.
+  SampleHandle whole(std::uint32_t height, std::size_t data_bytes = 0) {
+    PointCloud2 message;
+    message.height = height;
+    message.data.resize(data_bytes);
+    sft::test::Encoded encoded(message);
+    const detail::SampleLayout layout(type.index_slots());
+    SampleHandle sample = pool->take(layout.bytes(encoded.bytes().size()));
+    sample->mask = type.full();
+    sample->header().body_bytes = static_cast<std::uint32_t>(encoded.bytes().size());
+    std::ranges::copy(encoded.bytes(), sample->data + layout.body_offset);
+    std::copy_n(encoded.index(), type.index_slots(), sample->index());
+    return sample;
+  }
+  bool comes(std::uint64_t sequence, EndpointId writer = 1, std::uint32_t height = 0) {
+    return inlet.put({.writer = writer,
+                      .sequence = sequence,
+                      .source_stamp_ns = static_cast<std::int64_t>(sequence) * 1'000'000,
+                      .sample = whole(height == 0 ? static_cast<std::uint32_t>(sequence) : height)});
+  }
+  void ask(const char* selection, std::uint32_t min_period_us = 0) {
+    inlet.ask(type.closed(type.parse_selection(selection).value()).without_rate(), min_period_us);
+  }
+  std::vector<std::uint64_t> taken() {
+    std::vector<std::uint64_t> sequences;
+    while (const SampleHandle sample = inlet.take()) sequences.push_back(sample->sequence);
+    return sequences;
+  }
+
+  const TypeSupport& type = type_support<PointCloud2>();
+  const std::shared_ptr<BufferPool> pool = BufferPool::make(1 << 20);
+  VanillaInlet inlet;
+};
+
+TEST_F(VanillaInletTest, SamplesOfAllWritersAreTakenAsTheyCameEachWithItsOrigin) {
+  EXPECT_TRUE(comes(7, 1));
+  EXPECT_TRUE(comes(3, 2));
+  EXPECT_TRUE(comes(8, 1));
+  const SampleHandle first = inlet.take();
+  EXPECT_EQ(first->writer, 1U);
+  EXPECT_EQ(first->sequence, 7U);
+  EXPECT_EQ(first->source_stamp_ns, 7'000'000);
+  EXPECT_THAT(taken(), ElementsAre(3, 8));
+  EXPECT_EQ(inlet.arrivals(1), 2U);
+  EXPECT_EQ(inlet.arrivals(2), 1U);
+}
+
+TEST_F(VanillaInletTest, TheOldestSamplesOfAWriterAreDiscardedAndCounted) {
+  for (std::uint64_t i = 1; i <= 5; ++i) EXPECT_TRUE(comes(i, 1));
+  EXPECT_TRUE(comes(1, 2));
+  EXPECT_THAT(taken(), ElementsAre(3, 4, 5, 1));
+  EXPECT_EQ(inlet.counters().discarded, 2U);
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 2U) << "nothing was taken before them";
+}
+
+class VanillaInletBytesTest : public VanillaInletTest {
+ protected:
+  VanillaInletBytesTest() : VanillaInletTest(100, 2500) {}
+};
+
+TEST_F(VanillaInletBytesTest, TheBytesThatWaitAreLimitedButTheNewestSampleStays) {
+  for (std::uint64_t i = 1; i <= 3; ++i) inlet.put({.writer = 1, .sequence = i, .sample = whole(1, 1000)});
+  EXPECT_THAT(taken(), ElementsAre(2, 3));
+  inlet.put({.writer = 1, .sequence = 4, .sample = whole(1, 9000)});
+  EXPECT_THAT(taken(), ElementsAre(4));
+}
+
+TEST_F(VanillaInletTest, WhatCameToAnEarlierReaderDoesNotComeAgain) {
+  EXPECT_TRUE(comes(1));
+  EXPECT_TRUE(comes(2));
+  EXPECT_FALSE(comes(1));
+  EXPECT_FALSE(comes(2));
+  EXPECT_TRUE(comes(3));
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+}
+
+TEST_F(VanillaInletTest, SamplesWithoutANumberAreNumbered) {
+  for (int i = 0; i < 3; ++i) EXPECT_TRUE(comes(0));
+  EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+}
+
+TEST_F(VanillaInletTest, WhatCannotBeReadIsDiscardedAndCounted) {
+  EXPECT_FALSE(inlet.put({.writer = 1, .sequence = 1}));
+  EXPECT_TRUE(comes(2));
+  EXPECT_THAT(taken(), ElementsAre(2));
+  EXPECT_EQ(inlet.counters().discarded, 1U);
+}
+
+TEST_F(VanillaInletTest, ConditionsHoldForEachWriterAndWhatPassesIsNumbered) {
+  ask("@ changed(height)");
+  const std::uint64_t gate = type.parse_selection("@ changed(height)").value().gate_hash();
+  EXPECT_TRUE(comes(1, 1, 10));
+  EXPECT_FALSE(comes(2, 1, 10));
+  EXPECT_TRUE(comes(1, 2, 10)) << "the first one of that writer";
+  EXPECT_TRUE(comes(3, 1, 11));
+  std::vector<std::uint32_t> ordinals;
+  while (const SampleHandle sample = inlet.take()) {
+    EXPECT_EQ(sample->gate, gate_id(gate, 0));
+    ordinals.push_back(sample->ordinal);
+  }
+  EXPECT_THAT(ordinals, ElementsAre(1, 1, 2));
+}
+
+TEST_F(VanillaInletTest, SamplesThatWereLostCountAsIfTheyHadPassed) {
+  ask("@ height > 0");
+  EXPECT_TRUE(comes(1));
+  EXPECT_TRUE(comes(5));
+  const SampleHandle first = inlet.take(), second = inlet.take();
+  EXPECT_EQ(second->ordinal - first->ordinal, 4U);
+}
+
+TEST_F(VanillaInletTest, TheMaximumRateHoldsByTheStamps) {
+  ask("*", 4000);
+  std::vector<std::uint64_t> passed;
+  for (std::uint64_t i = 1; i <= 12; ++i) {
+    if (comes(i)) passed.push_back(i);
+  }
+  EXPECT_THAT(passed, ElementsAre(1, 4, 8, 12));
+  EXPECT_EQ(inlet.take()->min_period_us, 4000U);
+}
+
+TEST_F(VanillaInletTest, AWriterThatHasGoneIsForgottenOnceItsSamplesWereTaken) {
+  comes(5, 1);
+  const std::vector<EndpointId> nobody;
+  inlet.forget_others_than(nobody);
+  EXPECT_EQ(inlet.arrivals(1), 1U);
+  EXPECT_THAT(taken(), ElementsAre(5));
+  inlet.forget_others_than(nobody);
+  EXPECT_EQ(inlet.arrivals(1), 0U);
+}
+
+TEST_F(VanillaInletTest, SubscribersShareTheMemoryOfASampleUntilTheLastOneHasReadIt) {
+  VanillaInlet other(type, 1, 0);
+  const SampleHandle sample = whole(1);
+  inlet.put({.writer = 1, .sequence = 1, .sample = sample});
+  other.put({.writer = 1, .sequence = 1, .sample = sample});
+  SampleHandle one = inlet.take(), two = other.take();
+  EXPECT_EQ(one->data, two->data);
+  EXPECT_FALSE(sample.is_only());
+  one.reset();
+  two.reset();
+  EXPECT_TRUE(sample.is_only());
+}
+
+TEST_F(VanillaInletTest, WritersBeyondTheLimitAreRefused) {
+  for (EndpointId writer = 1; writer <= VanillaInlet::writers_max; ++writer) comes(1, writer);
+  EXPECT_FALSE(comes(1, VanillaInlet::writers_max + 1));
+  EXPECT_EQ(inlet.counters().discarded, 1U);
+}
+
+}  // namespace
+}  // namespace sft::core
