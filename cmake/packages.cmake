@@ -1,6 +1,7 @@
 # Makes Debian packages of the install components by `cpack -G DEB`: libsft0 (the shared library), libsft-dev (headers,
-# messages, message compilers, and the files of CMake and pkg-config) and sft-tools (the daemon with its unit). Some
-# paths are compiled in. So `./run package` configures a build with the prefix /usr and the configuration in /etc.
+# messages, message compilers, and the files of CMake and pkg-config), sft-tools (the daemon with its unit) and, if
+# pybind11 is there, python3-sft (the Python package). Some paths are compiled in. So `./run package` configures a build
+# with the prefix /usr and the configuration in /etc.
 set(SFT_PACKAGE_CONTACT "SFT maintainers <sft@example.org>" CACHE STRING "Who maintains the Debian packages")
 
 set(library_package libsft${PROJECT_VERSION_MAJOR})
@@ -10,7 +11,7 @@ set(made ${PROJECT_BINARY_DIR}/CMakeFiles/sft_packages)
 # Debian wants a changelog and the copyright in each package.
 find_program(GZIP gzip REQUIRED NO_CACHE)
 string(TIMESTAMP package_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
-foreach(package IN ITEMS ${library_package} libsft-dev sft-tools)
+foreach(package IN ITEMS ${library_package} libsft-dev sft-tools python3-sft)
   configure_file(${debian}/changelog.in ${made}/${package}/changelog.Debian @ONLY)
   execute_process(COMMAND ${GZIP} -9nfk changelog.Debian
     WORKING_DIRECTORY ${made}/${package} COMMAND_ERROR_IS_FATAL ANY)
@@ -22,6 +23,9 @@ endfunction()
 install_documents(${library_package} library)
 install_documents(libsft-dev development)
 install_documents(sft-tools sftd)
+if(TARGET sft_python)
+  install_documents(python3-sft python)
+endif()
 
 # A control file in the package has the permissions that this function sets.
 function(copy_control_file from name executable)
@@ -101,5 +105,25 @@ gets the fields that it reads.
 This package has the daemon sftd, which hosts the memory that the programs of a
 host share, and a unit that starts it with the system. Members of the group sft
 use that memory.")
+
+if(TARGET sft_python)
+  list(APPEND CPACK_COMPONENTS_ALL python)
+  math(EXPR next_python "${Python_VERSION_MINOR} + 1")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-sft)
+  set(CPACK_DEBIAN_PYTHON_FILE_NAME DEB-DEFAULT)
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SECTION python)
+  # dpkg-shlibdeps does not find libsft, which is not installed yet. The others are those of libsft.
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_SHLIBDEPS OFF)
+  string(CONCAT CPACK_DEBIAN_PYTHON_PACKAGE_DEPENDS
+    "${library_package} (= ${this_version}), libc6, libgcc-s1, libstdc++6, "
+    "python3 (>= 3.${Python_VERSION_MINOR}), python3 (<< 3.${next_python}), python3-numpy")
+  set(CPACK_DEBIAN_PYTHON_PACKAGE_RECOMMENDS "libsft-dev (= ${this_version})")  # the messages that it looks up by name
+  set(CPACK_COMPONENT_PYTHON_DESCRIPTION "publish-subscribe transport for robots: Python
+SFT sends messages between the programs of robots and vehicles. A subscriber
+gets the fields that it reads.
+.
+This package has the module sft, in which arrays of samples are arrays of numpy
+in shared memory.")
+endif()
 
 include(CPack)

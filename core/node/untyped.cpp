@@ -188,6 +188,12 @@ PublishStatus Loan::publish() && {
   return publisher_->commit(SampleHandle::adopt(std::exchange(buffer_, nullptr)), has_gaps_);
 }
 
+Result<PublishStatus> Loan::publish_cdr() && {
+  if (buffer_ == nullptr) return PublishStatus::no_loan;
+  if (core::is_forked_copy()) return PublishStatus::forked;
+  return publisher_->commit_cdr(SampleHandle::adopt(std::exchange(buffer_, nullptr)));
+}
+
 // A forked copy of a process must not even read objects that other threads were using at the time of the
 // fork. No function waits for a lock in such a copy.
 
@@ -211,6 +217,13 @@ Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation>
                              ReservedMemory memory) {
   if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
   return core_->loan(prototype, reservations, memory).map([this](SampleHandle&& sample) {
+    return Loan(core_, sample.release());
+  });
+}
+
+Result<Loan> Publisher::loan_cdr(std::size_t body_bytes) {
+  if (core::is_forked_copy()) return fail(Errc::unavailable, core::refuses_forked_copies);
+  return core_->loan_cdr(body_bytes).map([this](SampleHandle&& sample) {
     return Loan(core_, sample.release());
   });
 }

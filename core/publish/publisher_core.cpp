@@ -174,6 +174,17 @@ PublishStatus PublisherCore::commit(SampleHandle sample, bool has_gaps) {
   return dispatch_.send(sample, stamp_ns, std::move(admission), timeout);
 }
 
+Result<SampleHandle> PublisherCore::loan_cdr(std::size_t body_bytes) {
+  const Dispatch::Call call(dispatch_);
+  std::chrono::nanoseconds timeout = spec_.max_blocking;
+  return maker_.loan_cdr(call.outlets(), body_bytes, timeout);
+}
+
+Result<PublishStatus> PublisherCore::commit_cdr(SampleHandle sample) {
+  if (const Result<void> valid = maker_.index(*sample); !valid) return tl::unexpected(valid.error());
+  return commit(std::move(sample), false);
+}
+
 void PublisherCore::expire_history() {
   if (history_ != nullptr) history_->expire(realtime_ns());
 }

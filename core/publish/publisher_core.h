@@ -2,7 +2,7 @@
 // readers. Its parts do the work: SampleMaker makes samples, Dispatch sends them, LateReaders gives retained
 // samples to late readers. This class connects these parts, and reports readers to the program.
 //
-// publish(), publish_cdr(), loan() and commit() are called by one thread at a time, the publisher's thread.
+// publish(), loan(), commit() and those for CDR are called by one thread at a time, the publisher's thread.
 // The agent's thread calls the functions that are marked so. Any thread may call the others.
 #pragma once
 
@@ -31,6 +31,7 @@
 
 namespace sft::core {
 
+/// Larger than usual: each way to publish has a function of its own here, beside those of the agent's thread.
 class PublisherCore {
  public:
   struct Spec {
@@ -67,6 +68,9 @@ class PublisherCore {
   /// Publishes a loan. `has_gaps` means that sequences of the loan were shortened, and that the gaps behind
   /// them are not closed yet.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
+  /// Lends memory for a body that the program encodes, and publishes it.
+  Result<SampleHandle> loan_cdr(std::size_t body_bytes);
+  Result<PublishStatus> commit_cdr(SampleHandle sample);
 
   /// Returns the reason why publish() refused the last message that it refused. The publisher's thread.
   const std::string& why_invalid() const { return maker_.why_invalid(); }

@@ -26,6 +26,10 @@ std::string what_to_do_about(std::size_t max_sample_bytes) {
              : ", which no option raises: divide it into several samples";
 }
 
+tl::unexpected<Error> no_loan() {
+  return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
+}
+
 /// Waits for at most `timeout` until readers have released memory. The handle is empty if they have not.
 SampleHandle await_chunk(LendingWriter& memory, std::size_t bytes, std::chrono::nanoseconds& timeout) {
   using Clock = std::chrono::steady_clock;
@@ -104,13 +108,15 @@ Error SampleMaker::fault_of(const void* message, const FieldMask& mask,
 Result<std::uint32_t> SampleMaker::converted_bytes(const detail::Payload& payload) const {
   const detail::ConvertedSize size = detail::converted_size(payload, type_.type());
   if (size.status != detail::WalkStatus::ok) return malformed(size.status);
-  if (size.bytes > product_.max_sample_bytes) {
-    return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
-                                          std::to_string(size.bytes) + " bytes; at most " +
-                                          std::to_string(product_.max_sample_bytes) + " may be sent" +
-                                          what_to_do_about(product_.max_sample_bytes));
-  }
-  return size.bytes;
+  return check_size(size.bytes).map([&] { return size.bytes; });
+}
+
+Result<void> SampleMaker::check_size(std::size_t body_bytes) const {
+  if (body_bytes <= product_.max_sample_bytes) return {};
+  return fail(Errc::limit_exceeded, "topic '" + product_.topic + "': the payload has " +
+                                        std::to_string(body_bytes) + " bytes; at most " +
+                                        std::to_string(product_.max_sample_bytes) + " may be sent" +
+                                        what_to_do_about(product_.max_sample_bytes));
 }
 
 Result<SampleMaker::Made> SampleMaker::convert(const Outlets& outlets, const detail::Payload& payload,
@@ -138,7 +144,7 @@ Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* proto
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes)
     return tl::unexpected(fault_of(prototype, full_, reservations));
   SampleHandle sample = lend(outlets, size.bytes, timeout);
-  if (!sample) return fail(Errc::out_of_memory, "no memory free for a loan: readers or loans hold too much");
+  if (!sample) return no_loan();
   fill_header(*sample, full_, size.bytes);
   const std::span body(sample->data + layout_.body_offset, size.bytes);
   const auto is_reserved = [](const detail::Reservation& r) { return r.length.has_value(); };
@@ -147,6 +153,27 @@ Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* proto
   sft::detail::encode(type_.type(), prototype, full_, body, {sample->index(), type_.index_slots()},
                       reservations);
   return sample;
+}
+
+Result<SampleHandle> SampleMaker::loan_cdr(const Outlets& outlets, std::size_t body_bytes,
+                                           std::chrono::nanoseconds& timeout) {
+  if (const Result<void> fits = check_size(body_bytes); !fits) return tl::unexpected(fits.error());
+  const auto bytes = static_cast<std::uint32_t>(body_bytes);
+  SampleHandle sample = lend(outlets, bytes, timeout);
+  if (!sample) return no_loan();
+  fill_header(*sample, full_, bytes);
+  return sample;
+}
+
+Result<void> SampleMaker::index(SampleBuffer& sample) const {
+  std::uint32_t bytes = sample.header().body_bytes;
+  const detail::SampleState state{
+      .body = sample.data + layout_.body_offset, .body_bytes = bytes, .mask = &full_};
+  const detail::WalkStatus status =
+      detail::build_index(state, type_.type(), {sample.index(), type_.index_slots()}, &bytes);
+  if (status != detail::WalkStatus::ok) return malformed(status);
+  sample.header().body_bytes = sample.whole_bytes = bytes;
+  return {};
 }
 
 PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {

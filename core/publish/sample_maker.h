@@ -74,6 +74,12 @@ class SampleMaker {
   Result<SampleHandle> loan(const Outlets& outlets, const void* prototype,
                             std::span<const detail::Reservation> reservations, detail::ReservedMemory memory,
                             std::chrono::nanoseconds& timeout);
+  /// Lends memory for a body that the program encodes itself. The sample has no index before index() was
+  /// called.
+  Result<SampleHandle> loan_cdr(const Outlets& outlets, std::size_t body_bytes,
+                                std::chrono::nanoseconds& timeout);
+  /// Checks the body that the program has encoded, and makes its index.
+  Result<void> index(SampleBuffer& sample) const;
   /// Moves the data of a loan whose sequences were shortened. The result is the same as if the shorter
   /// sequences had been encoded.
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
@@ -87,6 +93,7 @@ class SampleMaker {
   Error fault_of(const void* message, const FieldMask& mask,
                  std::span<const detail::Reservation> reservations = {}) const;
   tl::unexpected<Error> malformed(detail::WalkStatus why) const;
+  Result<void> check_size(std::size_t body_bytes) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes,
                     std::chrono::nanoseconds& timeout) noexcept;
   /// Returns heap memory. It is the memory of the last sample if that sample is no longer used and the memory

@@ -19,6 +19,7 @@ expect_skipped(model_gates.network spin)
 expect_skipped(documents.reference doxygen)
 expect_skipped(documents.check python3)
 expect_skipped(wireshark.dissector python3)
+expect_skipped(python.messages "pybind11-dev, python3-numpy and python3-pytest")
 expect_skipped(every_type_law_test "python3-rosidl and ros2-test-interface-files")
 
 run(${programs}/ctest --test-dir ${WORK}/build --show-only)

@@ -69,6 +69,39 @@ TEST_P(DynamicPublisherTest, EncodedPayloadsGoOutAsTheyAre) {
   EXPECT_FALSE(pub.publish_cdr(std::span(payload).first(20)));
 }
 
+TEST_P(DynamicPublisherTest, ALoanOfCdrIsReadWhereItWasWritten) {
+  auto pub = a.publisher("points", cloud_type()).value();
+  auto sub = b.subscriber<PointCloud2>("points").value();
+  expect_served(pub, 1);
+  const PointCloud2 sent = cloud(7);
+  const std::vector<std::byte> body = Encoded(sent).bytes();
+  DynamicPublisher::Loan loan = pub.loan_cdr(body.size()).value();
+  ASSERT_EQ(loan.body().size(), body.size());
+  EXPECT_EQ(reinterpret_cast<std::uintptr_t>(loan.body().data()) % 8, 0U);
+  std::ranges::copy(body, loan.body().begin());
+  EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+  EXPECT_TRUE(loan.body().empty());
+  EXPECT_EQ(std::move(loan).publish(), PublishStatus::no_loan);
+  ASSERT_TRUE(sub.wait(hang_timeout));
+  EXPECT_EQ(sub.take().to_owned(), sent);
+}
+
+TEST_P(DynamicPublisherTest, ALoanOfCdrThatIsNoMessageIsNotPublished) {
+  auto pub = a.publisher("points", cloud_type(), {.max_sample_bytes = 1000}).value();
+  auto sub = b.subscriber<PointCloud2, F::width>("points").value();
+  expect_served(pub, 1);
+  DynamicPublisher::Loan loan = pub.loan_cdr(40).value();
+  std::ranges::fill(loan.body(), std::byte{0xFF});
+  EXPECT_THAT(std::move(loan).publish().error().message, HasSubstr("not a sensor_msgs::msg::PointCloud2"));
+  EXPECT_THAT(pub.loan_cdr(1001).error().message, HasSubstr("max_sample_bytes"));
+  static_cast<void>(pub.loan_cdr(40).value());  // it is given back
+  EXPECT_EQ(pub.publish_json(R"({"width": 5})"), PublishStatus::ok);
+  ASSERT_TRUE(sub.wait(hang_timeout));
+  const auto sample = sub.take();
+  EXPECT_EQ(sample->width(), 5U);
+  EXPECT_EQ(sample.info().sequence, 1U);
+}
+
 TEST_P(DynamicPublisherTest, WhatIsWrongWithTheJsonIsAnErrorAlsoWithoutReaders) {
   auto pub = a.publisher("points", cloud_type(), {.max_sample_bytes = 1000}).value();
   EXPECT_EQ(pub.publish_json(R"({"header": {"stamp": {"sec": "now"}}})").error().message,

@@ -110,10 +110,12 @@ class DynamicSample {
   mutable detail::BytesOnDemand declared_cdr_;
 };
 
-/// A publisher that is moved, not copied. One thread at a time publishes, as with Publisher (publisher.h);
-/// any thread may call the other functions at any time.
+/// A publisher that is moved, not copied. One thread at a time publishes and takes loans, as with Publisher
+/// (publisher.h); any thread may call the other functions at any time.
 class [[nodiscard]] DynamicPublisher {
  public:
+  class Loan;
+
   /// For SFT's own code: Node::publisher() makes publishers.
   DynamicPublisher(DynamicType type, detail::untyped::Publisher publisher, std::size_t max_sample_bytes)
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
@@ -123,6 +125,9 @@ class [[nodiscard]] DynamicPublisher {
   [[nodiscard]] Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
+  /// Lends memory for an encoded message with a body of this number of bytes. Returns an error if the message
+  /// is larger than PublisherOptions::max_sample_bytes, or if no memory is free.
+  [[nodiscard]] Result<Loan> loan_cdr(std::size_t bytes);
   /// Publishes a message that is given as JSON (cdr_from_json() in json.h); a stamp may be "now", and a
   /// header "auto". Errors name the path of the field and what was expected, even if there are no readers.
   /// The function allocates memory, and is meant for tools rather than for large data.
@@ -153,6 +158,40 @@ class [[nodiscard]] DynamicPublisher {
   detail::untyped::Publisher publisher_;
   std::size_t max_sample_bytes_;
 };
+
+/// An encoded message that is written in the memory from which readers on this host will read it, so that
+/// publish() copies nothing. For programs that encode messages themselves, such as bindings of other
+/// languages.
+///
+/// A loan is moved, not copied. It owns its memory until it is published; an unpublished loan gives the
+/// memory back when it is destroyed. A loan may outlive its publisher. One thread at a time uses it; any
+/// thread may destroy it.
+class [[nodiscard]] DynamicPublisher::Loan {
+ public:
+  /// For SFT's own code: DynamicPublisher::loan_cdr() makes loans.
+  Loan(detail::untyped::Loan loan, std::size_t bytes) : loan_(std::move(loan)), bytes_(bytes) {}
+
+  /// Returns the memory of the body: XCDR1 in little-endian byte order, without the encapsulation. The first
+  /// byte has an address that is a multiple of 8. At first the memory has pieces of earlier samples: write
+  /// every byte, also padding, which is zero. Valid until the loan is published, moved or destroyed; empty
+  /// after that.
+  std::span<std::byte> body() {
+    std::byte* const first = loan_.body();
+    return {first, first == nullptr ? 0 : bytes_};
+  }
+  /// Checks the body like DynamicPublisher::publish_cdr(), publishes it, and passes the memory to its
+  /// readers. After an error the loan is over. Only the thread that uses the publisher may call this.
+  [[nodiscard]] Result<PublishStatus> publish() && { return std::move(loan_).publish_cdr(); }
+
+ private:
+  detail::untyped::Loan loan_;
+  std::size_t bytes_;
+};
+
+inline Result<DynamicPublisher::Loan> DynamicPublisher::loan_cdr(std::size_t bytes) {
+  return publisher_.loan_cdr(bytes).map(
+      [bytes](detail::untyped::Loan&& loan) { return Loan(std::move(loan), bytes); });
+}
 
 /// A subscriber with the rules of Subscriber (subscriber.h) for threads, callbacks and lifetimes.
 class [[nodiscard]] DynamicSubscriber {

@@ -26,6 +26,7 @@
 #include "sft/service.h"       // IWYU pragma: export
 #include "sft/snapshot.h"      // IWYU pragma: export
 #include "sft/status.h"        // IWYU pragma: export
+#include "sft/strides.h"       // IWYU pragma: export
 #include "sft/subscriber.h"    // IWYU pragma: export
 #include "sft/time.h"          // IWYU pragma: export
 #include "sft/type.h"          // IWYU pragma: export

@@ -134,6 +134,9 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
       if (!channel->is_there(point_step)) continue;
       one.offset = channel->offset;
       one.found_type = channel->type;
+      if (one.type != 0) continue;
+      one.type = channel->type;
+      one.count = channel->count;
     }
   }
   return true;
@@ -180,9 +183,9 @@ bool read_header(const CloudPlace& cloud, Header& header) {
 /// Changes the offset of a channel from the one in a packed point to the one in the larger cloud. Returns
 /// false if the channel is not within the cells of the part: its data was not cut as points of this cloud.
 bool place_channel(const Cut& cut, WantedChannel& one) {
-  const std::uint32_t bytes = point_types[one.type].bytes;
+  const std::uint64_t bytes = std::uint64_t{point_types[one.type].bytes} * one.count;
   // Points are whole if no channels were requested.
-  if (cut.channels().empty()) return std::uint64_t{one.offset} + bytes <= cut.cell_bytes();
+  if (cut.channels().empty()) return one.offset + bytes <= cut.cell_bytes();
   std::uint32_t packed = 0;
   for (const Cut::Channel& channel : cut.channels()) {
     if (packed == one.offset && channel.bytes >= bytes) {
@@ -239,7 +242,7 @@ Result<CellGrid> find_points(const CloudPlace& cloud, std::span<WantedChannel> w
       channels_overlap(s, fields, header.point_step))
     s.log->touch(cloud.data_leaf, true);
   for (const WantedChannel& one : wanted) {
-    if (one.found_type == one.type) continue;
+    if (one.found_type == one.type && one.found_type != 0) continue;
     const std::string name(one.name);
     if (one.found_type == 0 && one.is_found)
       return fail(Errc::unknown_field, fault_of_channel(s, fields, header.point_step, name));

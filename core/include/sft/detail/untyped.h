@@ -121,6 +121,8 @@ class Loan {
   /// Shortens the sequence, but does not move the data behind the sequence; publish() closes the gap.
   ShrinkStatus shrink(const Reservation& reserved, std::uint32_t length) noexcept;
   PublishStatus publish() &&;
+  /// Publishes a loan of Publisher::loan_cdr().
+  Result<PublishStatus> publish_cdr() &&;
 
  private:
   void swap(Loan& other) noexcept;
@@ -143,6 +145,8 @@ class Publisher {
   /// Publishes an encoded payload of the whole type, see Publisher::publish_cdr().
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
+  /// Lends memory for a body that the program encodes.
+  Result<Loan> loan_cdr(std::size_t body_bytes);
   const std::string& why_invalid() const;
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const;
   void assert_liveliness();

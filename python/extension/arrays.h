@@ -1,0 +1,36 @@
+// Arrays of numpy over memory of SFT, and the types of their elements.
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <memory>
+#include <vector>
+
+#include "sft/type.h"
+
+namespace sft::python {
+
+namespace py = pybind11;
+using Kind = StructType::Member::Kind;
+using Shape = StructType::Member::Shape;
+
+constexpr bool is_number(Kind kind) { return kind != Kind::string && kind != Kind::structure; }
+/// Returns the type as numpy writes it: "<f4". `is_swapped`: in the other byte order than that of this host.
+std::string dtype_text(Kind kind, bool is_swapped = false);
+/// The bytes of one number.
+std::size_t bytes_of(Kind kind);
+
+/// An object of Python that keeps `owner` alive, as the base of arrays.
+template <class T>
+py::capsule keep(std::shared_ptr<T> owner) {
+  using Owner = std::shared_ptr<T>;
+  auto* const kept = new Owner(std::move(owner));
+  return py::capsule(kept, [](void* owned) { delete static_cast<Owner*>(owned); });
+}
+
+/// Returns an array over this memory, which `owner` keeps alive. Nobody can make a read-only array writable,
+/// because its owner offers no writable buffer.
+py::array array_over(const void* data, const py::dtype& type, std::vector<py::ssize_t> shape,
+                     std::vector<py::ssize_t> strides, const py::object& owner, bool is_writable = false);
+
+}  // namespace sft::python

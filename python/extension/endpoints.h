@@ -1,0 +1,141 @@
+// Nodes, publishers, loans and subscribers as the Python package uses them. The classes in python/sft/node.py
+// are those that programs see.
+//
+// Objects of Python are used by any thread that has the GIL. Publishers let one thread at a time publish.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <atomic>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "python/extension/gil.h"
+#include "python/extension/mailbox.h"
+#include "python/extension/plan.h"
+#include "sft/node.h"
+
+namespace sft::python {
+
+namespace py = pybind11;
+
+/// A publisher, and the lock by which one thread at a time uses it.
+struct LockedPublisher {
+  explicit LockedPublisher(DynamicPublisher&& opened) : publisher(std::move(opened)) {}
+  LockedPublisher(LockedPublisher&& other) noexcept : publisher(std::move(other.publisher)) {}
+
+  DynamicPublisher publisher;
+  std::mutex mutex;  ///< nobody waits for it with the GIL
+};
+
+/// A message that is filled in its memory.
+class PyLoan {
+ public:
+  /// REQUIRES: `loan` has the bytes of the plan.
+  PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan,
+         const std::vector<Plan::Place>& places);
+
+  /// Returns a number, a writable array, or None for a struct. Throws a KeyError if there is no such field.
+  py::object get(const std::string& path);
+  void set(const std::string& path, const py::handle& value);
+  /// Publishes it. If an array over it is still alive, a copy is published, and `copied` becomes true.
+  bool publish();
+  void discard() { memory_.reset(); }
+  bool is_over() const { return memory_ == nullptr; }
+  bool was_copied() const { return was_copied_; }
+
+ private:
+  const Plan::Place* find(const std::string& path) const;
+  std::byte* at(const Plan::Place& place) const { return memory_->body().data() + place.offset; }
+
+  Shared<LockedPublisher> publisher_;
+  std::shared_ptr<DynamicPublisher::Loan> memory_;  ///< arrays keep it, too; null after the end
+  std::vector<Plan::Place> places_;
+  bool was_copied_ = false;
+};
+
+class PyPublisher {
+ public:
+  explicit PyPublisher(LockedPublisher&& opened) : publisher_(std::move(opened)) {}
+
+  /// Returns false if a reader misses the sample.
+  bool publish(const py::handle& message);
+  bool publish_cdr(const py::buffer& payload);
+  /// `values` may have numbers of elements in place of sequences.
+  PyLoan loan(const py::dict& values, bool zeroed);
+  bool wait_for_subscribers(std::size_t count, std::optional<double> timeout_s);
+  void assert_liveliness() { opened()->publisher.assert_liveliness(); }
+  py::dict status() const;
+  DynamicType type() const { return opened()->publisher.type(); }
+  void close() { publisher_.reset(); }
+
+ private:
+  const Shared<LockedPublisher>& opened() const;
+
+  std::optional<Shared<LockedPublisher>> publisher_;  ///< empty once it is closed
+};
+
+class PySubscriber {
+ public:
+  PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, std::string topic, bool is_recorded)
+      : subscriber_(std::move(opened)), node_(node), topic_(std::move(topic)), is_recorded_(is_recorded) {}
+
+  /// Returns a Sample, or None.
+  py::object take() { return sample_of(opened()->take()); }
+  py::object take_latest() { return sample_of(opened()->take_latest()); }
+  bool wait(std::optional<double> timeout_s);
+  int file_descriptor() const { return opened()->file_descriptor(); }
+  void set_selection(const std::string& fields, std::size_t which);
+  void set_max_rate_hz(double max_rate_hz, std::size_t which);
+  std::string requested() const { return opened()->requirements().text; }
+  py::dict status(std::size_t which) const;
+  int held() const { return *held_; }
+  DynamicType type() const { return opened()->type(); }
+  bool is_over() const { return !subscriber_ || node_->is_interrupted(); }
+  void close() { subscriber_.reset(); }
+
+ private:
+  const Shared<DynamicSubscriber>& opened() const;
+  py::object sample_of(DynamicSample sample);
+
+  std::optional<Shared<DynamicSubscriber>> subscriber_;  ///< empty once it is closed
+  Shared<Node> node_;
+  std::string topic_;
+  bool is_recorded_;
+  std::shared_ptr<std::atomic<int>> held_ = std::make_shared<std::atomic<int>>(0);
+};
+
+class PyNode {
+ public:
+  /// Lines of the log go to the mailbox if `log_level` is given.
+  PyNode(const py::dict& options, const std::optional<std::string>& log_level);
+
+  std::unique_ptr<PyPublisher> publisher(const std::string& topic, const DynamicType& type,
+                                         const py::dict& options, std::uint64_t events_to);
+  std::unique_ptr<PySubscriber> subscriber(const std::string& topic, const DynamicType& type,
+                                           const std::optional<std::string>& fields, const py::dict& options,
+                                           std::uint64_t events_to);
+  DynamicType find_type(const std::string& topic, std::optional<double> timeout_s);
+  py::list letters(double timeout_s);
+  std::string snapshot() const { return to_json(opened()->snapshot()); }
+  py::list topics() const;
+  std::int64_t now_ns() const { return opened()->now().time_since_epoch().count(); }
+  void interrupt() { opened()->interrupt(); }
+  bool is_interrupted() const { return !node_ || (*node_)->is_interrupted(); }
+  void close() { node_.reset(); }
+
+ private:
+  const Shared<Node>& opened() const;
+  Event::Callback events(std::uint64_t to) const;
+
+  std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
+  std::optional<Shared<Node>> node_;  ///< empty once it is closed
+};
+
+/// Adds the classes to the module.
+void define_endpoints(py::module_& module);
+
+}  // namespace sft::python

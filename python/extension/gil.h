@@ -1,0 +1,98 @@
+// Leaving the GIL while a call waits or copies much, and the end of the interpreter.
+//
+// No thread of SFT ever takes the GIL: only threads of Python do. So a function that holds the GIL may wait
+// for locks of SFT.
+#pragma once
+
+#include <pybind11/pybind11.h>
+
+#include <algorithm>
+#include <atomic>
+#include <chrono>
+#include <cstdint>
+#include <memory>
+#include <optional>
+#include <utility>
+
+namespace sft::python {
+
+namespace py = pybind11;
+
+/// True from the moment when the interpreter begins to end. From then on no thread leaves the GIL, because
+/// Python would end it, with all C++ frames on it, when it comes back. There is one interpreter in a process.
+inline std::atomic<bool> interpreter_ends{false};
+/// The number of threads that are without the GIL in a call of this module.
+inline std::atomic<int> threads_without_gil{0};
+
+/// The calling thread is without the GIL as long as this object lives.
+class WithoutGil {
+ public:
+  WithoutGil() {
+    if (interpreter_ends) return;
+    ++threads_without_gil;
+    state_ = PyEval_SaveThread();
+  }
+  WithoutGil(const WithoutGil&) = delete;
+  WithoutGil& operator=(const WithoutGil&) = delete;
+  ~WithoutGil() {
+    if (state_ == nullptr) return;
+    PyEval_RestoreThread(state_);
+    --threads_without_gil;
+  }
+
+ private:
+  PyThreadState* state_ = nullptr;
+};
+
+/// Owns an object of SFT whose destructor may wait for other threads, and destroys it without the GIL. It is
+/// copied like a std::shared_ptr.
+template <class T>
+class Shared {
+ public:
+  explicit Shared(T&& object) : object_(std::make_shared<T>(std::move(object))) {}
+  Shared(const Shared&) = default;
+  Shared(Shared&&) noexcept = default;
+  Shared& operator=(const Shared&) = delete;
+  Shared& operator=(Shared&&) = delete;
+  ~Shared() { reset(); }
+
+  T* operator->() const { return object_.get(); }
+  T& operator*() const { return *object_; }
+  /// Ends this reference. REQUIRES: the calling thread has the GIL.
+  void reset() {
+    if (object_ == nullptr || object_.use_count() > 1) return object_.reset();
+    const WithoutGil without;
+    object_.reset();
+  }
+
+ private:
+  std::shared_ptr<T> object_;
+};
+
+/// The time that a caller of Python gives in seconds; None is for ever.
+inline std::chrono::nanoseconds duration_of(std::optional<double> seconds) {
+  constexpr double most_s = 1e9;
+  return std::chrono::nanoseconds(
+      static_cast<std::int64_t>(1e9 * std::clamp(seconds.value_or(most_s), 0.0, most_s)));
+}
+
+/// Calls `wait` with short times, without the GIL, until it returns true, the time is over, or `is_over`
+/// returns true. Between two calls handlers of signals run, so that Ctrl-C ends the wait with an exception.
+template <class Wait, class IsOver>
+bool wait_in_slices(std::optional<double> timeout_s, Wait&& wait, IsOver&& is_over) {
+  using Clock = std::chrono::steady_clock;
+  constexpr std::chrono::nanoseconds slice = std::chrono::milliseconds(100);
+  const Clock::time_point end = Clock::now() + duration_of(timeout_s);
+  for (;;) {
+    const auto left = std::max<std::chrono::nanoseconds>(end - Clock::now(), {});
+    bool done = false;
+    {
+      const WithoutGil without;
+      done = wait(std::min(left, slice));
+    }
+    if (PyErr_CheckSignals() != 0) throw py::error_already_set();
+    if (done || left <= slice || interpreter_ends || is_over()) return done;
+  }
+}
+
+}  // namespace sft::python

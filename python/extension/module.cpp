@@ -1,0 +1,60 @@
+// The extension module sft._sft. The package python/sft is made of it, and only that package uses it.
+#include <pybind11/pybind11.h>
+
+#include <chrono>
+#include <thread>
+
+#include "python/extension/endpoints.h"
+#include "python/extension/failure.h"
+#include "python/extension/gil.h"
+#include "python/extension/types.h"
+#include "python/extension/view.h"
+
+namespace sft::python {
+
+namespace {
+
+constexpr const char* code_names[] = {"invalid_argument", "unknown_field", "type_mismatch", "malformed",
+                                      "limit_exceeded",   "unavailable",   "no_permission", "address_in_use",
+                                      "out_of_memory",    "system"};
+
+void raise_failure(const Failure& failure) {
+  const py::object type = py::module_::import("sft._errors").attr("Error");
+  const py::object error =
+      type(failure.error().message, code_names[static_cast<std::size_t>(failure.error().code)]);
+  PyErr_SetObject(type.ptr(), error.ptr());
+}
+
+/// Called once, when the interpreter begins to end and all nodes are closed: waits for the threads that are
+/// without the GIL, for a limited time.
+void end() {
+  using Clock = std::chrono::steady_clock;
+  interpreter_ends = true;
+  PyThreadState* const state = PyEval_SaveThread();
+  const auto last = Clock::now() + std::chrono::seconds(5);
+  while (threads_without_gil > 0 && Clock::now() < last)
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  PyEval_RestoreThread(state);
+}
+
+}  // namespace
+
+}  // namespace sft::python
+
+PYBIND11_MODULE(_sft, module) {
+  namespace python = sft::python;
+  pybind11::register_exception_translator([](std::exception_ptr thrown) {
+    try {
+      if (thrown) std::rethrow_exception(thrown);
+    } catch (const python::Failure& failure) {
+      python::raise_failure(failure);
+    }
+  });
+  python::define_types(module);
+  python::define_views(module);
+  python::define_endpoints(module);
+  module.def("end", &python::end);
+  module.def("forget_threads", [] { python::threads_without_gil = 0; });  // after fork()
+  module.attr("version") = SFT_VERSION;
+  module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // pybind11 2.12
+}

@@ -1,0 +1,56 @@
+// Keyword arguments of Python as options of SFT.
+#pragma once
+
+#include <pybind11/pybind11.h>
+#include <pybind11/stl.h>
+
+#include <chrono>
+#include <string>
+#include <utility>
+
+#include "sft/options.h"
+
+namespace sft::python {
+
+namespace py = pybind11;
+
+/// Takes keyword arguments one by one. An argument that is None counts as not given.
+class Keywords {
+ public:
+  explicit Keywords(py::dict given) : given_(std::move(given)) {}
+
+  template <class T>
+  void take(const char* name, T& to) {
+    const py::object value = taken(name);
+    if (!value.is_none()) to = value.cast<T>();
+  }
+  /// A time in seconds.
+  template <class Rep, class Period>
+  void take(const char* name, std::chrono::duration<Rep, Period>& to) {
+    double seconds = std::chrono::duration<double>(to).count();
+    take(name, seconds);
+    to = std::chrono::duration_cast<std::chrono::duration<Rep, Period>>(
+        std::chrono::duration<double>(seconds));
+  }
+  /// A choice between two values.
+  template <class T>
+  void choose(const char* name, T& to, T if_true) {
+    bool is_true = false;
+    take(name, is_true);
+    if (is_true) to = if_true;
+  }
+  void take_transport(TransportChoice& to);
+  /// Throws a TypeError that names the arguments that nobody has taken.
+  void refuse_others(const char* function) const;
+
+ private:
+  py::object taken(const char* name);
+
+  py::dict given_;
+};
+
+NodeOptions node_options(const py::dict& given);
+PublisherOptions publisher_options(const py::dict& given);
+SubscriberOptions subscriber_options(const py::dict& given);
+
+}  // namespace sft::python

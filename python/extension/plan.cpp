@@ -1,0 +1,51 @@
+#include "python/extension/plan.h"
+
+#include <cstring>
+
+namespace sft::python {
+
+namespace {
+
+/// An array of fewer bytes is copied at once.
+constexpr std::size_t least_array_bytes = 512;
+
+}  // namespace
+
+void Plan::align(std::size_t alignment) {
+  constexpr std::byte zeros[8]{};
+  put(zeros, (alignment - bytes_ % alignment) % alignment);
+}
+
+void Plan::put(const void* data, std::size_t bytes) {
+  if (bytes == 0) return;
+  if (pieces_.empty() || pieces_.back().source != Source::copied)
+    pieces_.push_back({Source::copied, nullptr, copied_.size(), 0});
+  const auto* const first = static_cast<const std::byte*>(data);
+  copied_.insert(copied_.end(), first, first + bytes);
+  pieces_.back().bytes += bytes;
+  bytes_ += bytes;
+}
+
+void Plan::put_array(const void* data, std::size_t bytes, py::object owner) {
+  if (bytes < least_array_bytes) return put(data, bytes);
+  pieces_.push_back({Source::array, static_cast<const std::byte*>(data), 0, bytes});
+  owners_.push_back(std::move(owner));
+  bytes_ += bytes;
+}
+
+void Plan::reserve(std::size_t bytes) {
+  pieces_.push_back({Source::room, nullptr, 0, bytes});
+  bytes_ += bytes;
+}
+
+void Plan::write(std::span<std::byte> body, bool zeroed) const {
+  std::byte* to = body.data();
+  for (const Piece& piece : pieces_) {
+    if (piece.source == Source::copied) std::memcpy(to, copied_.data() + piece.offset, piece.bytes);
+    if (piece.source == Source::array) std::memcpy(to, piece.data, piece.bytes);
+    if (piece.source == Source::room && zeroed) std::memset(to, 0, piece.bytes);
+    to += piece.bytes;
+  }
+}
+
+}  // namespace sft::python

@@ -1,0 +1,171 @@
+#include <pybind11/stl.h>
+
+#include <algorithm>
+#include <cstring>
+
+#include "python/extension/arrays.h"
+#include "python/extension/encoder.h"
+#include "python/extension/endpoints.h"
+#include "python/extension/failure.h"
+#include "python/extension/view.h"
+
+namespace sft::python {
+
+namespace {
+
+/// Copies of more bytes are made without the GIL.
+constexpr std::size_t large_bytes = 64 * 1024;
+
+/// Calls a function of the publisher without the GIL, when no other thread uses the publisher.
+template <class Call>
+auto alone(LockedPublisher& publisher, Call&& call) {
+  const WithoutGil without;
+  const std::lock_guard lock(publisher.mutex);
+  return call(publisher.publisher);
+}
+
+DynamicPublisher::Loan lend(LockedPublisher& publisher, std::size_t bytes) {
+  return value_of(alone(publisher, [bytes](DynamicPublisher& p) { return p.loan_cdr(bytes); }));
+}
+
+void write(const Plan& plan, DynamicPublisher::Loan& loan, bool zeroed) {
+  std::optional<WithoutGil> without;
+  if (plan.bytes() > large_bytes) without.emplace();
+  plan.write(loan.body(), zeroed);
+}
+
+/// Returns false if a reader misses the sample, and throws if nothing was sent.
+bool was_sent(Result<PublishStatus>&& result) {
+  const PublishStatus status = value_of(std::move(result));
+  if (status == PublishStatus::ok || status == PublishStatus::dropped) return status == PublishStatus::ok;
+  throw Failure(
+      {status == PublishStatus::no_memory ? Errc::out_of_memory : Errc::unavailable, to_string(status)});
+}
+
+bool send(LockedPublisher& publisher, DynamicPublisher::Loan&& loan) {
+  return was_sent(alone(publisher, [&](DynamicPublisher&) { return std::move(loan).publish(); }));
+}
+
+/// Returns the encoded sample if the message is a received one of the publisher's type, with all its fields.
+std::span<const std::byte> encoded(const py::handle& message, const DynamicType& type) {
+  if (!py::isinstance<Sample>(message)) return {};
+  const DynamicSample& sample = message.cast<const Sample&>().held().sample();
+  return sample.type().hash() == type.hash() && sample.mask().is_full() ? sample.cdr()
+                                                                        : std::span<const std::byte>();
+}
+
+}  // namespace
+
+// ---- loans ----
+
+PyLoan::PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan,
+               const std::vector<Plan::Place>& places)
+    : publisher_(std::move(publisher)),
+      memory_(std::make_shared<DynamicPublisher::Loan>(std::move(loan))),
+      places_(places) {}
+
+const Plan::Place* PyLoan::find(const std::string& path) const {
+  if (memory_ == nullptr)
+    throw Failure({Errc::unavailable, "the loan is over: it was published or given back"});
+  const auto found = std::ranges::find(places_, path, &Plan::Place::path);
+  if (found != places_.end()) return &*found;
+  const auto is_below = [&](const Plan::Place& place) { return place.path.starts_with(path + "."); };
+  if (std::ranges::any_of(places_, is_below)) return nullptr;
+  throw py::key_error("'" + path + "' is no number or array of numbers of this loan");
+}
+
+py::object PyLoan::get(const std::string& path) {
+  const Plan::Place* const place = find(path);
+  if (place == nullptr) return py::none();
+  const bool is_single = place->member->shape == Shape::single;
+  const py::ssize_t count = static_cast<py::ssize_t>(place->count);
+  const py::array array =
+      array_over(at(*place), py::dtype(dtype_text(place->member->kind)), {count},
+                 {static_cast<py::ssize_t>(bytes_of(place->member->kind))}, keep(memory_), true);
+  return is_single ? array.attr("item")(0) : py::object(array);
+}
+
+void PyLoan::set(const std::string& path, const py::handle& value) {
+  const Plan::Place* const place = find(path);
+  if (place == nullptr) throw py::type_error("'" + path + "' is a struct: set its members");
+  if (place->member->shape == Shape::single) {
+    const Plan plan = Encoder().member(*place->member, value, path);
+    plan.write({at(*place), plan.bytes()}, false);
+  } else {
+    const py::object array = get(path);
+    const py::object fitting =
+        py::module_::import("sft._fit").attr("fit_array")(value, array.attr("dtype"), path);
+    array.attr("__setitem__")(py::ellipsis(), fitting);
+  }
+}
+
+bool PyLoan::publish() {
+  if (memory_ == nullptr) throw Failure({Errc::unavailable, to_string(PublishStatus::no_loan)});
+  const std::shared_ptr<DynamicPublisher::Loan> memory = std::exchange(memory_, nullptr);
+  was_copied_ = memory.use_count() > 1;
+  if (!was_copied_) return send(*publisher_, std::move(*memory));
+  // What an array of Python can still write must not become a sample.
+  DynamicPublisher::Loan copy = lend(*publisher_, memory->body().size());
+  std::memcpy(copy.body().data(), memory->body().data(), copy.body().size());
+  return send(*publisher_, std::move(copy));
+}
+
+// ---- publishers ----
+
+const Shared<LockedPublisher>& PyPublisher::opened() const {
+  if (!publisher_) throw Failure({Errc::unavailable, "the publisher is closed"});
+  return *publisher_;
+}
+
+bool PyPublisher::publish(const py::handle& message) {
+  const Shared<LockedPublisher> publisher = opened();
+  const DynamicType type = publisher->publisher.type();
+  if (const auto bytes = encoded(message, type); !bytes.empty())
+    return was_sent(alone(*publisher, [&](DynamicPublisher& p) { return p.publish_cdr(bytes); }));
+  const Plan plan = Encoder().message(type.type(), message);
+  DynamicPublisher::Loan loan = lend(*publisher, plan.bytes());
+  write(plan, loan, false);
+  return send(*publisher, std::move(loan));
+}
+
+bool PyPublisher::publish_cdr(const py::buffer& payload) {
+  const Shared<LockedPublisher> publisher = opened();
+  const py::buffer_info info = payload.request();
+  const std::span bytes(static_cast<const std::byte*>(info.ptr),
+                        static_cast<std::size_t>(info.size * info.itemsize));
+  return was_sent(alone(*publisher, [&](DynamicPublisher& p) { return p.publish_cdr(bytes); }));
+}
+
+PyLoan PyPublisher::loan(const py::dict& values, bool zeroed) {
+  const Shared<LockedPublisher> publisher = opened();
+  const DynamicType type = publisher->publisher.type();
+  const Plan plan = Encoder(true).message(type.type(), values);
+  DynamicPublisher::Loan loan = lend(*publisher, plan.bytes());
+  write(plan, loan, zeroed);
+  return PyLoan(publisher, std::move(loan), plan.places());
+}
+
+bool PyPublisher::wait_for_subscribers(std::size_t count, std::optional<double> timeout_s) {
+  const Shared<LockedPublisher> publisher = opened();
+  return wait_in_slices(
+      timeout_s,
+      [&](std::chrono::nanoseconds time) { return publisher->publisher.wait_for_subscribers(count, time); },
+      [this] { return !publisher_.has_value(); });
+}
+
+py::dict PyPublisher::status() const {
+  const PublisherStatus status = opened()->publisher.status();
+  py::list readers;
+  for (const PublisherStatus::Reader& reader : status.readers) {
+    readers.append(py::dict(py::arg("node") = reader.node, py::arg("served") = reader.served,
+                            py::arg("transport") = to_string(reader.transport),
+                            py::arg("reason") = reader.reason, py::arg("sent") = reader.sent,
+                            py::arg("dropped") = reader.dropped, py::arg("bytes_sent") = reader.bytes_sent,
+                            py::arg("bytes_saved") = reader.bytes_saved));
+  }
+  return py::dict(py::arg("published") = status.published, py::arg("dropped") = status.dropped,
+                  py::arg("bytes_sent") = status.bytes_sent, py::arg("bytes_saved") = status.bytes_saved,
+                  py::arg("diverted") = status.diverted.total(), py::arg("readers") = readers);
+}
+
+}  // namespace sft::python

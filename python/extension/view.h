@@ -1,0 +1,101 @@
+// A sample in Python: its fields are attributes, and arrays lie over its memory.
+#pragma once
+
+#include <pybind11/numpy.h>
+
+#include <atomic>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "sft/dynamic.h"
+#include "sft/strides.h"
+
+namespace sft::python {
+
+namespace py = pybind11;
+
+/// A sample that objects of Python refer to. Views and arrays keep it alive, and nothing else does.
+class HeldSample {
+ public:
+  /// `held` counts the samples of the subscriber that Python holds.
+  HeldSample(DynamicSample sample, std::string topic, bool is_recorded,
+             std::shared_ptr<std::atomic<int>> held)
+      : sample_(std::move(sample)),
+        topic_(std::move(topic)),
+        is_recorded_(is_recorded),
+        held_(std::move(held)) {
+    ++*held_;
+  }
+  HeldSample(const HeldSample&) = delete;
+  HeldSample& operator=(const HeldSample&) = delete;
+  ~HeldSample() { --*held_; }
+
+  const DynamicSample& sample() const { return sample_; }
+  const std::string& topic() const { return topic_; }
+  bool is_recorded() const { return is_recorded_; }
+
+ private:
+  const DynamicSample sample_;
+  const std::string topic_;
+  const bool is_recorded_;
+  const std::shared_ptr<std::atomic<int>> held_;
+};
+
+/// A struct of a sample.
+class View {
+ public:
+  View(std::shared_ptr<const HeldSample> held, DynamicView view, std::string path)
+      : held_(std::move(held)), view_(std::move(view)), path_(std::move(path)) {}
+
+  const HeldSample& held() const { return *held_; }
+  const StructType& type() const { return *view_.type(); }
+  const DynamicView& view() const { return view_; }
+  bool has(std::string_view member) const;
+  /// Returns the value of a member: a number, a text, an array, a tuple, a View, or an sft.Absent.
+  py::object member(std::string_view name) const { return value(view_[name], path_of(name)); }
+  /// The value at a path: "fields[0].name".
+  py::object find(std::string_view path) const { return value(view_.find(path), path_of(path)); }
+  /// Returns true if the sample was sent without the member. This is no read.
+  bool is_absent(std::string_view member) const { return view_[member].is_absent(); }
+  py::object size(std::string_view path) const;
+  /// The points of a cloud as one structured array, or as one array for each channel.
+  py::object points(const std::vector<std::string>& names) const;
+  py::object columns(const std::vector<std::string>& names) const;
+  /// The cells of a field, as an array of bytes with rows, columns and the bytes of a cell, and whether their
+  /// values are swapped.
+  py::object cells(const std::string& path, std::size_t cell_bytes) const;
+
+ private:
+  std::string path_of(std::string_view member) const;
+  py::object value(const DynamicView& view, std::string path) const;
+  py::object number_array(const DynamicView& view, const std::string& path) const;
+  py::object elements(const DynamicView& view, const std::string& path) const;
+  py::object absent(const std::string& path) const;
+  /// Returns an sft.Absent if the field was not sent, and throws all other errors.
+  py::object absent_or_throw(const Error& error, const std::string& path) const;
+  Result<Strides> strides(std::vector<std::string>& names) const;
+  py::array over(const Strides& strides, const py::dtype& type, std::size_t offset,
+                 std::vector<py::ssize_t> inner, py::ssize_t inner_step) const;
+
+  std::shared_ptr<const HeldSample> held_;
+  DynamicView view_;
+  std::string path_;  ///< of this struct in the sample; empty for the whole sample
+};
+
+/// A whole sample.
+class Sample : public View {
+ public:
+  explicit Sample(const std::shared_ptr<const HeldSample>& held) : View(held, held->sample().view(), {}) {}
+};
+
+/// Returns text of a message, which need not be UTF-8.
+py::str text_of(std::string_view text);
+/// "sensor_msgs/PointCloud2" for "sensor_msgs::msg::PointCloud2"
+std::string short_name(std::string_view name);
+/// Adds the classes to the module.
+void define_views(py::module_& module);
+
+}  // namespace sft::python

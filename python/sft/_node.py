@@ -1,0 +1,444 @@
+"""Nodes, publishers, loans and subscribers."""
+
+import asyncio
+import atexit
+import collections
+import concurrent.futures
+import inspect
+import json
+import os
+import sys
+import threading
+import traceback
+import warnings
+import weakref
+
+from sft import _sft
+
+Event = collections.namedtuple("Event", "kind node text count")
+Event.__doc__ = "One event of an endpoint. `kind` is 'matched', 'samples_lost' and so on; `text` is for people."
+
+_DAEMON = os.path.join(os.path.dirname(__file__), "sftd")  # a wheel brings it along
+
+_open_nodes = weakref.WeakSet()
+
+
+def _end():
+    """Closes what is open before the interpreter ends, so that no thread is in the library any more."""
+    _Background.join_s = 2  # a callback that never returns does not keep the interpreter from ending
+    for node in list(_open_nodes):
+        node.close()
+    _sft.end()
+
+
+def _forget():
+    """A forked process leaves the nodes and threads of its parent alone."""
+    _open_nodes.clear()
+    _sft.forget_threads()
+
+
+atexit.register(_end)
+os.register_at_fork(after_in_child=_forget)
+
+
+def _show_failure(of):
+    """Shows the exception of a callback; the next call follows nevertheless."""
+    print(f"sft: exception in the callback of {of}:", file=sys.stderr)
+    traceback.print_exc()
+
+
+class _Background:
+    """A thread that calls `step` until it returns False or is stopped. It does not keep the interpreter alive."""
+
+    join_s = None
+
+    def __init__(self, name, step):
+        self.stops = False
+        self._step = step
+        self._thread = threading.Thread(target=self._run, name=name, daemon=True)
+        self._thread.start()
+
+    def _run(self):
+        while not self.stops and self._step() is not False:
+            pass
+
+    def stop(self):
+        self.stops = True
+        if self._thread is not threading.current_thread():
+            self._thread.join(self.join_s)
+
+
+class Node:
+    """Joins the domain. It closes at the end of a `with` block, by close(), or with the interpreter.
+
+    Arguments: name, namespace, remap, domain, transport ('automatic', 'shm', 'udp'), peers, interfaces,
+    multicast_discovery, use_sim_time, daemon_path, daemon_idle_exit [s]; log(level, text), and log_level: 'debug',
+    'info', 'warning' or 'error'. NodeOptions in sft/options.h says what they mean.
+    """
+
+    def __init__(self, name="node", *, log=None, log_level=None, **options):
+        if os.path.exists(_DAEMON) and "SFT_DAEMON" not in os.environ:
+            options.setdefault("daemon_path", _DAEMON)
+        level = log_level or ("info" if log else None)
+        self._node = _sft.Node({"name": name, **options}, level if log else None)
+        self._name = name
+        self._callbacks = {0: lambda *letter: log(letter[0], letter[2])} if log else {}
+        self._endpoints = weakref.WeakSet()
+        self._called_back = set()  # subscribers with a callback live until they or the node are closed
+        self._postman = _Background("sft-python-news", self._deliver) if log else None
+        _open_nodes.add(self)
+
+    def __repr__(self):
+        return f"<sft.Node {self._name}>"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    def close(self):
+        """Ends all waits, callbacks, publishers and subscribers of the node."""
+        if self not in _open_nodes:  # it is closed, or belongs to the process from which this one was forked
+            return
+        _open_nodes.discard(self)
+        self._node.interrupt()
+        for endpoint in list(self._endpoints):
+            endpoint.close()
+        if self._postman:
+            self._postman.stop()
+        self._postman = None
+        self._node.close()
+
+    def interrupt(self):
+        """Ends all waits in this node, now and from now on."""
+        self._node.interrupt()
+
+    @property
+    def is_interrupted(self):
+        return self._node.is_interrupted()
+
+    def find_type(self, topic, timeout=5.0):
+        """Waits until a node has announced the topic, and returns its type."""
+        return _sft.Type(self._node.find_type(topic, timeout))
+
+    def topics(self):
+        """Returns the known topics: dicts with topic, type, publishers and subscribers (names of nodes)."""
+        return self._node.topics()
+
+    def snapshot(self):
+        """Returns the state and the counts of the node, its publishers and its subscribers (sft/snapshot.h)."""
+        return json.loads(self._node.snapshot())
+
+    def now(self):
+        """Returns the time in ns since 1970, or the simulated time with use_sim_time."""
+        return self._node.now_ns()
+
+    def publisher(self, topic, type=None, *, on_event=None, **options):
+        """Opens a publisher. `type` is an sft.Type or the name of one; None: the type that others have announced.
+
+        Options: reliable, transient_local, history_depth, deadline [s], lifespan [s], max_blocking [s],
+        manual_liveliness, liveliness_lease [s], max_sample_bytes, max_bytes_per_s, asynchronous, transport.
+        """
+        to = self._add_callback(on_event)
+        return Publisher(self, self._node.publisher(topic, self._type(topic, type)._whole, options, to), topic)
+
+    def subscriber(self, topic, type=None, fields=None, callback=None, *, on_event=None, **options):
+        """Opens a subscriber.
+
+        `fields` names what is needed: "height, data{x,y,z}[::2] @ at most 10 Hz", or "*" for all. Without it the
+        fields that the program reads are recorded, and the subscriber is soon sent only these. `callback(sample)` is
+        called by a thread of the subscriber; it may be a coroutine function if an event loop of asyncio runs now.
+
+        Options: reliable, transient_local, depth, depth_bytes, max_rate_hz, max_held, deadline [s],
+        manual_liveliness, liveliness_lease [s], further_selections, transport, pollable (True by default without a
+        callback; False makes wait() quicker, and leaves out fileno() and `async for`), learn_samples,
+        narrow_after_samples, as_remote.
+        """
+        options.setdefault("pollable", callback is None)
+        to = self._add_callback(on_event)
+        opened = self._node.subscriber(topic, self._type(topic, type)._whole, fields, options, to)
+        return Subscriber(self, opened, topic, callback)
+
+    def _type(self, topic, type):
+        if type is None:
+            return self.find_type(topic)
+        if isinstance(type, str):
+            from sft import find_type
+            return find_type(type)
+        return type
+
+    def _add_callback(self, function):
+        if function is None:
+            return 0
+        number = max(self._callbacks, default=0) + 1
+        self._callbacks[number] = lambda kind, node, text, count: function(Event(kind, node, text, count))
+        if not self._postman:
+            self._postman = _Background("sft-python-news", self._deliver)
+        return number
+
+    def _deliver(self):
+        for to, *letter in self._node.letters(0.1):
+            try:
+                self._callbacks[to](*letter)
+            except Exception:
+                _show_failure("the log" if to == 0 else "events")
+
+
+class _Endpoint:
+    """What publishers and subscribers have in common. They keep their node open."""
+
+    def __init__(self, node, opened, topic):
+        self._node = node
+        self._opened = opened
+        self.topic = topic
+        node._endpoints.add(self)
+
+    def __repr__(self):
+        return f"<sft.{type(self).__name__} of '{self.topic}'>"
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.close()
+
+    @property
+    def type(self):
+        """The message type."""
+        return _sft.Type(self._opened.type())
+
+    def close(self):
+        """Ends it. Samples and arrays stay valid."""
+        self._node._endpoints.discard(self)
+        self._opened.close()
+
+
+class Publisher(_Endpoint):
+    """Publishes messages on a topic. Any thread may publish."""
+
+    def publish(self, message=None, /, **fields):
+        """publish(message) or publish(width=3, header={"frame_id": "lidar"}). Fields that are not given are zero or
+        empty; a stamp may be "now", and a header "auto". A message is an sft.Message, a mapping, a sample, or an
+        object with the fields as attributes.
+
+        Returns False if a reader misses the sample because it does not keep up.
+        """
+        return self._opened.publish(fields if message is None else message)
+
+    def publish_cdr(self, payload):
+        """Publishes an encoded message: bytes with 4 bytes of encapsulation, as bags have it."""
+        return self._opened.publish_cdr(memoryview(payload).cast("B"))
+
+    def loan(self, *, for_overwrite=False, **fields):
+        """Returns a message that is filled in its memory: with publisher.loan(height=480, data=921600) as image.
+
+        A number in place of a sequence of numbers says how many elements it will have. They are zero, or with
+        `for_overwrite` whatever the memory contained: write them all. The end of the `with` block publishes it; an
+        exception gives it back. Other lists and texts are as given.
+        """
+        return Loan(self._opened.loan(fields, not for_overwrite), "")
+
+    def wait_for_subscribers(self, count=1, timeout=None):
+        """Waits until this many subscribers are served. Returns False when the time [s] is over."""
+        return self._opened.wait_for_subscribers(count, timeout)
+
+    def assert_liveliness(self):
+        """Says that the publisher is alive, where manual_liveliness is set."""
+        self._opened.assert_liveliness()
+
+    def status(self):
+        """Returns the counts, and each reader (sft/status.h)."""
+        return self._opened.status()
+
+
+class Loan:
+    """A message in the memory from which readers will read it. Numbers and arrays of numbers are attributes: arrays
+    are writable, and `loan.data[:] = pixels` fills one. loan["header.stamp.sec"] takes a path.
+
+    If a name still refers to such an array when the loan is published, a copy is published, since what the name can
+    write must not change a sample; a RuntimeWarning says so.
+    """
+
+    __slots__ = ("_loan", "_prefix")
+
+    def __init__(self, loan, prefix):
+        object.__setattr__(self, "_loan", loan)
+        object.__setattr__(self, "_prefix", prefix)
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, kind, *_):
+        if kind is not None:
+            self._loan.discard()
+        elif not self._loan.is_over:
+            self.publish()
+
+    def publish(self):
+        """Publishes it, and returns False if a reader misses the sample."""
+        sent = self._loan.publish()
+        if self._loan.was_copied:
+            warnings.warn("a copy of the loan was published, since a name refers to one of its arrays: write "
+                          "loan.data[:] = ..., or delete the name first", RuntimeWarning, stacklevel=3)
+        return sent
+
+    def discard(self):
+        """Gives the memory back."""
+        self._loan.discard()
+
+    def __getitem__(self, path):
+        value = self._loan.get(self._prefix + path)
+        return Loan(self._loan, f"{self._prefix}{path}.") if value is None else value
+
+    def __setitem__(self, path, value):
+        self._loan.set(self._prefix + path, value)
+
+    def __getattr__(self, name):
+        try:
+            return self[name]
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+    def __setattr__(self, name, value):
+        try:
+            self[name] = value
+        except KeyError as error:
+            raise AttributeError(error.args[0]) from None
+
+
+class Subscriber(_Endpoint):
+    """Receives samples of a topic: by take(), `for`, `async for`, or a callback. Any thread may take.
+
+    A sample, and each array over it, keeps its place in shared memory. A subscriber may hold max_held samples of a
+    publisher (256); then it gets no more of them until some are gone. sample.copy() holds nothing.
+    """
+
+    def __init__(self, node, opened, topic, callback):
+        super().__init__(node, opened, topic)
+        self.take = opened.take  # one call less for each sample
+        self._callback = callback
+        self._thread = None
+        self._readers = set()  # futures of event loops that wait for samples
+        if callback is None:
+            return
+        self._loop = asyncio.get_running_loop() if inspect.iscoroutinefunction(callback) else None
+        self._ready = threading.Event()  # the thread begins once this object is complete
+        node._called_back.add(self)
+        self._thread = _Background(f"sft-{topic}"[:15], self._call_back)
+        self._ready.set()
+
+    def take(self):
+        """Returns the oldest sample that was not taken yet, or None."""
+
+    def take_latest(self):
+        """Returns the newest sample, or None; older ones are skipped."""
+        return self._opened.take_latest()
+
+    def wait(self, timeout=None):
+        """Waits until there is a sample to take. Returns False when the time [s] is over, or after interrupt()."""
+        return self._opened.wait(timeout)
+
+    def wait_for_sample(self, timeout=None):
+        """Waits for a sample and takes it. Returns None when the time [s] is over."""
+        sample = self.take()
+        while sample is None and self.wait(timeout):
+            sample = self.take()
+        return sample
+
+    def fileno(self):
+        """Returns a file descriptor that is readable while there is a sample to take; wait on it, do not read it."""
+        fd = self._opened.file_descriptor()
+        if fd < 0:
+            raise ValueError(f"{self!r} has no file descriptor: open it with pollable=True and without a callback")
+        return fd
+
+    def set_selection(self, fields, which=0):
+        """Asks for other fields, parts or conditions."""
+        self._opened.set_selection(fields, which)
+
+    def set_max_rate_hz(self, max_rate_hz, which=0):
+        """Changes the maximum rate; 0: all samples."""
+        self._opened.set_max_rate_hz(max_rate_hz, which)
+
+    @property
+    def requested(self):
+        """What it asks for at present, as text for `fields`."""
+        return self._opened.requested()
+
+    @property
+    def held(self):
+        """The number of samples that the program holds at present."""
+        return self._opened.held()
+
+    def status(self, which=0):
+        """Returns the counts, and each publisher (sft/status.h)."""
+        return self._opened.status(which)
+
+    def close(self):
+        """Ends it: no callback runs any more, unless this is called in the callback. Samples and arrays stay valid."""
+        self._node._called_back.discard(self)
+        if self._thread:
+            self._thread.stop()
+        super().close()
+        for readable in list(self._readers):
+            readable.get_loop().call_soon_threadsafe(lambda r=readable: r.done() or r.set_result(None))
+
+    def __iter__(self):
+        """Yields samples until the subscriber is closed or its node is interrupted."""
+        while not self._opened.is_over():
+            sample = self.wait_for_sample()
+            if sample is not None:
+                yield sample
+            del sample  # whoever wants to hold it does
+
+    async def __aiter__(self):
+        """Yields samples in an event loop of asyncio, until the subscriber is closed or its node is interrupted."""
+        loop = asyncio.get_running_loop()
+        fd = os.dup(self.fileno())  # several loops may wait
+        try:
+            while not self._opened.is_over():
+                sample = self.take()
+                if sample is not None:
+                    yield sample
+                    del sample  # whoever wants to hold it does
+                else:
+                    await self._readable(loop, fd)
+        finally:
+            os.close(fd)
+
+    async def _readable(self, loop, fd):
+        """Waits until the file descriptor is readable, or the subscriber is closed."""
+        readable = loop.create_future()
+        self._readers.add(readable)
+        loop.add_reader(fd, lambda: readable.done() or readable.set_result(None))
+        try:
+            await readable
+        finally:
+            loop.remove_reader(fd)
+            self._readers.discard(readable)
+
+    def _call_back(self):
+        self._ready.wait()
+        if self._opened.is_over():
+            return False
+        sample = self.wait_for_sample(0.1)
+        if sample is None:
+            return True
+        try:
+            result = self._callback(sample)
+            del sample  # whoever wants to hold it does
+            if self._loop is not None:
+                self._finish(asyncio.run_coroutine_threadsafe(result, self._loop))
+        except Exception:
+            _show_failure(repr(self))
+        return True
+
+    def _finish(self, running):
+        """Waits for a coroutine, which is cancelled if the subscriber is closed meanwhile."""
+        while not running.done():
+            concurrent.futures.wait([running], 0.1)
+            if self._thread.stops:
+                running.cancel()
+                return
+        running.result()
