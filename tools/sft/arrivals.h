@@ -14,8 +14,8 @@ namespace sft::tool {
 /// Counts and measures samples as they arrive, on threads of the node.
 class Arrivals {
  public:
-  /// Returns the value of a sample, which is recorded beside its time of arrival.
-  using Measure = std::function<double(const DynamicSample&)>;
+  /// Returns the value of a sample, which is recorded beside its time of arrival; nothing if it has none.
+  using Measure = std::function<std::optional<double>(const DynamicSample&)>;
 
   struct Request {
     std::string fields;

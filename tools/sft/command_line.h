@@ -12,6 +12,7 @@
 #include "tools/sft/hz.h"
 #include "tools/sft/info.h"
 #include "tools/sft/ls.h"
+#include "tools/sft/perf.h"
 #include "tools/sft/pub.h"
 #include "tools/sft/top.h"
 #include "tools/sft/type.h"
@@ -21,7 +22,7 @@ namespace sft::tool {
 
 /// The options of the chosen subcommand.
 using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
-                             BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions>;
+                             BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions, PerfOptions>;
 
 struct CommandLine {
   std::string name;  ///< of the subcommand

@@ -56,7 +56,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.domain = options.domain;
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
-  node.shm.start_daemon = false;
+  node.shm.start_daemon = command == "perf";
   return Node::open(node).map([&](Node&& opened) {
     (void)opened.domain();  // from now on, the node learns of all other nodes
     return Session(std::move(opened), options, stop, output);
