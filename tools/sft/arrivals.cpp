@@ -16,11 +16,11 @@ Result<std::unique_ptr<Arrivals>> Arrivals::open(const FoundTopic& topic, Reques
 }
 
 void Arrivals::note(const DynamicSample& sample) {
-  const double value = measure_ ? measure_(sample) : 0;
+  const std::optional<double> value = measure_ ? measure_(sample) : 0;
   const std::scoped_lock lock(mutex_);
   const Moment when = std::chrono::steady_clock::now();
   periods_.add(when);
-  values_.add(when, value);
+  if (value) values_.add(when, *value);
   ++samples_;
 }
 

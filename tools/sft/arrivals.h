@@ -14,8 +14,9 @@ namespace sft::tool {
 /// Counts and measures samples as they arrive, on threads of the node.
 class Arrivals {
  public:
-  /// A function that returns a value of a sample. The value is recorded together with the time of arrival.
-  using Measure = std::function<double(const DynamicSample&)>;
+  /// A function that returns a value of a sample, or nothing if the sample has none. The value is recorded
+  /// together with the time of arrival.
+  using Measure = std::function<std::optional<double>(const DynamicSample&)>;
 
   struct Request {
     std::string fields;

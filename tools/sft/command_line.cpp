@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <iostream>
 #include <iterator>
+#include <map>
 #include <memory>
 #include <span>
 #include <string>
@@ -34,6 +35,9 @@ struct Parsed {
   RecordOptions record{.version = SFT_VERSION};
   PlayOptions play;
   BagOptions bag;
+  PerfOptions perf;
+  std::vector<std::string> beside;
+  std::string host;
   bool csv = false;
   bool yaml = false;
 };
@@ -212,7 +216,12 @@ void declare_bw(CLI::App& app, Parsed& parsed) {
 void declare_delay(CLI::App& app, Parsed& parsed) {
   CLI::App* command = declare(app, parsed, "delay", &Parsed::delay,
                               "Measure how old samples are when they arrive, by header.stamp");
-  command->add_flag("--published", parsed.delay.published, "Measure from the time of publication instead");
+  CLI::Option* published = command->add_flag("--published", parsed.delay.published,
+                                             "Measure from the time of publication instead");
+  command
+      ->add_option("--field", parsed.delay.field,
+                   "Measure by this field of the type Time instead: 'transforms[0].header.stamp'")
+      ->excludes(published);
   add_live(command, parsed.delay.live);
   add_includes(command, parsed.line.common);
 }
@@ -329,6 +338,97 @@ void declare_bag(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.bag; });
 }
 
+void add_message(CLI::App* command, Parsed& parsed) {
+  PerfOptions& perf = parsed.perf;
+  CLI::Option* type =
+      command->add_option("--type", perf.type, "Send messages of this type: sensor_msgs/PointCloud2");
+  CLI::Option* value =
+      command->add_option("--value", perf.value, "Send this message, as YAML or JSON")->needs(type);
+  CLI::Option* size =
+      command
+          ->add_option(
+              "--size", perf.size,
+              "Send about so many bytes (default: 64); with --type, a PointCloud2 or a UInt8MultiArray")
+          ->check(CLI::Range(1, 60 * 1024 * 1024))
+          ->excludes(value);
+  command->add_option("--like", perf.like, "Send a message like the next one of this topic")
+      ->excludes(type)
+      ->excludes(size);
+  command->add_flag("--loan", perf.plan.loans,
+                    "Send loans, which copy nothing within a host; for PointCloud2");
+  add_includes(command, parsed.line.common);
+}
+
+/// Declares `sft perf ping` or `sft perf pub`.
+void declare_sender(CLI::App& perf_command, Parsed& parsed, const char* name, bool answers,
+                    const char* help) {
+  perf::Plan& plan = parsed.perf.plan;
+  CLI::App* command = declare(perf_command, parsed, name, help);
+  command->add_option(
+      "HOST", parsed.host,
+      "The other machine, if multicast does not reach it; as --peer, which it then needs, too");
+  add_message(command, parsed);
+  command->add_option("--fields", plan.fields, "Ask for these fields only: 'header.stamp, data{x,y,z}[::2]'")
+      ->default_str("*");
+  const std::string usual = answers ? "100" : "0";
+  command
+      ->add_option("-r,--rate", plan.rate_hz,
+                   "Send so many samples a second" + std::string(answers ? "" : "; 0: as fast as possible"))
+      ->check(CLI::Range(answers ? 0.1 : 0, SubscriberOptions::fastest_rate_hz))
+      ->default_str(usual);
+  command->add_option("--for", plan.for_s, "Measure for so many seconds, each of --beside as long")
+      ->check(CLI::Range(0.1, 1e6))
+      ->capture_default_str();
+  command->add_flag("--reliable", plan.reliable, "Send lost samples again");
+  command->add_option("--transport", plan.transport, "Use only this path: shm or udp")
+      ->transform(
+          CLI::CheckedTransformer(std::map<std::string, TransportChoice>{{"auto", TransportChoice::automatic},
+                                                                         {"shm", TransportChoice::shm},
+                                                                         {"udp", TransportChoice::udp}}));
+  command->add_option("--sides", plan.sides, "Wait for so many other sides")
+      ->check(CLI::Range(1, 64))
+      ->capture_default_str();
+  command
+      ->add_option(
+          "--beside", parsed.beside,
+          "Send the same bytes by these in the same run: udp, tcp (plain sockets), whole (the whole message)")
+      ->delimiter(',')
+      ->check(CLI::IsMember({"udp", "tcp", "whole"}));
+  command->add_option("--fail-if", parsed.perf.fail_if,
+                      "Exit with 3 if one of these holds: 'p99 > 2 ms, lost > 0.1 %'");
+  command->add_option("--svg", parsed.perf.svg, "Draw the latencies to this file");
+  command->add_option("--raw", plan.raw_file, "Write the times of each sample to this file, as CSV");
+  command->callback([&parsed, answers, command] {
+    perf::Plan& chosen = parsed.perf.plan;
+    chosen.answers = answers;
+    if (!answers && command->get_option("--rate")->count() == 0) chosen.rate_hz = 0;
+    for (const std::string& beside : parsed.beside) {
+      chosen.beside_whole |= beside == "whole";
+      chosen.beside_udp |= beside == "udp";
+      chosen.beside_tcp |= beside == "tcp";
+    }
+    if ((chosen.beside_udp || chosen.beside_tcp) && chosen.sides > 1)
+      throw CLI::ValidationError("--beside udp and tcp need one other side: leave --sides out");
+    if (!parsed.host.empty()) parsed.line.common.peers.push_back(parsed.host);
+    parsed.line.command = parsed.perf;
+  });
+}
+
+void declare_perf(CLI::App& app, Parsed& parsed) {
+  CLI::App* command = app.add_subcommand("perf", "Measure latency, rate and cost between your own machines");
+  command->require_subcommand(1);
+  for (const char* name : {"pong", "sub"}) {
+    CLI::App* server =
+        declare(*command, parsed, name, "Take part on the other machine, in all runs until Ctrl-C");
+    server->callback([&parsed] {
+      parsed.perf.answers = true;
+      parsed.line.command = parsed.perf;
+    });
+  }
+  declare_sender(*command, parsed, "ping", true, "Measure round trips to 'sft perf pong'");
+  declare_sender(*command, parsed, "pub", false, "Measure how much arrives at 'sft perf sub'");
+}
+
 /// A command that users of the command line of ROS 2 may type, and the command of sft with the same effect.
 struct Counterpart {
   std::string_view typed, command;
@@ -384,9 +484,9 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
   app.footer(exit_codes_help);
   app.require_subcommand(1);
   Parsed parsed;
-  for (const auto add :
-       {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz, declare_bw,
-        declare_delay, declare_why, declare_top, declare_doctor, declare_record, declare_play, declare_bag}) {
+  for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz,
+                         declare_bw, declare_delay, declare_why, declare_top, declare_doctor, declare_record,
+                         declare_play, declare_bag, declare_perf}) {
     add(app, parsed);
   }
   try {

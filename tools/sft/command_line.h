@@ -13,6 +13,7 @@
 #include "tools/sft/hz.h"
 #include "tools/sft/info.h"
 #include "tools/sft/ls.h"
+#include "tools/sft/perf.h"
 #include "tools/sft/play.h"
 #include "tools/sft/pub.h"
 #include "tools/sft/record.h"
@@ -23,9 +24,9 @@
 namespace sft::tool {
 
 /// The options of the chosen subcommand.
-using Command =
-    std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions, BwOptions,
-                 DelayOptions, WhyOptions, TopOptions, DoctorOptions, RecordOptions, PlayOptions, BagOptions>;
+using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
+                             BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions, RecordOptions,
+                             PlayOptions, BagOptions, PerfOptions>;
 
 struct CommandLine {
   std::string name;  ///< the name of the subcommand

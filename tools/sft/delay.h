@@ -9,6 +9,7 @@ namespace sft::tool {
 
 struct DelayOptions {
   std::string topic{};
+  std::string field{};     ///< a field of the type Time; empty: header.stamp
   bool published = false;  ///< true: measures from the time of publication, instead of header.stamp
   LiveOptions live{};
 };

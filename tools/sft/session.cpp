@@ -57,7 +57,7 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.use_sim_time = options.sim_time;
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
-  node.shm.start_daemon = false;
+  node.shm.start_daemon = command == "perf";
   return Node::open(node).map([&](Node&& opened) {
     (void)opened.domain();  // from now on, the node receives announcements of all other nodes
     return Session(std::move(opened), options, stop, output);

@@ -22,8 +22,8 @@ struct FoundTopic {
 
 class Session {
  public:
-  /// Opens the node. `command` is a part of the node's name. The node never starts a daemon, since a command
-  /// that only observes must not change the host.
+  /// Opens the node. `command` is a part of the node's name. Only the node of `perf` may start a daemon, as
+  /// programs do. A command that only observes must not change the host.
   static Result<Session> open(const CommonOptions& options, std::string_view command, Stop& stop,
                               Output& output);
 

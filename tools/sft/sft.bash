@@ -15,7 +15,7 @@ _sft_messages() { # prints the messages that are installed with sft, as package/
 
 _sft() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="ls info type echo pub hz bw delay why top doctor record play bag"
+  local commands="ls info type echo pub hz bw delay why top doctor record play bag perf"
   local common="--json --no-color --domain --interface --peer --wait --timeout --help"
   COMPREPLY=()
 
@@ -23,9 +23,25 @@ _sft() {
     mapfile -t COMPREPLY < <(compgen -W "$commands --help --version" -- "$word")
     return
   fi
+  if [[ $command == perf ]] && ((COMP_CWORD == 2)); then
+    mapfile -t COMPREPLY < <(compgen -W "ping pong pub sub" -- "$word")
+    return
+  fi
   case $before in
+    --like)
+      mapfile -t COMPREPLY < <(compgen -W "$(_sft_names ls topics --names)" -- "$word")
+      return ;;
+    --type)
+      mapfile -t COMPREPLY < <(compgen -W "$(_sft_messages)" -- "$word")
+      return ;;
+    --transport)
+      mapfile -t COMPREPLY < <(compgen -W "auto shm udp" -- "$word")
+      return ;;
+    --svg | --raw)
+      mapfile -t COMPREPLY < <(compgen -f -- "$word")
+      return ;;
     --fields)
-      if [[ $command != type ]]; then
+      if [[ $command != type && $command != perf ]]; then
         mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
         return
       fi ;;
@@ -42,7 +58,8 @@ _sft() {
       mapfile -t COMPREPLY < <(compgen -d -- "$word")
       return ;;
     --domain | --peer | --wait | --timeout | --for | --window | --count | -n | --rate | -r | --every | --wait-for | \
-      -w | --split-mb | --split-time | --last | --on | --memory-mb | --start | --remap | --like)
+      -w | --split-mb | --split-time | --last | --on | --memory-mb | --start | --remap | --field | --value | --size | \
+      --sides | --fail-if | --beside)
       [[ $command == bw && $before == --every ]] || return ;;
   esac
 
@@ -54,7 +71,10 @@ _sft() {
     pub) own="--rate --once --count --wait-for --reliable --transient-local --include" ;;
     hz) own="--for --window --include" ;;
     bw) own="--fields --every --for --window --include" ;;
-    delay) own="--published --for --window --include" ;;
+    delay) own="--field --published --for --window --include" ;;
+    perf)
+      own="--type --value --size --like --loan --include --fields --rate --for --reliable --transport --sides --beside"
+      own+=" --fail-if --svg --raw" ;;
     why) own="--types" ;;
     top) own="--every --for" ;;
     doctor) own="--quiet" ;;

@@ -101,8 +101,9 @@ std::vector<std::string> shown_lines(const std::string& out) {
 TEST_F(CommandTest, TheHelpOfEachSubcommandFitsEightyColumns) {
   std::vector<std::vector<std::string>> helps{{"--help"}};
   for (const char* command : {"ls", "info", "type", "echo", "pub", "hz", "bw", "delay", "why", "top",
-                              "doctor", "record", "play", "bag"})
+                              "doctor", "record", "play", "bag", "perf"})
     helps.push_back({command, "--help"});
+  helps.push_back({"perf", "ping", "--help"});
   for (const auto& arguments : helps) {
     const std::vector<std::string> lines = shown_lines(run_tool(arguments).out);
     EXPECT_GT(lines.size(), 10U);
@@ -370,13 +371,17 @@ TEST_F(CommandTest, BashCompletesSubcommandsOptionsTopicsAndFields) {
       "printf \"%s\\n\" \"${COMPREPLY[@]}\"; };"
       "complete_words sft ec; complete_words sft echo /po; complete_words sft echo points --on;"
       "complete_words sft echo points --fields fields[].na; complete_words sft ls ty; "
-      "complete_words sft pub /po; complete_words sft pub points sensor_msgs/PointCloud2";
+      "complete_words sft pub /po; complete_words sft pub points sensor_msgs/PointCloud2; complete_words sft "
+      "perf po; "
+      "complete_words sft perf ping --fail";
   FILE* const pipe = popen(("bash -c '" + script + "'").c_str(), "r");
   if (pipe == nullptr) GTEST_SKIP() << "no bash";
   std::string out;
   for (int c = std::fgetc(pipe); c != EOF; c = std::fgetc(pipe)) out += static_cast<char>(c);
   pclose(pipe);
-  EXPECT_EQ(out, "echo\n/points\n--once\nfields[].name\ntypes\n/points\nsensor_msgs/PointCloud2\n");
+  EXPECT_EQ(
+      out,
+      "echo\n/points\n--once\nfields[].name\ntypes\n/points\nsensor_msgs/PointCloud2\npong\n--fail-if\n");
 }
 
 }  // namespace

@@ -1,5 +1,6 @@
 // The measurements of the verbs hz, bw and delay.
 #include <sstream>
+#include <tf2_msgs/msg/TFMessage.hpp>
 
 #include "tests/tools/sft/tool_fixture.h"
 
@@ -78,7 +79,7 @@ TEST_F(MeasureTest, DelaysThatAreOlderThanTheWindowCountNoMore) {
   ToolProcess delay({"delay", "points", "--window", "1", "--for", "30"});
   {
     const Publishing unstamped(points, cloud(), 20ms);
-    ASSERT_TRUE(delay.prints(" so far; the stamp is not set\n")) << delay.out();
+    ASSERT_TRUE(delay.prints(" so far; not set: ")) << delay.out();
   }
   const Publishing stamped(points, cloud(), 20ms, true);
   EXPECT_TRUE(delay.prints(" so far\n")) << delay.out();
@@ -89,6 +90,26 @@ TEST_F(MeasureTest, DelayNeedsAStamp) {
   const Ended ended = run_tool({"delay", "time"});
   EXPECT_EQ(ended.code, 2);
   EXPECT_THAT(ended.err, HasSubstr("builtin_interfaces::msg::Time has no field header.stamp"));
+}
+
+TEST_F(MeasureTest, DelayTakesAnyFieldOfTheTypeTime) {
+  auto transforms = robot.publisher<tf2_msgs::msg::TFMessage>("tf").value();
+  tf2_msgs::msg::TFMessage message;
+  message.transforms.resize(2);
+  message.transforms[1].header.stamp =
+      time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now() - 2s);
+  const Ticker publishing(
+      20ms, [&](std::uint32_t) { transforms.publish(message); }, Keeps::rate);
+  const Json json = measured({"delay", "tf", "--field", "transforms[1].header.stamp"});
+  EXPECT_EQ(json["since"], "transforms[1].header.stamp");
+  EXPECT_GT(json["delay_s"]["min"], 1.9);
+  EXPECT_LT(json["delay_s"]["max"], 20);
+  EXPECT_EQ(measured({"delay", "tf", "--field", "transforms[0].header.stamp"})["not_set"].get<int>() > 10,
+            true);
+  EXPECT_GT(measured({"delay", "tf", "--field", "transforms[7].header.stamp"})["absent"], 10);
+  const Ended wrong = run_tool({"delay", "tf", "--field", "transforms[0].child_frame_id"});
+  EXPECT_EQ(wrong.code, 2);
+  EXPECT_THAT(wrong.err, HasSubstr("has no field 'transforms[0].child_frame_id' of the type Time"));
 }
 
 }  // namespace

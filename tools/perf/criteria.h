@@ -1,0 +1,33 @@
+// Conditions on measured values under which a run has failed: "p99 > 2 ms, lost > 0.1 %".
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "sft/result.h"
+
+namespace sft::perf {
+
+/// Values by the names that conditions use: times in seconds, `rate` in hertz, and counts.
+using Values = std::map<std::string, std::optional<double>, std::less<>>;
+
+struct Criterion {
+  std::string text;  ///< as the user wrote it
+  std::string name;
+  std::string comparison;    ///< ">", ">=", "<" or "<="
+  double bound = 0;          ///< in the unit of Values
+  bool of_all_sent = false;  ///< the bound is a part of all samples that were sent
+};
+
+/// Parses conditions with commas between them. An error names the position of the first mistake, and what is
+/// possible there.
+Result<std::vector<Criterion>> parse_criteria(std::string_view text);
+
+/// Returns a sentence for each condition that holds. A value that is not known also fails a run, since nobody
+/// can tell that it is good.
+std::vector<std::string> failures(const std::vector<Criterion>& criteria, const Values& values);
+
+}  // namespace sft::perf

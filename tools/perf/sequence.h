@@ -1,0 +1,54 @@
+// The numbers of samples: which of them came, in which order, and which sample an answer belongs to.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+namespace sft::perf {
+
+/// A part of the answers of one side. Answers have numbers of their own, since a sample that was lost is not
+/// answered: from answer `answer` on, up to the next part, they belong to consecutive samples from `sample`.
+struct Part {
+  std::uint64_t answer = 1;
+  std::uint64_t sample = 1;
+  friend bool operator==(const Part&, const Part&) = default;
+};
+
+/// The side that answers notes to which samples its answers belong.
+class Answered {
+ public:
+  /// Notes that the next answer belongs to this sample.
+  void note(std::uint64_t sample);
+  std::uint64_t count() const { return count_; }
+  /// Returns the parts that began since the last call.
+  std::vector<Part> take_parts();
+
+ private:
+  std::uint64_t count_ = 0;
+  std::uint64_t expected_ = 0;
+  std::vector<Part> parts_;
+};
+
+/// Returns the number of the sample that an answer belongs to; 0: it is not known.
+std::uint64_t sample_of(std::uint64_t answer, const std::vector<Part>& parts);
+
+/// Counts samples by their numbers, from 1.
+class Tally {
+ public:
+  /// Returns false if the sample has come before.
+  bool note(std::uint64_t number);
+  std::uint64_t distinct() const { return distinct_; }
+  std::uint64_t reordered() const { return reordered_; }  ///< came after one with a higher number
+  std::uint64_t twice() const { return twice_; }
+
+ private:
+  std::vector<bool> came_;
+  std::uint64_t distinct_ = 0, reordered_ = 0, twice_ = 0, highest_ = 0;
+};
+
+/// Returns the moment from which the time of a sample counts. That is when it was sent; but if the program
+/// stalled, so that it was sent late, that is when it was due. Otherwise a stall of all samples would show as
+/// one slow sample. `is_late` says which.
+std::int64_t counted_from(std::int64_t due_ns, std::int64_t sent_ns, std::int64_t period_ns, bool& is_late);
+
+}  // namespace sft::perf

@@ -1,0 +1,42 @@
+// What a process and its host use, and how well the clock of the host is kept.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+
+namespace sft::perf {
+
+std::int64_t now_ns();   ///< by a clock that is never set
+std::int64_t time_ns();  ///< the time of the host, in UTC
+
+struct Usage {
+  double cpu_s = 0;  ///< of all threads of the process, in the kernel and outside
+  std::uint64_t switches = 0;
+  std::uint64_t bytes_in = 0, bytes_out = 0;  ///< of all interfaces of the host, without the loopback
+  std::uint64_t memory_bytes = 0;             ///< the most that the process had; not a difference
+};
+Usage usage_now();
+Usage operator-(const Usage& after, const Usage& before);
+Usage operator+(const Usage& one, const Usage& other);
+
+struct HostClock {
+  std::string boot;  ///< equal on one host, whose programs share a clock
+  bool is_kept = false;
+  double error_s = 0;  ///< the most by which the clock is wrong, if it is kept
+};
+HostClock host_clock();
+
+/// Returns how two hosts' clocks agree, as words and as the most by which they differ. No number: nobody
+/// knows.
+struct Agreement {
+  std::string words;
+  std::optional<double> within_s;
+};
+Agreement agreement(const HostClock& here, const HostClock& there);
+
+/// Returns what this host does when it is idle: "governor schedutil, idle states POLL C1 C6"; empty if the
+/// system does not tell.
+std::string idle_habits();
+
+}  // namespace sft::perf
