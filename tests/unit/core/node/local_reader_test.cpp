@@ -219,6 +219,21 @@ TEST_F(LocalReaderTest, ThatAWriterIsSilentIsToldAlsoIfTheNextOneLives) {
   EXPECT_EQ(events[0].peer, 7U);
 }
 
+TEST_F(LocalReaderTest, ThatTheProgramHoldsTooManySamplesIsToldWithTheNextLookAndOnce) {
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  reader->report_events();
+  events.clear();
+  for (const std::uint64_t held_too_many : {2, 5}) {
+    memory.held_too_many = held_too_many;
+    for (int look = 0; look < 3; ++look) reader->report_events();
+  }
+  ASSERT_EQ(events.size(), 2U);
+  for (const Event& event : events) EXPECT_EQ(event.kind, Event::Kind::held_too_many);
+  EXPECT_EQ(events[0].count, 2U);
+  EXPECT_EQ(events[1].count, 3U);
+}
+
 TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {
   open_by_network();
   seen(over_network(Role::writer, 7));

@@ -42,6 +42,7 @@ class TestMemory final : public IdleSharedMemory {
     bool connected(EndpointId) const noexcept override { return memory_.attaches; }
     HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
     std::uint64_t arrivals(EndpointId) noexcept override { return memory_.arrivals; }
+    std::uint64_t held_too_many() const noexcept override { return memory_.held_too_many; }
     void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
 
    private:
@@ -69,7 +70,8 @@ class TestMemory final : public IdleSharedMemory {
   int writers = 0;
   int readers = 0;
   bool samples_wait = false;          ///< in the queue of each reader
-  std::uint64_t arrivals = 0;         ///< the count that each writer port reports
+  std::uint64_t arrivals = 0;         ///< the count that each reader port reports of each writer
+  std::uint64_t held_too_many = 0;    ///< the count that each reader port reports
   int openings = 0;                   ///< attempts to open a writer port, refused ones included
   std::vector<Route> routes;          ///< as set last on any writer port
   std::string why_unreachable;        ///< what writer ports report of each reader

@@ -199,6 +199,19 @@ TEST_F(NodeLogTest, MoreTopicsAndWarningsThanItRemembersAreWrittenAsRarely) {
   EXPECT_LE(lines.size(), 256U + 2 * LineBudget::burst);
 }
 
+TEST_F(NodeLogTest, TopicsThatWereQuietForLongLeaveRoomForBudgetsOfOthers) {
+  NodeLog log = log_from(LogLevel::info);
+  const auto write = [&](const std::string& topic, Time at) {
+    log.write(topic, {.kind = Event::Kind::matched, .text = "shm: same host"}, at);
+  };
+  for (int i = 0; i < 1000; ++i) write("former topic" + std::to_string(i), now);
+  log.tick(now + 1h);
+  lines.clear();
+  constexpr int topics = 5 * LineBudget::burst;
+  for (int i = 0; i < topics; ++i) write("topic" + std::to_string(i), now + 1h);
+  EXPECT_EQ(lines.size(), std::size_t{topics});
+}
+
 TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {
   NodeLog log = log_from(LogLevel::info);
   for (int i = 0; i < 1000; ++i)
