@@ -135,6 +135,17 @@ TEST_F(LocalWriterTest, AReaderThatCannotBeToldOfSamplesIsNotServedInMemoryUntil
   EXPECT_THAT(served_in_memory(), ElementsAre(200));
 }
 
+TEST_F(LocalWriterTest, AReaderThatCouldNotBeToldOfSamplesIsTriedAtOnceWhenItAttachesAnew) {
+  memory.why_unreachable = "its doorbell is gone";
+  open_in_memory();
+  reader_attaches(200);
+  negotiation.endpoint_seen(here(Role::reader, 200));
+  writer->reconcile();
+  memory.why_unreachable.clear();
+  reader_attaches(200);
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+}
+
 TEST_F(LocalWriterTest, ItsProgressIsTakenThreeTimesForAllThatWasSentAndOnlyIfAReaderIsServed) {
   open(over_network(Role::writer, 7));
   writer->reconcile();

@@ -108,8 +108,8 @@ TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterT
       .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
   for (int i = 0; i < 2; ++i) log.write("points", lost, now);
   lines.clear();
-  for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
-  ASSERT_EQ(lines.size(), 1U);
+  for (auto after = 500ms; after < 300s; after += 500ms) log.tick(now + after);
+  ASSERT_EQ(lines.size(), 1U) << "they are named once";
   EXPECT_EQ(lines[0].second,
             "node: topic 'points', publisher 0000000000000007: samples lost: 3 more were lost although "
             "reliability was requested");

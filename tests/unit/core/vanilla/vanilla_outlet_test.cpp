@@ -90,6 +90,14 @@ TEST_F(VanillaOutletTest, OfLargeSamplesAsManyWaitAsThePublisherRetains) {
   EXPECT_THAT(written(6), ElementsAre(1, 5, 6, 7, 8, 9));
 }
 
+TEST_F(VanillaOutletTest, AsManySmallSamplesWaitAsEverOnceLargeOnesHaveGone) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) send(sequence, 1'000'000);
+  EXPECT_EQ(outlet.left_out(), 5U);
+  constexpr std::size_t most = VanillaOutlet::waiting_max;
+  for (std::uint64_t sequence = 11; sequence < 11 + most; ++sequence) send(sequence);
+  EXPECT_EQ(outlet.left_out(), 10U) << "only the large ones";
+}
+
 TEST_F(VanillaOutletTest, ThatIsClosedHoldsNothingAndTakesNothing) {
   send(1);
   outlet.close();
