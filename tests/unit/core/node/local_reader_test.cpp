@@ -104,6 +104,18 @@ TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
   EXPECT_THAT(memory.asked_for, ElementsAre(7, 7));
 }
 
+TEST_F(LocalReaderTest, WhatAFormerDaemonRefusedIsAskedOfTheNextOneAtOnce) {
+  memory.refusal = Errc::limit_exceeded;
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  memory.refusal.reset();
+  reader->reconcile(unattached);
+  EXPECT_THAT(memory.connections, IsEmpty()) << "there is a pause";
+  reader->drop_memory();
+  reader->reconcile(unattached);
+  EXPECT_THAT(memory.connections, ElementsAre(7));
+}
+
 TEST_F(LocalReaderTest, ItsLostPortStaysWhileSamplesWaitInItButNotForLong) {
   open_in_memory();
   seen(here(Role::writer, 7));

@@ -102,6 +102,14 @@ TEST_F(NodeLogTest, OfAReliablePairThatGoesOnLosingSamplesLinesBecomeRare) {
   EXPECT_LE(lines.size(), 18U);
 }
 
+TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesForADayLinesComeAMinuteApartInTheEnd) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  for (auto after = 0s; after < 24h; after += 1s) log.write("points", lost, now + after);
+  EXPECT_GE(lines.size(), std::size_t{24h / 65s});
+}
+
 TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
@@ -210,6 +218,15 @@ TEST_F(NodeLogTest, TopicsThatWereQuietForLongLeaveRoomForBudgetsOfOthers) {
   constexpr int topics = 5 * LineBudget::burst;
   for (int i = 0; i < topics; ++i) write("topic" + std::to_string(i), now + 1h);
   EXPECT_EQ(lines.size(), std::size_t{topics});
+}
+
+TEST_F(NodeLogTest, WarningsThatDidNotComeForLongLeaveRoomForPausesOfOthers) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i) log.write(LogLevel::warning, "former" + std::to_string(i), now);
+  log.tick(now + 1h);
+  lines.clear();
+  for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "failed", now + 1h);
+  EXPECT_EQ(lines.size(), 1U);
 }
 
 TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {

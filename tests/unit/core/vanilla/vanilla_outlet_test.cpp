@@ -98,6 +98,15 @@ TEST_F(VanillaOutletTest, AsManySmallSamplesWaitAsEverOnceLargeOnesHaveGone) {
   EXPECT_EQ(outlet.left_out(), 10U) << "only the large ones";
 }
 
+TEST_F(VanillaOutletTest, CountsEachSampleThatCouldNotBeWritten) {
+  VanillaOutlet failing([](const SampleHandle& one) { return one->sequence % 2 == 0; }, 5);
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) failing.send(sample(sequence));
+  ASSERT_TRUE(failing.start("test"));
+  EXPECT_TRUE(test::eventually([&] { return failing.left_out() == 3; })) << failing.left_out();
+  failing.close();
+  EXPECT_EQ(failing.left_out(), 3U);
+}
+
 TEST_F(VanillaOutletTest, ThatIsClosedHoldsNothingAndTakesNothing) {
   send(1);
   outlet.close();
