@@ -173,6 +173,7 @@ INSTANTIATE_TEST_SUITE_P(Ways, LongCallbackByUdp, ::testing::Values(Way::udp, Wa
 TEST_P(LongCallbackByUdp, IsNamedIfItHoldsUpTheThreadThatReceives) {
   EXPECT_TRUE(eventually([&] { return log_.has("topic 'camera': its callback has run for "); }));
   EXPECT_TRUE(log_.has(" on the thread that receives by UDP, which receives nothing meanwhile"));
+  EXPECT_EQ(subscriber_->status().long_waits, 0U) << "no sample of it waits for another callback";
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <fstream>
 #include <span>
+#include <sstream>
 
 #include "tests/tools/sft/tool_fixture.h"
 
@@ -109,11 +110,27 @@ TEST_F(DeepTypesTest, TheRateOfOneThatIsTooDeepIsThatWhichItsPublisherCounts) {
     const Ended ended = run_tool({command, "deep", "--json", "--for", "12"});
     EXPECT_EQ(ended.code, 0) << ended.err;
     EXPECT_THAT(ended.err, HasSubstr("what its publishers count is shown instead"));
-    const std::size_t last = ended.out.rfind('\n', ended.out.size() - 2);
-    const Json json = Json::parse(ended.out.substr(last == std::string::npos ? 0 : last + 1));
-    EXPECT_GT(json["samples"], 0);
-    EXPECT_LE(json["samples"], publisher.status().published) << "each is counted once";
+    std::istringstream lines(ended.out);
+    std::uint64_t samples = 0, new_ones = 0;
+    for (std::string line; std::getline(lines, line);) {
+      const Json json = Json::parse(line);
+      samples = json["samples"];
+      new_ones += json.value("new", std::uint64_t{0});
+    }
+    EXPECT_GT(samples, 0U);
+    EXPECT_LE(samples, publisher.status().published) << "each is counted once";
+    if (std::string_view(command) == "hz") {
+      EXPECT_EQ(samples, new_ones) << "all since the beginning";
+    }
   }
+}
+
+TEST_F(DeepTypesTest, ThatNothingWasSentOfOneThatIsTooDeepIsToldAlsoByTheExitCode) {
+  const Definitions definitions(40, 1);
+  const auto publisher = robot.publisher("deep", definitions.type()).value();
+  const Ended ended = run_tool({"hz", "deep", "--for", "1.5"});
+  EXPECT_EQ(ended.code, 1);
+  EXPECT_THAT(ended.out, HasSubstr("deep: its publishers have sent no sample to a subscriber yet\n"));
 }
 
 }  // namespace

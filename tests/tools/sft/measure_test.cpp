@@ -85,6 +85,15 @@ TEST_F(MeasureTest, DelaysThatAreOlderThanTheWindowCountNoMore) {
   EXPECT_TRUE(delay.prints(" so far\n")) << delay.out();
 }
 
+TEST_F(MeasureTest, DelaysBelowZeroAreThoseOfClocksThatDiffer) {
+  PointCloud2 ahead = cloud();
+  ahead.header.stamp =
+      time_message<builtin_interfaces::msg::Time>(std::chrono::system_clock::now() + std::chrono::hours(1));
+  const Publishing publishing(points, ahead, 20ms);
+  ToolProcess delay({"delay", "points", "--for", "30"});
+  EXPECT_TRUE(delay.prints("; clocks differ\n")) << delay.out();
+}
+
 TEST_F(MeasureTest, DelayNeedsAStamp) {
   auto time = robot.publisher<builtin_interfaces::msg::Time>("time").value();
   const Ended ended = run_tool({"delay", "time"});

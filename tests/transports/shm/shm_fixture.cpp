@@ -192,8 +192,9 @@ core::SendStatus Writer::send_frame(std::uint32_t data) {
   return sample ? send(sample, data) : core::SendStatus::dropped;
 }
 
-Reader::Reader(Node& node, std::uint32_t depth, core::EndpointId id) {
-  auto port = node->open_reader({.id = id, .type = &frame_type(), .depth = depth, .doorbell = {}});
+Reader::Reader(Node& node, std::uint32_t depth, core::EndpointId id, std::uint64_t depth_bytes) {
+  auto port = node->open_reader(
+      {.id = id, .type = &frame_type(), .depth = depth, .doorbell = {}, .depth_bytes = depth_bytes});
   EXPECT_TRUE(port) << port.error().message;
   if (port) port_ = std::move(*port);
 }

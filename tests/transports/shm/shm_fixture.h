@@ -115,7 +115,8 @@ constexpr core::EndpointId reader_id = 7;
 
 class Reader {
  public:
-  explicit Reader(Node& node, std::uint32_t depth = 8, core::EndpointId id = reader_id);
+  explicit Reader(Node& node, std::uint32_t depth = 8, core::EndpointId id = reader_id,
+                  std::uint64_t depth_bytes = 0);
 
   bool connects_to(core::EndpointId writer);
   core::SampleHandle take() { return port_->take(); }

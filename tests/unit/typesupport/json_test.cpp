@@ -105,6 +105,23 @@ TEST(JsonTest, WhatIsMalformedOrTooLongIsAnError) {
   EXPECT_EQ(to_json(view).error().code, Errc::malformed);
 }
 
+TEST(JsonTest, OfPlainTextsIsNeverLongerThanItMayBe) {
+  torture::Sequences s;
+  s.texts.assign(100, "abc");
+  const Encoded encoded(s, Mask<torture::Sequences>(torture::Sequences::Field::texts));
+  const DynamicView view(encoded.state(), TypeTable<torture::Sequences>::type);
+  bool some_is_refused = false;
+  for (std::size_t most = 0; most < 1000; ++most) {
+    const Result<std::string> text = to_json(view, {.output_bytes_max = most});
+    some_is_refused |= !text;
+    if (text) {
+      EXPECT_LE(text->size(), most);
+    }
+  }
+  EXPECT_TRUE(some_is_refused);
+  EXPECT_TRUE(to_json(view, {.output_bytes_max = 1000}));
+}
+
 // ---- from JSON ----
 
 template <class T>

@@ -296,6 +296,21 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
+TEST_F(DirectoryTest, KeepsAllAddressesOfAProcessThatReturnsAfterOneOfItsNetworksWasCut) {
+  const IpAddress by_lan(0x0a000001), by_radio(0x0b000001);
+  ways = {{1, by_lan}, {2, by_radio}};
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  Endpoint writer = endpoint(Role::writer, 10);
+  writer.addresses = {{.ip = by_lan, .port = 5}, {.ip = by_radio, .port = 5}};
+  other_has(writer);
+  directory.paths_cut({process_one, {1}});
+  directory.peer_lost(process_one);
+  other_has(writer);
+  notify();
+  EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
+}
+
 TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnouncedWhatTheyAreAbout) {
   const auto node = open(), silent = open();
   announce(*node, endpoint(Role::reader, 1));

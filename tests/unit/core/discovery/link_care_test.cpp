@@ -220,6 +220,9 @@ TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceS
   EXPECT_EQ(asks_within(14), 2);
   care.joined(link, now);
   EXPECT_GT(asks_within(14), 2);
+  asks_within(120);
+  care.network_changed(now);
+  EXPECT_GT(asks_within(14), 2) << "another network may have other participants";
 }
 
 TEST_F(LinkCareTest, AnswersWhoAsksNoMoreOftenThanHeartbeatsGo) {

@@ -107,6 +107,12 @@ TEST_F(RemoteTableTest, HoldsWhatMattersOfHeartbeatsWithoutEnd) {
   EXPECT_FALSE(is_behind());
 }
 
+TEST_F(RemoteTableTest, RemembersADigestUntilAThousandChangesHaveFollowed) {
+  for (std::uint64_t change = 1; change <= 2000; ++change) arrives(change);
+  EXPECT_FALSE(table.expect(digest(900), apart, now));
+  EXPECT_TRUE(table.expect(digest(1000), apart, now));
+}
+
 TEST_F(RemoteTableTest, IsNotBehindOnceWhatHeartbeatsSaidIsForgotten) {
   heartbeat(1);
   heartbeat(1);

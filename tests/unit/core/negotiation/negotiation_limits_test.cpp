@@ -117,6 +117,23 @@ TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
   EXPECT_GE(negotiation.definitions_compared(), 16U);
 }
 
+TEST_F(Limits, OtherDefinitionsOfOurTypeThatComeLaterAreComparedAfterATick) {
+  our_writer();
+  EndpointId next = 1000;
+  for (const std::uint64_t compared : {16, 32, 48}) {
+    for (const EndpointId end = next + 16; next < end; ++next) {
+      Endpoint other = endpoint(Role::reader, next);
+      other.type_hash = next;
+      other.type_description = {std::byte{1}};
+      negotiation.endpoint_departed(next - 16);
+      negotiation.endpoint_seen(other);
+    }
+    negotiation.serving(100);
+    EXPECT_EQ(negotiation.definitions_compared(), compared);
+    negotiation.tick(Time{});
+  }
+}
+
 class Comparisons : public NegotiationTest {
  protected:
   Endpoint definition(std::uint64_t n) {

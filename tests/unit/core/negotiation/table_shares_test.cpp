@@ -66,6 +66,14 @@ TEST_F(TableSharesTest, ACrowdedTopicHasAShareForEachAnnouncer) {
   EXPECT_EQ(announce(1, 60, "other"), 40) << "each topic for itself";
 }
 
+TEST_F(TableSharesTest, WhatLeavesACrowdedTopicMakesRoomThere) {
+  for (int round = 0; round < 3; ++round) {
+    const EndpointId first = next_;
+    EXPECT_EQ(announce(1, 60, "points"), 40);
+    for (EndpointId id = first; id < next_; ++id) shares.remove(id);
+  }
+}
+
 TEST_F(TableSharesTest, WhatLeavesMakesRoom) {
   announce(1, 400);
   for (EndpointId id = 1; id <= 400; ++id) shares.remove(id);

@@ -4,6 +4,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include "tests/support/heap_bytes.h"
 #include "tests/unit/core/start.h"
 
 namespace sft::core {
@@ -64,6 +65,15 @@ TEST_F(AccountTableTest, AccountsOfOthersAreKeptHoweverManyOneProcessMakesUp) {
   EXPECT_THAT(accounts, SizeIs(99)) << "a pair has two of the hundred";
   EXPECT_TRUE(accounts.at({1, 2}).publisher);
   EXPECT_TRUE(accounts.at({1, 2}).subscriber);
+}
+
+TEST_F(AccountTableTest, LeavesNothingOfAccountsThatAreOver) {
+  const auto come_and_go = [&] {
+    camera_sent(5);
+    now += 10s;
+    table.accounts(now);
+  };
+  EXPECT_LT(sft::test::bytes_left_by(come_and_go), sft::test::nothing_left);
 }
 
 TEST_F(AccountTableTest, IsEmptyOnceItIsCleared) {

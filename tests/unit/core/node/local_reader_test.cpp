@@ -104,6 +104,18 @@ TEST_F(LocalReaderTest, AfterItsPortWasDroppedItConnectsAnew) {
   EXPECT_THAT(memory.asked_for, ElementsAre(7, 7));
 }
 
+TEST_F(LocalReaderTest, WhatAFormerDaemonRefusedIsAskedOfTheNextOneAtOnce) {
+  memory.refusal = Errc::limit_exceeded;
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  memory.refusal.reset();
+  reader->reconcile(unattached);
+  EXPECT_THAT(memory.connections, IsEmpty()) << "there is a pause";
+  reader->drop_memory();
+  reader->reconcile(unattached);
+  EXPECT_THAT(memory.connections, ElementsAre(7));
+}
+
 TEST_F(LocalReaderTest, ItsLostPortStaysWhileSamplesWaitInItButNotForLong) {
   open_in_memory();
   seen(here(Role::writer, 7));
@@ -217,6 +229,21 @@ TEST_F(LocalReaderTest, ThatAWriterIsSilentIsToldAlsoIfTheNextOneLives) {
   ASSERT_EQ(events.size(), 1U);
   EXPECT_EQ(events[0].kind, Event::Kind::liveliness_lost);
   EXPECT_EQ(events[0].peer, 7U);
+}
+
+TEST_F(LocalReaderTest, ThatTheProgramHoldsTooManySamplesIsToldWithTheNextLookAndOnce) {
+  open_in_memory();
+  seen(here(Role::writer, 7));
+  reader->report_events();
+  events.clear();
+  for (const std::uint64_t held_too_many : {2, 5}) {
+    memory.held_too_many = held_too_many;
+    for (int look = 0; look < 3; ++look) reader->report_events();
+  }
+  ASSERT_EQ(events.size(), 2U);
+  for (const Event& event : events) EXPECT_EQ(event.kind, Event::Kind::held_too_many);
+  EXPECT_EQ(events[0].count, 2U);
+  EXPECT_EQ(events[1].count, 3U);
 }
 
 TEST_F(LocalReaderTest, HasAnAccountOfEachWriterThatMatches) {

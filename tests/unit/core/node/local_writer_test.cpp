@@ -1,6 +1,8 @@
 // A writer of a node uses its ports.
 #include "core/node/local_writer.h"
 
+#include <map>
+
 #include "tests/support/eventually.h"
 #include "tests/unit/core/node/local_endpoint_fixture.h"
 
@@ -133,6 +135,17 @@ TEST_F(LocalWriterTest, AReaderThatCannotBeToldOfSamplesIsNotServedInMemoryUntil
   EXPECT_THAT(served_in_memory(), ElementsAre(200));
 }
 
+TEST_F(LocalWriterTest, AReaderThatCouldNotBeToldOfSamplesIsTriedAtOnceWhenItAttachesAnew) {
+  memory.why_unreachable = "its doorbell is gone";
+  open_in_memory();
+  reader_attaches(200);
+  negotiation.endpoint_seen(here(Role::reader, 200));
+  writer->reconcile();
+  memory.why_unreachable.clear();
+  reader_attaches(200);
+  EXPECT_THAT(served_in_memory(), ElementsAre(200));
+}
+
 TEST_F(LocalWriterTest, ItsProgressIsTakenThreeTimesForAllThatWasSentAndOnlyIfAReaderIsServed) {
   open(over_network(Role::writer, 7));
   writer->reconcile();
@@ -180,6 +193,50 @@ TEST_F(LocalWriterTest, TellsEventsOnceAndOnlyIfSomethingHasHappened) {
   writer->report_events();
   EXPECT_EQ(events.size(), 1U);
   EXPECT_EQ(network_port->looks, looks) << "no state is compared";
+}
+
+TEST_F(LocalWriterTest, ThatSharedMemoryTookNoSampleIsToldWithTheNextLookAndOnce) {
+  open_in_memory();
+  reader_attaches(200);
+  writer->report_events();
+  events.clear();
+  const PointCloud2 cloud;
+  for (int samples = 1; samples <= 2; ++samples) {
+    for (int i = 0; i < samples; ++i) EXPECT_EQ(core->publish(&cloud), PublishStatus::no_memory);
+    for (int look = 0; look < 3; ++look) writer->report_events();
+  }
+  ASSERT_EQ(events.size(), 2U);
+  for (const Event& event : events) EXPECT_EQ(event.kind, Event::Kind::samples_diverted);
+  EXPECT_EQ(events[0].count, 1U);
+  EXPECT_EQ(events[1].count, 2U);
+}
+
+TEST_F(LocalWriterTest, ItsAccountOfAReaderHasWhatWasDivertedToThatReaderOnly) {
+  open_in_memory();
+  reader_attaches(200);
+  const PointCloud2 cloud;
+  for (int i = 0; i < 3; ++i) EXPECT_EQ(core->publish(&cloud), PublishStatus::no_memory);
+  EXPECT_EQ(core->diverted().total(), 3U);
+  EXPECT_EQ(writer->account_of(200).diverted, 0U) << "it has no route by UDP";
+  EXPECT_EQ(writer->account_of(200).dropped, 3U);
+}
+
+TEST_F(LocalWriterTest, ThatItMissedItsOwnDeadlineIsToldOnceForEachLookThatFindsIt) {
+  Endpoint endpoint = over_network(Role::writer, 7);
+  endpoint.qos.deadline = std::chrono::minutes(1);
+  open(endpoint);
+  writer->reconcile();
+  const Time begin = std::chrono::steady_clock::now();
+  for (const auto& [minutes, missed] : std::map<int, std::uint64_t>{{1, 1}, {2, 1}, {5, 3}}) {
+    events.clear();
+    for (int look = 0; look < 3; ++look) {
+      writer->watch_promises(begin + std::chrono::minutes(minutes));
+      writer->report_events();
+    }
+    ASSERT_EQ(events.size(), 1U) << minutes;
+    EXPECT_EQ(events[0].kind, Event::Kind::deadline_missed);
+    EXPECT_EQ(events[0].count, missed);
+  }
 }
 
 TEST_F(LocalWriterTest, ItsReadersAreToldThatItLivesOnlyIfTheyAskForALease) {

@@ -254,6 +254,7 @@ TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
   EXPECT_THAT(logged,
               ElementsAre("node: the table of endpoints has no room for all that is announced; refused: "
                           "104 of node 'flooder'; NodeStatus::control_ignored counts them"));
+  EXPECT_EQ(reconciler.control_ignored(), 104U);
 }
 
 TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
@@ -383,6 +384,33 @@ TEST_F(ReportsTest, TellTheAccountsOfPairsToThoseThatAsk) {
   EXPECT_EQ(accounts[2].id, (AccountId{{7, 300}, Role::reader}));
   others_ask({});
   EXPECT_THAT(reports_of(3), IsEmpty());
+}
+
+TEST_F(ReportsTest, TellAccountsInTurnsIfThereAreMoreThanOneReportMayHave) {
+  constexpr EndpointId first = 1000, end = 1050;
+  for (EndpointId id = first; id < end; ++id) {
+    Endpoint reader = endpoint(Role::reader, id);
+    reader.request.listening = {7};
+    reconciler.endpoint_seen(reader);
+  }
+  others_ask({{.topic = "points", .wants_accounts = true}});
+  std::set<AccountId> told;
+  for (const NodeReport& report : reports_of(2)) {
+    EXPECT_LE(report.accounts.size(), accounts_max);
+    for (const Account& account : report.accounts) told.insert(account.id);
+  }
+  EXPECT_EQ(told.size(), 3 + (end - first));
+}
+
+TEST_F(ReportsTest, AreForgottenOnceTheProgramAsksForNoneAnyMore) {
+  Reports& ours = reconciler.reports();
+  const auto is_known = [&] { return ours.accounts(now).at({7, 200}).subscriber.has_value(); };
+  ours.ask("points");
+  reconciler.report_received({.accounts = {{.id = {{7, 200}, Role::reader}}}}, now);
+  EXPECT_TRUE(is_known());
+  ours.ask_no_more("points");
+  ours.ask("points");
+  EXPECT_FALSE(is_known());
 }
 
 TEST_F(ReportsTest, AreAskedForOnTheTopicsThatTheProgramNamesUntilItTakesThatBackAsOften) {

@@ -42,6 +42,7 @@ class TestMemory final : public IdleSharedMemory {
     bool connected(EndpointId) const noexcept override { return memory_.attaches; }
     HistoryProgress history(EndpointId) const noexcept override { return memory_.progress; }
     std::uint64_t arrivals(EndpointId) noexcept override { return memory_.arrivals; }
+    std::uint64_t held_too_many() const noexcept override { return memory_.held_too_many; }
     void disconnect(EndpointId writer) noexcept override { memory_.connections.erase(writer); }
 
    private:
@@ -69,7 +70,8 @@ class TestMemory final : public IdleSharedMemory {
   int writers = 0;
   int readers = 0;
   bool samples_wait = false;         ///< true: samples wait in the queue of each reader
-  std::uint64_t arrivals = 0;        ///< the count that each writer port reports
+  std::uint64_t arrivals = 0;        ///< the count of samples of each writer that each reader port reports
+  std::uint64_t held_too_many = 0;   ///< the count that each reader port reports
   int openings = 0;                  ///< the number of attempts to open a writer port, including refused ones
   std::vector<Route> routes;         ///< the routes that were set last, on any writer port
   std::string why_unreachable;       ///< the reason that writer ports report for each reader

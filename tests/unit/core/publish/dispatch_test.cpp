@@ -203,6 +203,19 @@ TEST_F(DispatchTest, ASampleIsTooLargeOnlyIfItIsLargerThanTheLargestChunk) {
                 .exhausted = 1, .too_large = 1, .too_large_bytes = bytes, .chunk_bytes = bytes - 1}));
 }
 
+TEST_F(DispatchTest, NamesTheLargestSampleThatWasTooLargeAlsoIfASmallerOneWasSoLater) {
+  serve_two_in_memory();
+  memory->is_full = true;
+  memory->largest_bytes = 100;
+  const auto miss = [&](std::uint32_t body_bytes) {
+    const Dispatch::Call call(dispatch);
+    dispatch.miss(dispatch.admit(FieldSource::of_nothing(), 1), body_bytes);
+  };
+  for (const std::uint32_t body_bytes : {1000, 3000, 2000}) miss(body_bytes);
+  EXPECT_EQ(dispatch.diverted().too_large, 3U);
+  EXPECT_EQ(dispatch.diverted().too_large_bytes, SampleLayout(type.index_slots()).bytes(3000));
+}
+
 TEST_F(DispatchTest, TellsReadersInSharedMemoryWhichSampleWentOverTheNetworkAlone) {
   serve_two_in_memory();
   memory->is_full = true;

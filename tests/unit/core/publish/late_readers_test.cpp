@@ -75,6 +75,7 @@ TEST_F(LateReadersTest, AreSentItAgainWhenTheyReturn) {
 TEST_F(LateReadersTest, AreSentNoMoreThanIsRetained) {
   late.serve(late_by_network(100), nullptr);
   EXPECT_EQ(network->take(), (Calls{"history of 3 to 1"}));
+  EXPECT_EQ(book->of(1).retained, 3U);
 }
 
 TEST_F(LateReadersTest, AreGivenTheRetainedSamplesThatFulfilTheirConditions) {

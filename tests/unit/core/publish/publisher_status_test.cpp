@@ -102,6 +102,32 @@ TEST_F(PublisherStatusTest, SamplesPublishedTogetherThatDoNotLeaveAreDroppedAndT
   }
 }
 
+TEST_F(PublisherStatusTest, WhatAReaderMissedIsAmongWhatWasPublishedForIt) {
+  const auto memory = std::make_shared<test::MemoryLog>();
+  Serving serving;
+  serving.memory = {test::memory_route(1, type)};
+  serving.readers = {{.id = 1, .node = "n", .served = true}};
+  publisher.serve(serving, memory);
+  const PointCloud2 cloud;
+  EXPECT_EQ(publisher.publish(&cloud), PublishStatus::ok);
+  memory->is_full = true;
+  EXPECT_EQ(publisher.publish(&cloud), PublishStatus::no_memory);
+  const PublisherStatus::Reader reader = publisher.status().readers.at(0);
+  EXPECT_EQ(reader.published, 2U);
+  EXPECT_EQ(reader.sent, 1U);
+  EXPECT_EQ(reader.dropped, 1U);
+}
+
+TEST_F(PublisherStatusTest, WhetherItKeepsItsPromisesIsNewsOnlyIfSomethingDiffers) {
+  EXPECT_FALSE(publisher.keeps_promises(0, true));
+  EXPECT_TRUE(publisher.keeps_promises(1, true));
+  EXPECT_FALSE(publisher.keeps_promises(1, true));
+  EXPECT_TRUE(publisher.keeps_promises(1, false));
+  EXPECT_FALSE(publisher.keeps_promises(1, false));
+  EXPECT_EQ(publisher.status().deadlines_missed, 1U);
+  EXPECT_FALSE(publisher.status().alive);
+}
+
 /// More than 1,024 messages are sent in several calls.
 TEST_F(PublisherStatusTest, TheStatusOfALongSpanIsThatOfTheFirstMessageThatIsNotPublished) {
   serve();

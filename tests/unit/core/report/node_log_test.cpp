@@ -102,14 +102,22 @@ TEST_F(NodeLogTest, OfAReliablePairThatGoesOnLosingSamplesLinesBecomeRare) {
   EXPECT_LE(lines.size(), 18U);
 }
 
+TEST_F(NodeLogTest, OfAReliablePairThatLosesSamplesForADayLinesComeAMinuteApartInTheEnd) {
+  NodeLog log = log_from(LogLevel::warning);
+  const Event lost{
+      .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
+  for (auto after = 0s; after < 24h; after += 1s) log.write("points", lost, now + after);
+  EXPECT_GE(lines.size(), std::size_t{24h / 65s});
+}
+
 TEST_F(NodeLogTest, WhatAReliablePairLostBehindItsLastLineIsWrittenASecondAfterThat) {
   NodeLog log = log_from(LogLevel::warning);
   const Event lost{
       .kind = Event::Kind::samples_lost, .peer = 7, .count = 3, .reliable = true, .text = "3 lost"};
   for (int i = 0; i < 2; ++i) log.write("points", lost, now);
   lines.clear();
-  for (const auto after : {500ms, 1000ms, 1500ms, 2000ms, 2500ms}) log.tick(now + after);
-  ASSERT_EQ(lines.size(), 1U);
+  for (auto after = 500ms; after < 300s; after += 500ms) log.tick(now + after);
+  ASSERT_EQ(lines.size(), 1U) << "they are named once";
   EXPECT_EQ(lines[0].second,
             "node: topic 'points', publisher 0000000000000007: samples lost: 3 more were lost although "
             "reliability was requested");
@@ -198,6 +206,28 @@ TEST_F(NodeLogTest, MoreTopicsAndWarningsThanItRemembersAreWrittenAsRarely) {
   };
   for (int i = 0; i < 10'000; ++i) write(i, LogLevel::warning);
   EXPECT_LE(lines.size(), 256U + 2 * LineBudget::burst);
+}
+
+TEST_F(NodeLogTest, TopicsThatWereQuietForLongLeaveRoomForBudgetsOfOthers) {
+  NodeLog log = log_from(LogLevel::info);
+  const auto write = [&](const std::string& topic, Time at) {
+    log.write(topic, {.kind = Event::Kind::matched, .text = "shm: same host"}, at);
+  };
+  for (int i = 0; i < 1000; ++i) write("former topic" + std::to_string(i), now);
+  log.tick(now + 1h);
+  lines.clear();
+  constexpr int topics = 5 * LineBudget::burst;
+  for (int i = 0; i < topics; ++i) write("topic" + std::to_string(i), now + 1h);
+  EXPECT_EQ(lines.size(), std::size_t{topics});
+}
+
+TEST_F(NodeLogTest, WarningsThatDidNotComeForLongLeaveRoomForPausesOfOthers) {
+  NodeLog log = log_from(LogLevel::info);
+  for (int i = 0; i < 1000; ++i) log.write(LogLevel::warning, "former" + std::to_string(i), now);
+  log.tick(now + 1h);
+  lines.clear();
+  for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "failed", now + 1h);
+  EXPECT_EQ(lines.size(), 1U);
 }
 
 TEST_F(NodeLogTest, AFloodOfOneKindHoldsNoOtherBack) {

@@ -23,6 +23,13 @@ TEST(AskedGatesTest, BeforeAnythingIsAskedForThereAreNoConditions) {
   EXPECT_EQ(asked({near}).only_gate_since(0), near) << "what is asked for first has always been so";
 }
 
+TEST(AskedGatesTest, OfVeryManyRequestsTheFirstOnesAreForgottenAndWhatTheyAskedForIsNotKnown) {
+  AskedGates gates;
+  for (int i = 0; i < 10'000; ++i) gates.ask(0, i % 2 == 0);
+  EXPECT_EQ(gates.only_gate_since(0), std::nullopt);
+  EXPECT_EQ(gates.only_gate_since(9'999), 0U);
+}
+
 TEST(AskedGatesTest, EachRequestSinceThenCanHaveBeenInForce) {
   const AskedGates gates = asked({0, near, far});
   EXPECT_EQ(asked({0, near}).only_gate_since(0), near);

@@ -13,6 +13,7 @@
 
 #include "core/platform/clock.h"
 #include "core/seam/buffer_pool.h"
+#include "tests/support/heap_bytes.h"
 #include "tests/unit/core/seam/queue_port.h"
 
 namespace sft::core {
@@ -75,6 +76,17 @@ class SubscriberCoreTest : public ::testing::Test {
   const std::shared_ptr<NetworkQueue> network = std::make_shared<NetworkQueue>();
   std::unique_ptr<SubscriberCore> subscriber;
 };
+
+TEST_F(SubscriberCoreTest, RemembersAFewOfItsFormerRequestsHoweverManyItMakes) {
+  const Selection one = FieldMask(type.full()), other = FieldMask(type.closed(type.none()));
+  std::uint64_t sequence = 0;
+  const auto ask = [&] {
+    ++sequence;
+    subscriber->feed().requests(sequence % 2 == 0 ? one : other, sequence);
+  };
+  EXPECT_LT(sft::test::bytes_left_by(ask), sft::test::nothing_left);
+  EXPECT_EQ(subscriber->feed().status().requests, sequence);
+}
 
 TEST_F(SubscriberCoreTest, SamplesOfBothPathsComeInTheOrderOfTheirWriter) {
   arrives(*network, 1);

@@ -91,6 +91,23 @@ TEST_F(VanillaOutletTest, OfLargeSamplesAsManyWaitAsThePublisherRetains) {
   EXPECT_THAT(written(6), ElementsAre(1, 5, 6, 7, 8, 9));
 }
 
+TEST_F(VanillaOutletTest, AsManySmallSamplesWaitAsEverOnceLargeOnesHaveGone) {
+  for (std::uint64_t sequence = 1; sequence <= 10; ++sequence) send(sequence, 1'000'000);
+  EXPECT_EQ(outlet.left_out(), 5U);
+  constexpr std::size_t most = VanillaOutlet::waiting_max;
+  for (std::uint64_t sequence = 11; sequence < 11 + most; ++sequence) send(sequence);
+  EXPECT_EQ(outlet.left_out(), 10U) << "only the large ones";
+}
+
+TEST_F(VanillaOutletTest, CountsEachSampleThatCouldNotBeWritten) {
+  VanillaOutlet failing([](const SampleHandle& one) { return one->sequence % 2 == 0; }, 5);
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) failing.send(sample(sequence));
+  ASSERT_TRUE(failing.start("test"));
+  EXPECT_TRUE(test::eventually([&] { return failing.left_out() == 3; })) << failing.left_out();
+  failing.close();
+  EXPECT_EQ(failing.left_out(), 3U);
+}
+
 TEST_F(VanillaOutletTest, ThatIsClosedHoldsNothingAndTakesNothing) {
   send(1);
   outlet.close();

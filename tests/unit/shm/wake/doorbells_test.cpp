@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/seam/gate.h"
+#include "tests/support/heap_bytes.h"
 #include "tests/support/random_moment.h"
 #include "tests/support/test_seed.h"
 
@@ -66,6 +67,16 @@ TEST_F(SeveralSleepers, NobodyIsWokenIfNobodySleeps) {
   EXPECT_EQ(bells_->announce(), 0U);
   for (std::uint32_t slot = 0; slot < count; ++slot)
     EXPECT_EQ(page_->at(slot).rings, 1U) << "a reader that looks next must see that its doorbell was rung";
+}
+
+TEST_F(SeveralSleepers, LeaveNothingWhenTheirPageGoes) {
+  const auto come_and_go = [&] {
+    const std::unique_ptr<DoorbellPage> page = DoorbellPage::create();
+    const auto bells = pages_.doorbells_of(
+        {{.reader = 1, .destination = core::DoorbellAddress{page->id(), 0}, .selection = {}}});
+    EXPECT_EQ(bells->size(), 1U);
+  };
+  EXPECT_LT(bytes_left_by(come_and_go), nothing_left);
 }
 
 TEST_F(SeveralSleepers, AreToldOnlyOfSamplesThatTheyWant) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <vector>
 
+#include "tests/support/heap_bytes.h"
 #include "tests/unit/udp/connections.h"
 
 namespace sft::udp {
@@ -30,6 +31,12 @@ TEST_F(DestinationDirectoryTest, FindsADestinationByTheNumberThatItsReceiverKnow
   EXPECT_EQ(directory_.of_flow(one->flow()), one);
   EXPECT_EQ(directory_.of_flow(other->flow()), other);
   EXPECT_EQ(directory_.of_flow(other->flow() + 1), nullptr);
+}
+
+TEST_F(DestinationDirectoryTest, KeepsNothingOfDestinationsThatNobodyUsesAnyMore) {
+  std::uint64_t node = 0;
+  const auto come_and_go = [&] { directory_.find({.ip = 1, .port = 5000, .node = ++node}); };
+  EXPECT_LT(sft::test::bytes_left_by(come_and_go), sft::test::nothing_left);
 }
 
 TEST_F(DestinationDirectoryTest, TellsADestinationTheAnnouncedReceiveBuffer) {

@@ -5,6 +5,7 @@
 #include <memory>
 #include <vector>
 
+#include "tests/support/heap_bytes.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/messages.h"
 #include "udp_transport/flow/destination_directory.h"
@@ -121,6 +122,17 @@ TEST_F(MulticastGroupTest, IsOfferedOnceItIsKnownHowFarTheChannelIsAhead) {
                            .ahead = static_cast<std::int64_t>(i + 1 - first_sent)};
     EXPECT_EQ(offers[i].offer, offer);
   }
+}
+
+TEST_F(MulticastGroupTest, LeavesNothingInItsRegistry) {
+  GroupRegistry registry;
+  const std::shared_ptr<Lane> lane = group->lane();
+  std::uint32_t number = 0;
+  const auto come_and_go = [&] {
+    registry.add(
+        MulticastGroup::make({group_writer, ++number, private_groups + 1}, lane, group->members(), 9));
+  };
+  EXPECT_LT(sft::test::bytes_left_by(come_and_go), sft::test::nothing_left);
 }
 
 TEST_F(MulticastGroupTest, AcceptsNoReportOfWhatWasNotSent) {

@@ -174,6 +174,19 @@ TEST_F(InboxTest, CountsWhatWasPushedOutBeforeAllThatWasLeftBehind) {
   EXPECT_EQ(inbox_.lost_unnoticed(), 5U);
 }
 
+TEST_F(InboxTest, CountsWhatWasPushedOutBeforeTheFirstSampleNoSecondTimeWhenTheWriterGoes) {
+  inbox_.connect({1});
+  deliver(1, 1, 5);  // 1 and 2 are dropped
+  EXPECT_EQ(inbox_.take()->header().sequence, 3U);
+  EXPECT_EQ(inbox_.lost_unnoticed(), 2U);
+  inbox_.disconnect(1);
+  inbox_.connect({2});
+  deliver(2, 1, 3);
+  inbox_.disconnect(2);  // 4 and 5 of the first writer are dropped
+  EXPECT_EQ(take_all(), (Taken{{2, 1}, {2, 2}, {2, 3}}));
+  EXPECT_EQ(inbox_.lost_unnoticed(), 4U);
+}
+
 TEST_F(InboxTest, LeavesLossesThatASequenceShowsToIt) {
   inbox_.connect({1});
   deliver(1, 1, 3);

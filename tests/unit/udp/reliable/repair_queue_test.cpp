@@ -38,6 +38,18 @@ TEST(RepairQueueTest, SendsAPartOnceInARoundTripHoweverOftenItIsAskedFor) {
   EXPECT_FALSE(queue.empty());
 }
 
+TEST(RepairQueueTest, RemembersAsManyPartsThatWereSentAsMayWait) {
+  RepairQueue queue(0);
+  for (std::uint64_t ordinal = 1; ordinal <= RepairQueue::repairs_max + 1; ++ordinal) {
+    queue.ask_for({ordinal, {0, 1000}});
+    EXPECT_TRUE(queue.next(KeptSize::small, test_start));
+  }
+  queue.ask_for({2, {0, 1000}});
+  EXPECT_TRUE(queue.empty());
+  queue.ask_for({1, {0, 1000}});
+  EXPECT_FALSE(queue.empty()) << "it was forgotten for the last one";
+}
+
 TEST(RepairQueueTest, IgnoresPartsThatAreNone) {
   RepairQueue queue(0);
   queue.ask_for({5, {10, 10}});

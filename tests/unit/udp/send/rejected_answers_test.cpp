@@ -37,6 +37,7 @@ class RejectedAnswersTest : public testing::Test {
   }
   static std::size_t size_of(const Ack& ack) { return ack.bytes(); }
   static std::size_t size_of(const FlowReport&) { return report_bytes; }
+  static std::size_t size_of(const GroupReport&) { return group_report_bytes; }
   std::uint64_t rejected() const { return side_.answers_rejected; }
   FlowReport true_report() const {
     for (const Bytes& bytes : connections_.sent()) {
@@ -115,6 +116,42 @@ TEST_F(RejectedAnswersTest, ReportsThatRepeatNoMarkOpenNothing) {
   EXPECT_FALSE(to_->window().answers());
   hear(true_report(), reader_);
   EXPECT_TRUE(to_->window().answers());
+}
+
+TEST_F(RejectedAnswersTest, ReportsOnGroupsCountOnlyIfTheyAreOfAMemberOfAGroupThatExists) {
+  constexpr std::uint32_t number = 2;
+  const auto tally = std::make_shared<WriterTally>();
+  const auto to_group =
+      side_.destinations.find({.ip = core::IpAddress(private_groups + 1), .port = group_port});
+  const auto group =
+      MulticastGroup::make({writer, number, private_groups + 1}, std::make_shared<Lane>(to_group, 4, tally),
+                           {{std::make_shared<Lane>(to_, 4, tally), nullptr}}, 9);
+  side_.groups.add(group);
+  const GroupReport report{writer, number, group->farewell(0).member, group->next_ordinal(now_)};
+  GroupReport of_another_group = report, of_another_member = report;
+  ++of_another_group.group;
+  ++of_another_member.member;
+  hear(of_another_group, reader_);
+  EXPECT_EQ(rejected(), 1U);
+  hear(of_another_member, reader_);
+  EXPECT_EQ(rejected(), 2U);
+  hear(report, unknown_sender_);
+  EXPECT_EQ(rejected(), 3U);
+  EXPECT_FALSE(group->hears(0));
+  hear(report, reader_);
+  EXPECT_EQ(rejected(), 3U);
+  EXPECT_TRUE(group->hears(0));
+}
+
+TEST_F(RejectedAnswersTest, BytesThatAreNoAnswerCountAsMalformed) {
+  send(1);
+  Bytes bytes(report_bytes);
+  encode(true_report(), bytes.data());
+  static_cast<void>(hear_answer(side_, std::span(bytes).first(report_bytes - 1), {reader_, 4444}, now_));
+  EXPECT_EQ(side_.malformed_answers, 1U);
+  static_cast<void>(hear_answer(side_, bytes, {reader_, 4444}, now_));
+  EXPECT_EQ(side_.malformed_answers, 1U);
+  EXPECT_EQ(rejected(), 0U);
 }
 
 TEST_F(RejectedAnswersTest, TheReceiverMayHaveAnotherAddressAsItsReportShows) {
