@@ -25,7 +25,8 @@ void UdpReader::share_reader() {
 }
 
 Result<void> UdpReader::connect(const core::Source& source) {
-  inbox_->connect(source);  // first, because a reliable sample that comes before this call is not sent again
+  // Called first, because a reliable sample that comes before this call is not sent again.
+  inbox_->connect(source);
   Result<void> connected = receiver_->subscriptions().connect(*inbox_, source);
   if (!connected) inbox_->disconnect(source.writer);
   return connected;

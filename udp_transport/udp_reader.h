@@ -1,4 +1,4 @@
-// A subscriber's end of the UDP transport.
+// The side of the UDP transport that serves one subscriber.
 #pragma once
 
 #include <memory>
@@ -13,7 +13,7 @@ namespace sft::udp {
 class UdpReader final : public core::NetworkReader {
  public:
   UdpReader(const core::ReaderSpec& spec, std::shared_ptr<ReceiveLoop> receiver);
-  /// Waits for a running call of the listener, unless that call destroys the reader.
+  /// Waits until a running call of the listener has returned, unless that call destroys the reader.
   ~UdpReader() override;
 
   core::SampleHandle take() noexcept override { return inbox_->take(); }

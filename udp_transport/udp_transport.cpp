@@ -21,7 +21,8 @@ namespace sft::udp {
 
 namespace {
 
-/// Returns advice for hosts where large samples would get lost; empty for all other hosts.
+/// Returns advice if the system grants a smaller receive buffer than requested, so that large samples may
+/// get lost; otherwise empty.
 std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
   if (socket.receive_buffer_bytes >= options.receive_buffer_bytes) return "";
   return "; the system grants its socket " + std::to_string(socket.receive_buffer_bytes) + " of " +
@@ -30,8 +31,8 @@ std::string note_on_buffer(const UdpOptions& options, const UdpSocket& socket) {
          "net.core.rmem_max=" + std::to_string(options.receive_buffer_bytes / 2) + "'";
 }
 
-/// The transport's ports share its receiving and its sending half. A port can outlive the transport, and
-/// then does nothing.
+/// Readers and writers of the transport share its receiving half and its sending half. They can outlive the
+/// transport, and then do nothing.
 class UdpTransport final : public core::Network {
  public:
   UdpTransport(const UdpOptions& options, const UdpSocket& socket, std::string description,
@@ -96,7 +97,7 @@ class UdpTransport final : public core::Network {
     if (!addresses.empty()) return addresses;
     for (const core::Link& link : links())
       addresses.push_back({link.ip, port_, receive_buffer_bytes_, link.wireless});
-    // Nodes of this host can reach this node even while none of the chosen interfaces exists.
+    // So nodes of this host can reach this node even if none of the chosen interfaces exists.
     if (addresses.empty()) addresses.push_back({core::loopback_ipv4, port_, receive_buffer_bytes_});
     return addresses;
   }
@@ -145,9 +146,9 @@ class UdpTransport final : public core::Network {
   const std::vector<std::string> interfaces_;
   std::uint64_t network_changes_ = 0;  ///< number of network changes seen so far
   bool network_has_changed_ = false;
-  std::vector<Remark> remarks_;  ///< remarks that were not yet returned to the node
+  std::vector<Remark> remarks_;  ///< remarks that have not been returned to the node yet
   mutable core::Mutex links_mutex_;
-  /// The links that the system listed last. They are used while the system cannot list the links.
+  /// The latest list of links. It is used while the system cannot list the links.
   mutable std::vector<core::Link> links_ SFT_GUARDED_BY(links_mutex_);
   std::chrono::steady_clock::time_point destinations_looked_after_at_{};
   const std::uint16_t port_;
@@ -208,7 +209,7 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   ReceiveLoop::SendingHalf half;
   half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
                                  std::chrono::steady_clock::time_point now) {
-    if (send_side->sender.answer_port() != 0) {  // answers then have to come to that port
+    if (send_side->sender.answer_port() != 0) {  // answers must come to that port
       send_side->malformed_answers.fetch_add(1, std::memory_order_relaxed);
     } else {
       send_side->sender.wake(hear_answer(*send_side, answer, from, now));
@@ -249,7 +250,7 @@ Result<std::unique_ptr<core::Network>> open_udp_transport(const UdpOptions& opti
                                                   std::move(paths), receiver, send_side);
   if (Result<void> started = receiver->start(options.receive_thread); !started)
     return forward(started.error());
-  SendSide& side = *send_side;  // safe to refer to, because only the sender of this side calls `hear`
+  SendSide& side = *send_side;  // the reference stays valid, because only the sender of `side` calls `hear`
   const auto hear = [&side](std::span<const std::byte> answer, const SocketAddress& from,
                             std::chrono::steady_clock::time_point now) {
     return hear_answer(side, answer, from, now);

@@ -10,16 +10,16 @@
 namespace sft::udp {
 
 namespace {
-/// The largest number of masks under which the publisher's thread sends a sample itself. More masks would
-/// take too much of its time, especially with large samples, which fill the caches.
+/// The maximum numbers of masks with which the publisher's thread sends a small or a large sample itself.
+/// More masks would take too much of its time, especially with large samples, which fill the caches.
 constexpr std::size_t small_variants_max = 4, large_variants_max = 1;
 
-/// The upper limit of the rate of a group, in bytes per second as the receiving kernel counts them. The
-/// rate is lower if the buffer of a member is small.
+/// The maximum rate of data to a multicast group, in bytes per second as the receiving kernel counts them.
+/// The rate is lower if the receive buffer of a member is small.
 constexpr std::uint64_t group_bytes_per_s = 2'000'000'000;
 
-/// The size limit of a merged copy, relative to the largest sample. The sizes of copies are known only as
-/// averages, and a reader that requested less must get even the samples above the average.
+/// The maximum size of a merged copy, relative to the maximum size of a sample. Only the average size of
+/// copies is known, and a reader that requested fewer fields must get larger samples, too.
 constexpr double merged_share = 0.75;
 
 GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
@@ -37,8 +37,8 @@ GroupKeeper::Setup groups_of(const core::WriterSpec& spec, SendSide& side,
   setup.connect = [&side](std::uint32_t group, std::uint32_t own, std::size_t datagram_bytes) {
     DestinationLimits limits = side.limits;
     limits.datagram_bytes = datagram_bytes;
-    // Members report only datagrams to their own sockets. So reports cannot limit a group, and the members'
-    // buffers limit its rate.
+    // Members report only datagrams that come to their unicast sockets. So reports cannot limit the data to
+    // a group. Instead, the receive buffers of the members limit its rate.
     limits.report_port = 0;
     limits.flow.first_bytes = std::numeric_limits<std::size_t>::max();
     limits.flow.unheard_bytes_per_s = group_bytes_per_s;
@@ -119,8 +119,8 @@ void UdpWriter::make_table() {
   routes_.replace(std::move(table));
 }
 
-/// Requests a report now from receivers that have not reported yet, so that the first large sample need not
-/// be copied to wait for one.
+/// Requests a report from receivers that have not reported yet. So the first large sample need not be copied
+/// and wait for the report.
 void UdpWriter::announce_to_receivers(const RouteTable& table) {
   const auto now = std::chrono::steady_clock::now();
   for (const auto& [reader, lane] : table.lanes_of) {
@@ -144,8 +144,8 @@ void UdpWriter::send_history(const core::Route& to, std::vector<core::SampleHand
   side_->sender.wake(lane->begin(std::move(jobs)), lane);
 }
 
-/// Makes `routes` the table in use. Samples that were left to the sending thread under the previous table
-/// still count. Samples under an older table must be finished before.
+/// Makes `routes` the table in use. Samples of the previous table that the sending thread still has to send
+/// are still counted. Samples of an older table must be finished before, so this function may wait for them.
 void UdpWriter::turn_to(const RouteTable& routes) noexcept {
   using core::DeliveryBook;
   send_held();
@@ -176,14 +176,14 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   if (BodySizes* sizes = in_use_->sizes.get())
     sizes->measure(core::state_of(*sample, type_.index_slots()), std::chrono::steady_clock::now(), holds_);
   if (!holds_) sender_.set_timeout(timeout());
-  // Otherwise an audience would wait until the large body of another audience has left.
+  // Otherwise an audience would wait until the large body for another audience was sent.
   if (groups.size() > 1) sample->complete();
   std::size_t missed = 0;
   std::size_t own = own_variants(*sample);
   std::size_t first_left = 0;
   for (std::size_t i = 0; i < groups.size(); ++i) {
     const Audience& group = groups[i];
-    if (group.gate != nullptr) {  // a gate answers only for the latest sample
+    if (group.gate != nullptr) {  // a gate can only be asked about the latest sample
       if (group.gate->passes()) missed += hold_or_send(group, sample);
     } else if (own > 0) {
       missed += hold_or_send(group, sample);
@@ -195,16 +195,17 @@ core::SendStatus UdpWriter::send_begun(const core::SampleHandle& sample, core::R
   return missed == 0 && left ? core::SendStatus::sent : core::SendStatus::dropped;
 }
 
-/// Returns the number of masks under which this thread sends the sample itself.
+/// Returns the maximum number of masks with which the calling thread sends the sample itself.
 std::size_t UdpWriter::own_variants(const core::SampleBuffer& sample) const noexcept {
-  if (!deferred_->done()) return 0;                // the sample must not overtake deferred samples
-  if (max_blocking_.count() > 0) return SIZE_MAX;  // the sending thread must not wait for readers
+  if (!deferred_->done()) return 0;  // the sample must not overtake deferred samples
+  // The publisher may wait for readers, but the sending thread must not.
+  if (max_blocking_.count() > 0) return SIZE_MAX;
   if (sample.capacity > direct_bytes_max) return deferred_->takes_large() ? 0 : large_variants_max;
   return holds_ ? SIZE_MAX : small_variants_max;
 }
 
-/// Holds the sample if it can be held. If not, sends the held samples first, so that this sample does not
-/// overtake them.
+/// Holds the sample for flush() if it can be held. Otherwise sends the held samples and then this sample, so
+/// that it does not overtake them.
 std::size_t UdpWriter::hold_or_send(const Audience& group, const core::SampleHandle& sample) noexcept {
   using Hold = VariantSender::Hold;
   Hold hold = holds_ ? sender_.hold(group, sample) : Hold::unfit;
@@ -241,8 +242,8 @@ void UdpWriter::count_missed(std::span<const Audience> groups) noexcept {
   }
 }
 
-/// Leaves the sample to the sending thread, for the audiences without a gate from `first` on. Returns false
-/// if an older sample was given up for it.
+/// Passes the sample to the sending thread, for the audiences without a gate whose indices are in [first,
+/// end). Returns false if an older sample was dropped for it.
 bool UdpWriter::defer(const core::SampleHandle& sample, std::size_t first, std::size_t end) noexcept {
   const auto rest = std::span(routes_.loaded()->audiences).subspan(first, end - first);
   if (std::ranges::all_of(rest, [](const Audience& group) { return group.gate != nullptr; })) return true;

@@ -1,5 +1,5 @@
-// A publisher's end of the UDP transport. It makes one encoding for each distinct mask. The publisher's
-// thread sends the encodings itself if they are small and few.
+// The side of the UDP transport that serves one publisher. It makes one encoding of each sample for each
+// distinct mask. If the encodings are small and few, the publisher's thread sends them itself.
 #pragma once
 
 #include <algorithm>
@@ -66,16 +66,17 @@ class UdpWriter final : public core::NetworkWriter, private Periodic {
   GroupKeeper keeper_;                  ///< used by the agent's thread
   std::vector<core::Route> asked_for_;  ///< the routes as they were set; used by the agent's thread
   core::Published<RouteTable> routes_;
-  const std::shared_ptr<core::DeliveryBook> book_;  ///< the counts of samples; null if they are not needed
+  /// Counts deliveries per reader; null if that is not needed.
+  const std::shared_ptr<core::DeliveryBook> book_;
 
   // The following members are used by the publisher's thread.
   std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
   const RouteTable nobody_;
-  const RouteTable* in_use_ = &nobody_;  ///< table of the latest sample; its page is open
-  /// Says if samples left under the previous page are still to be counted.
+  const RouteTable* in_use_ = &nobody_;  ///< table of the latest sample; its page of counts is open
+  /// Says if the sending thread still has samples to be counted in the previous page.
   core::DeliveryBook::LateCounts late_counts_{};
   VariantSender sender_;
-  bool holds_ = false;      ///< true between hold() and flush()
+  bool holds_ = false;      ///< true between the calls of hold() and flush()
   std::size_t missed_ = 0;  ///< number of held samples that some reader missed
   /// The table of the held samples, which keeps their audiences alive.
   std::shared_ptr<const RouteTable> held_for_;

@@ -13,14 +13,14 @@ bool CongestionWindow::lost_much(const FlowReport& report) const {
   return came <= sent && sent - came > sent / 10 + 1;
 }
 
-/// Takes a report. A longer queue than necessary, or many losses, show that the path is overloaded, and the
-/// window shrinks. Otherwise it grows.
+/// Processes a report. A queue longer than tolerated, or many losses, show that the path is overloaded. Then
+/// the window shrinks. Otherwise it grows if it has limited the sending.
 void CongestionWindow::hear(const FlowReport& report, const Known& known) {
   const bool lost = known.counted && lost_much(report);
   datagrams_at_report_ = report.datagrams;
   came_at_report_ = report.came;
   if (lost || known.queueing > limits_.queueing) {
-    // The report is about data that was sent before the window shrank.
+    // A report about data that was sent before the window shrank is ignored.
     if (report.position <= turned_at_) return;
     turned_at_ = known.sent;
     const std::size_t without_queue = lost ? 0 : std::min(known.taken, bytes_);

@@ -1,10 +1,11 @@
 // Limits the bytes that may be under way to a remote socket to what the path carries without a queue that
 // delays other traffic. Uses no clock, thread or I/O.
 //
-// The window shrinks if a queue grows long or many datagrams are lost. It shrinks only once for the
-// datagrams that were sent before. Because of a queue alone, the window never shrinks below what the path
-// takes without a long queue, because a report may also be late for another reason. The window grows only
-// while it limits what is sent. It is never smaller than FlowLimits::least_bytes.
+// The window shrinks if a queue grows long or many datagrams are lost. After it has shrunk, reports about
+// datagrams that were sent before do not shrink it again. A long queue alone never shrinks the window below
+// what the path carries without a long queue. The reason is that a report may also be late for another
+// cause. The window grows only while it limits what is sent. It is never smaller than
+// FlowLimits::least_bytes.
 #pragma once
 
 #include <chrono>
@@ -22,24 +23,26 @@ class CongestionWindow {
 
   std::size_t bytes() const { return bytes_; }
 
-  /// Notes that the window limited the sending up to `position`: at least half of the window was under way.
+  /// Notes that at least half of the window was under way when `position` was sent. Only reports up to the
+  /// latest such position let the window grow.
   void was_full(std::uint64_t position) { full_at_ = position; }
-  /// Shrinks the window, so that our own queue is short for a moment. A short queue shows the shortest
-  /// round trip.
+  /// Shrinks the window, so that the queue of our datagrams on the path is short for a moment. Then the
+  /// shortest round trip can be measured.
   void make_queue_short();
 
-  /// The facts that hear() needs to judge a report.
+  /// The facts, in addition to the report, from which hear() decides.
   struct Known {
-    bool counted = false;  ///< true if another report of this path came before
+    bool counted = false;  ///< true if an earlier report about this path has come
     std::chrono::steady_clock::duration queueing{};
     std::uint64_t reported = 0;  ///< position of the previous report
-    std::uint64_t sent = 0;      ///< position up to which datagrams were sent by now
+    std::uint64_t sent = 0;      ///< position of the last sent byte
     std::size_t share = 0;       ///< our share of the receiver's buffer, in bytes
-    /// Bytes that the receiver takes, at its best recent rate, before a queue counts as long.
+    /// The number of bytes that the receiver takes at its best recent rate during the shortest round trip
+    /// plus the tolerated queueing.
     std::size_t taken = 0;
   };
   void hear(const FlowReport& report, const Known& known);
-  /// Begins again, because the path is another one.
+  /// Resets the window. Called when the path has changed.
   void begin_anew();
 
  private:

@@ -18,8 +18,9 @@ void ConnectionPair::redirect(const SocketAddress& to) noexcept {
   if (Connection* const bulk = bulk_in_use()) bulk->redirect(to);
 }
 
-/// Returns the connection for large samples, and makes it if it does not exist. The remote socket may have
-/// moved before redirect() sees the new connection, so its address is checked again.
+/// Returns the connection for large samples, and makes it if it does not exist. The remote socket may move
+/// to another address while the connection is made. redirect() does not change the new connection then, so
+/// the address is checked again.
 Connection& ConnectionPair::bulk(const RemotePath& path) {
   if (bulk_ == nullptr) {
     const SocketAddress to = path.address();

@@ -1,5 +1,5 @@
 // The connections to one remote socket: one for small samples and control, and one for large samples. So
-// small datagrams do not queue behind large samples.
+// small datagrams do not wait in a send buffer until large samples have left.
 #pragma once
 
 #include <atomic>
@@ -23,9 +23,9 @@ class ConnectionPair {
   // Any thread may call the following functions.
 
   Connection& small() { return *small_; }
-  /// Returns the connection for large samples; null before the first.
+  /// Returns the connection for large samples; null until the first large sample is sent.
   Connection* bulk_in_use() { return bulk_in_use_.load(std::memory_order_acquire); }
-  /// Returns the connection whose datagrams leave after everything that was sent so far.
+  /// Returns the connection whose next datagram leaves after all datagrams sent so far.
   Connection& last_in_line() {
     Connection* const bulk = bulk_in_use();
     return bulk == nullptr ? *small_ : *bulk;
@@ -37,8 +37,8 @@ class ConnectionPair {
   std::size_t datagrams_per_call() const {
     return one_at_a_time_.load(std::memory_order_relaxed) ? 1 : batch_datagrams_max;
   }
-  /// From now on, sends only one datagram per call, until redirect(). Called because the interface cannot
-  /// segment (SendOutcome::no_segments).
+  /// From now on, sends only one datagram per call, until redirect(). Called if the interface cannot segment
+  /// (SendOutcome::no_segments).
   void take_one_at_a_time() noexcept { one_at_a_time_.store(true, std::memory_order_relaxed); }
 
   // The following functions are for the sending thread only.

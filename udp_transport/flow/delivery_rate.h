@@ -2,13 +2,13 @@
 // or I/O.
 //
 // A round trip can be long for two reasons. If the path or the receiver is slow, the rate is low, and a
-// smaller window makes the queue shorter. If a thread at one of the ends did not run for a while, the rate
-// is high before and after, and a smaller window would only need more such round trips. The best rate
-// distinguishes the two cases.
+// smaller window makes the queue shorter. If a thread of the sender or the receiver did not run for a while,
+// the rate is high before and after that pause. A smaller window would not shorten such a round trip. The
+// best recent rate distinguishes the two cases.
 //
-// A rate is the number of bytes that passed while a mark and its report were under way, divided by that
-// time, as in "Delivery Rate Estimation" (draft-cheng-iccrg-delivery-rate-estimation). So reports that come
-// all at once, after a pause, do not raise the rate.
+// A rate is the number of bytes that arrived while a flow mark and its report were under way, divided by
+// that time, as in "Delivery Rate Estimation" (draft-cheng-iccrg-delivery-rate-estimation). So several
+// reports that come at once after a pause do not raise the rate.
 #pragma once
 
 #include <algorithm>
@@ -23,12 +23,14 @@ class DeliveryRate {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The time for which a rate counts. After it, the rate counts until another one replaces it.
+  /// The length of a period of measurement. The best rate of a period counts until the end of the next
+  /// period.
   static constexpr std::chrono::milliseconds valid_for{250};
 
-  /// Notes that a mark is sent.
+  /// Notes that a flow mark is sent.
   void mark(Time now) { marks_[next_++ % marks_.size()] = {now, reported_}; }
-  /// Notes the report of the mark that was sent at `marked_at`: everything up to `position` has passed.
+  /// Notes the report that answers the flow mark sent at `marked_at`: all bytes up to `position` have
+  /// passed.
   void report(std::uint64_t position, Time marked_at, Time now) {
     for (const Mark& mark : marks_) {
       if (mark.sent_at == marked_at) note(position - mark.reported.position, now - mark.reported.at, now);
@@ -36,7 +38,8 @@ class DeliveryRate {
     reported_ = {position, now};
   }
 
-  /// Returns the bytes that are taken within `time` at the best recent rate; 0 if no rate is known.
+  /// Returns the number of bytes that the receiver takes within `time` at the best recent rate; 0 if no rate
+  /// is known.
   std::size_t bytes_within(Time::duration time) const {
     const double bytes = std::max(before_, now_) * static_cast<double>(time.count());
     return static_cast<std::size_t>(std::min(bytes, 1e15));
@@ -49,7 +52,7 @@ class DeliveryRate {
   };
   struct Mark {
     Time sent_at{};
-    Passed reported{};  ///< the values of the latest report at the time when the mark was sent
+    Passed reported{};  ///< the latest report at the time when the flow mark was sent
   };
 
   void note(std::uint64_t bytes, Time::duration time, Time now) {
@@ -64,7 +67,7 @@ class DeliveryRate {
   }
 
   Passed reported_;
-  std::array<Mark, 8> marks_{};  ///< the latest marks
+  std::array<Mark, 8> marks_{};  ///< the latest flow marks
   std::size_t next_ = 0;
   // Rates, in bytes per tick of the clock.
   double now_ = 0;     ///< the best rate since `since_`

@@ -17,8 +17,8 @@ FlowLimits flow_limits(const DestinationLimits& limits) {
   return flow;
 }
 
-/// Asks the kernel for the length of the longest datagram to the address. Returns that length within the
-/// limits.
+/// Returns the length of the longest datagram that the kernel sends to the address in one piece, but at most
+/// the length in `limits`.
 std::size_t ask_kernel(const SocketAddress& address, const DestinationLimits& limits) noexcept {
   return std::min<std::size_t>(datagram_bytes_to(address),
                                std::max(limits.datagram_bytes, datagram_bytes_min));
@@ -55,7 +55,7 @@ void Destination::mark(Time now) {
   if (const std::optional<FlowMark> due = window_.await_room(now)) send(*due, now);
 }
 
-/// Sends a mark. If it cannot be sent, a later mark replaces it.
+/// Sends a flow mark. If the mark cannot be sent, a later one replaces it.
 void Destination::send(FlowMark mark, Time now) {
   mark.port = limits_.report_port;
   std::array<std::byte, mark_bytes> encoded;

@@ -16,15 +16,15 @@ DestinationDirectory::Key DestinationDirectory::key_of(const core::UdpAddress& a
   return {address.node, {address.node == 0 ? address.ip : core::IpAddress{}, address.port}};
 }
 
-/// Returns the first channel number for the socket. It is the same whenever that socket is known again,
-/// because the process there regards a channel with a greater number as newer.
+/// Returns the first channel number for the socket. The same socket always gets the same number, because its
+/// process regards a channel with a greater number as newer.
 std::uint32_t DestinationDirectory::first_channel(const Key& key) const {
   std::array<std::uint64_t, 5> words{key.first, 0, 0, key.second.ip.scope, key.second.port};
   std::memcpy(&words[1], key.second.ip.bytes.data(), key.second.ip.bytes.size());
   return static_cast<std::uint32_t>(keyed_hash(channel_key_, words));
 }
 
-/// Returns a known destination; null if there is none. An address without the id of its node matches a
+/// Returns a known destination; null if there is none. An address that does not name its node matches a
 /// destination that has that address now.
 std::shared_ptr<Destination> DestinationDirectory::known(const core::UdpAddress& address) {
   std::erase_if(known_, [](const auto& entry) { return entry.second.expired(); });
@@ -61,7 +61,7 @@ std::shared_ptr<Destination> DestinationDirectory::find(const core::UdpAddress& 
   return destination;
 }
 
-/// Returns a number that no flow has yet. It is random, so that other processes cannot guess it.
+/// Returns a number that no destination has yet. It is random, so that other processes cannot guess it.
 std::uint32_t DestinationDirectory::unused_flow() {
   for (;;) {
     const auto flow = static_cast<std::uint32_t>(core::random_id());
@@ -82,8 +82,8 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
   return nullptr;
 }
 
-/// Adds a remark about a new or ended limit, unless there is an equal one. All processes of a host share
-/// the path to it, so one line for them is enough.
+/// Adds a remark about a new or ended limit, unless there is an equal one. All processes of a host share the
+/// path to it, so one remark is enough for all of them.
 void DestinationDirectory::remark_limit(Destination& destination,
                                         std::vector<core::Network::Remark>& remarks) {
   const Destination::LimitChange change = destination.take_limit_change();

@@ -1,4 +1,4 @@
-// All destinations of a transport: writers that send to one remote socket share its destination.
+// All destinations of a transport. Writers that send to the same remote socket share one destination.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +21,11 @@ class DestinationDirectory {
  public:
   DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
-  /// Returns the destination of that address. A new destination is connected, and the kernel is asked for
-  /// the path's MTU. If the address names its node, a known destination moves to that address. A
-  /// destination is destroyed, with its connections, when no writer uses it any more.
+  /// Returns the destination of that address. If there is none, connects a new one and asks the kernel for
+  /// the path's MTU. If the address names its node, a known destination moves to that address. A destination
+  /// is destroyed, with its connections, when no writer uses it any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
-  /// Returns the destination whose reports carry that number; null if it does not exist any more.
+  /// Returns the destination whose reports carry the number `flow`; null if it does not exist any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);
 
   /// Maintains all known destinations. `anew` is true if routes or our own addresses have changed. Adds to
@@ -33,8 +33,8 @@ class DestinationDirectory {
   void look_after(PathMtu::Time now, bool anew, std::vector<core::Network::Remark>& remarks);
 
  private:
-  /// The node and the port if the address names its node, which may have several addresses; else address
-  /// and port.
+  /// The node and the port if the address names its node, because a node may have several addresses.
+  /// Otherwise the IP address and the port.
   using Key = std::pair<std::uint64_t, SocketAddress>;
   static Key key_of(const core::UdpAddress& address);
   std::uint32_t first_channel(const Key& key) const;

@@ -7,8 +7,8 @@ namespace sft::udp {
 
 namespace {
 constexpr std::size_t receive_buffer_bytes_default = 212'992;  // the default of Linux, in bytes
-/// The assumed number of times per second that the receiver's threads run. The buffer has to hold what
-/// comes meanwhile, in 1/500 s.
+/// The assumed number of times per second that the receiver's threads run. The buffer has to hold the
+/// datagrams that come in between, in 1/500 s.
 constexpr std::uint64_t receiver_pauses_per_s = 500;
 
 std::int64_t ns_of(FlowWindow::Time time) { return time.time_since_epoch().count(); }
@@ -26,9 +26,9 @@ FlowWindow::FlowWindow(std::uint32_t flow, const FlowLimits& limits, std::uint64
   announce(0);
 }
 
-/// Takes the announced size of the receiver's buffer. A size below the system's usual default is ignored,
-/// since with it the receiver would never get a sample. Until the first report only a quarter is assumed,
-/// since other processes may send to the same socket.
+/// Takes the announced size of the receiver's buffer. A size below the usual default of Linux is replaced by
+/// that default, since with a very small size the receiver would never get a sample. Until the first report,
+/// the share is assumed to be a quarter of the buffer, since other processes may send to the same socket.
 void FlowWindow::announce(std::size_t receive_buffer_bytes) {
   if (!receiver_.heard())
     share_ = usable_bytes(std::max(receive_buffer_bytes, receive_buffer_bytes_default)) / 4;
@@ -53,7 +53,7 @@ void FlowWindow::note_unproven(std::size_t bytes, std::size_t datagrams, Time no
   if (limits_.asks && !receiver_.heard()) unproven_.spend(bytes, datagrams, now);
 }
 
-/// Large samples wait for the first report, which opens the whole window one round trip later.
+/// Large samples wait for the first report, which allows the whole window.
 std::size_t FlowWindow::room(Size size, Time now) {
   pass_time(now);
   if (limits_.asks && !receiver_.heard()) {
@@ -83,8 +83,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   pass_time(now);
   const std::size_t taken = socket_bytes(bytes, datagrams);
   sent_ += taken;
-  // The window limits the sending even if no sender waits, because the report for a full small window often
-  // comes before the sender looks for room again.
+  // The window limits the sending even if no sender waits, because a small window may become full and be
+  // reported before the sender calls room() again.
   if (congestion_.bytes() <= share_ && under_way() >= congestion_.bytes() / 2) congestion_.was_full(sent_);
   note_unproven(bytes, datagrams, now);
   expansion_ +=
@@ -92,8 +92,8 @@ void FlowWindow::sent(std::size_t bytes, std::size_t datagrams, Time now, bool a
   if (!aside) datagrams_ += static_cast<std::uint32_t>(datagrams);
 }
 
-/// Returns the number of socket bytes between two marks. There are several marks in a window, since a small
-/// window is soon full, but none for small samples that are rare.
+/// Returns the number of socket bytes between two flow marks. Several marks are sent for each window of
+/// data. The number is not smaller than a minimum, so that rare small samples cause no marks.
 std::size_t FlowWindow::mark_spacing() const {
   const std::size_t seldom = std::min(window() / 2, limits_.mark_spacing_min);
   const std::size_t part = window() / (window() < limits_.first_bytes ? 4 : 2);
@@ -145,7 +145,7 @@ bool FlowWindow::hear(const FlowReport& report, Time now) {
 }
 
 /// Updates the estimates from a report. If the shortest round trip was too old, the window shrinks, so that
-/// our own queue is short for a moment and the shortest round trip can be measured again.
+/// the queue of our datagrams is short for a moment, and the shortest round trip can be measured again.
 void FlowWindow::learn(const FlowReport& report, Time now) {
   const bool begins_anew = round_trips_.note(now - marked_at(report), now);
   rate_.report(report.position, marked_at(report), now);
@@ -158,8 +158,8 @@ void FlowWindow::learn(const FlowReport& report, Time now) {
                             .taken = rate_.bytes_within(round_trips_.shortest() + limits_.queueing)});
 }
 
-/// Sends to another address. Datagrams that are under way to the former address do not count as arriving
-/// any more, and all estimates are reset, because the path is another one.
+/// Sends to another address from now on. Datagrams under way to the former address no longer count as
+/// arriving. All estimates are reset, because the path is different.
 void FlowWindow::move(std::uint64_t secret, std::shared_ptr<UnprovenBudget> host) {
   secret_ = secret;
   unproven_.begin_anew(std::move(host));

@@ -1,7 +1,8 @@
-// Finds out from reports if long datagrams arrive at a receiver. A path may drop them without an error
-// although short ones, such as marks, get through. The class compares the lengths of what was sent with the
-// longest datagram that the receiver reports as recently received (LongestArrivals). This needs no acks, so
-// it works for best effort, and for samples of any size. The class uses no clock, thread or I/O.
+// Finds out from reports if long datagrams arrive at a receiver. A path may drop long datagrams without an
+// error although short ones, such as flow marks, arrive. The class compares the lengths of sent datagrams
+// with the longest datagram that the receiver reports as recently received (LongestArrivals). This
+// comparison needs no acks, so it works for best effort, too, and for samples of any size. The class uses no
+// clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -18,16 +19,16 @@ class LengthMonitor {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The longest time between a datagram and its mark for which the report is evidence. The receiver may
-  /// have discarded the lengths of earlier datagrams.
+  /// A report is evidence about a datagram only if the flow mark that requested the report was sent within
+  /// this time after the datagram. The receiver may have discarded the lengths of earlier datagrams.
   static constexpr std::chrono::milliseconds remembered_for{500};
 
-  /// Notes that datagrams were sent. `length` is that of the longest one.
+  /// Notes that datagrams were sent. `length` is the length of the longest of them.
   void sent(std::size_t length, Time now) {
     if (length > arrived_) since_mark_.add(length, now);
   }
-  /// Notes that a mark was sent behind these datagrams. One report is evidence about the datagrams between
-  /// two marks.
+  /// Notes that a flow mark was sent after the datagrams that sent() has noted. Its report is evidence about
+  /// the datagrams since the previous mark.
   void mark(std::uint64_t position) {
     if (!marked_.is_empty()) return;
     marked_ = std::exchange(since_mark_, {});
@@ -35,11 +36,12 @@ class LengthMonitor {
   }
   /// Notes that the receiver requests data again, so that the next report should come soon.
   void asked_again() { unconfirmed_ = true; }
-  /// Returns true if long datagrams might not arrive. Then a mark should follow them soon.
+  /// Returns true if long datagrams might not arrive. Then the caller should send a flow mark soon after
+  /// them.
   bool is_uncertain() const { return unconfirmed_; }
 
-  /// Evaluates a report. Returns the length of datagrams that have not arrived; 0 if all have arrived, as
-  /// far as the report shows.
+  /// Evaluates the report that answers the flow mark sent at `marked_at`. Returns the length of datagrams
+  /// that have not arrived; 0 if the report shows no loss.
   std::size_t evaluate(const FlowReport& report, Time marked_at) {
     arrived_ = report.longest;
     if (report.position < position_) return 0;
@@ -66,7 +68,7 @@ class LengthMonitor {
 
   std::size_t arrived_ = 0;  ///< length of the longest datagram in the last report
   Lengths since_mark_, marked_;
-  std::uint64_t position_ = 0;  ///< the position of the mark whose report is evaluated next
+  std::uint64_t position_ = 0;  ///< the position of the flow mark whose report is evaluated next
   bool unconfirmed_ = false;
 };
 

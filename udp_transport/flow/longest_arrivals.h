@@ -1,6 +1,6 @@
-// Remembers, for each address that sends marks, the length of the longest recent datagram from it. All
-// processes and ports at an address count together, because they share one path. Reports carry this length.
-// The class uses no clock, thread or I/O.
+// Keeps, for each address that sends flow marks, the length of the longest datagram that has recently come
+// from it. The reports that answer the marks carry this length. All processes and ports at an address count
+// together, because they share one path. The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -19,15 +19,16 @@ class LongestArrivals {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t addresses_max = 256;
-  /// A datagram is remembered for one period at least, and for two periods at most. A sender uses reports
-  /// only about a shorter time (LengthMonitor::remembered_for).
+  /// The length of a datagram is kept for at least one period and at most two periods. Senders only use what
+  /// reports show about a shorter time (LengthMonitor::remembered_for).
   static constexpr std::chrono::seconds period{1};
-  /// An address that has sent no mark for this time is removed if another address needs its place.
+  /// An address that has sent no flow mark for this time is removed if the table is full and another address
+  /// comes.
   static constexpr std::chrono::seconds kept_for{10};
 
   LongestArrivals() { addresses_.reserve(addresses_max); }
 
-  /// Notes a datagram. Ignored if no mark has come from that address yet.
+  /// Notes a datagram. Does nothing if no flow mark has come from that address yet.
   void note(const core::IpAddress& from, std::size_t bytes, Time now) {
     if (last_ >= addresses_.size() || addresses_[last_].ip != from) {
       const auto found = std::ranges::find(addresses_, from, &Address::ip);
@@ -39,8 +40,8 @@ class LongestArrivals {
     address.present = std::max(address.present, static_cast<std::uint32_t>(bytes));
   }
 
-  /// Notes a mark, which is a datagram, too. Returns the length of the longest recent datagram; 0 if the
-  /// address was not known.
+  /// Notes a flow mark, whose length counts like that of other datagrams. Returns the length of the longest
+  /// recent datagram from the address; 0 if the address was not known.
   std::uint32_t answer(const core::IpAddress& from, std::size_t mark_length, Time now) {
     const auto found = std::ranges::find(addresses_, from, &Address::ip);
     if (found == addresses_.end()) {

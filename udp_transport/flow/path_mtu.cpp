@@ -6,16 +6,16 @@
 namespace sft::udp {
 
 namespace {
-/// Sizes of packets that links and tunnels are made for: the least of IPv6, mobile networks, tunnels of
-/// overlay networks, PPPoE, Ethernet, FDDI, jumbo frames.
+/// The usual maximum sizes of packets in bytes, ascending: the minimum of IPv6, mobile networks, tunnels of
+/// overlay networks, PPPoE, Ethernet, FDDI, and jumbo frames.
 constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352, 9000};
 }  // namespace
 
 PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
     : headers_(headers), shortest_(shortest), ceiling_(std::max(kernel_says, shortest)), bytes_(ceiling_) {}
 
-/// If the kernel's value has changed, the path is another one. Then everything that was learnt about the
-/// old path is discarded.
+/// If the kernel's value has changed, the path has changed. Then everything that was learnt about the former
+/// path is discarded.
 void PathMtu::kernel_says(std::size_t bytes) {
   bytes = std::max(bytes, shortest_);
   if (bytes == ceiling_) return;
@@ -39,8 +39,8 @@ void PathMtu::lost(std::size_t length, Time now) {
   if (losses_ >= losses_max && now - first_loss_ >= timeout) shorten(now);
 }
 
-/// Shortens datagrams to a length that has been found to work. If there is none, it tries what nearly every
-/// path takes, and then what each path takes.
+/// Shortens datagrams to a length that has been found to work. If there is none, it first tries a length
+/// that nearly every path carries, and then the length that every path carries.
 void PathMtu::shorten(Time now) {
   losses_ = 0;
   if (bytes_ == shortest_) return;
@@ -67,11 +67,11 @@ void PathMtu::arrived(std::size_t length, Time now) {
   if (next_longer() < too_long_) next_try_ = now + search_pause;
 }
 
-/// Tries a longer length only if the present length has arrived. Otherwise a lost longer datagram would not
-/// be noticed.
+/// Tries a longer length only if datagrams of the present length have arrived. Otherwise the loss of longer
+/// datagrams would not be noticed.
 void PathMtu::look_after(Time now) {
   if (bytes_ >= ceiling_ || proven_ < bytes_ || now < next_try_) return;
-  // The path may have been repaired meanwhile, so all lengths are possible again.
+  // The path may carry longer datagrams by now, so all lengths are possible again.
   if (next_longer() >= too_long_) too_long_ = none;
   bytes_ = next_longer();
 }

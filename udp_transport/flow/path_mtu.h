@@ -1,8 +1,8 @@
-// The largest length of datagrams for one destination. The kernel knows the limits of the route, and those
-// that routers have reported (ICMP). A path that silently drops long datagrams (a black hole) has a smaller
-// limit, which only the receiver's reports can show (length_monitor.h). The algorithm follows RFC 8899 with
-// samples as probes: a reliable sample that is lost with a probe is sent again. The class uses no clock,
-// thread or I/O.
+// The largest length of datagrams for one destination. The kernel knows the limits of the route, and the
+// limits that routers have reported (ICMP). A path that silently drops long datagrams (a black hole) has a
+// smaller limit, which only the receiver's reports can show (length_monitor.h). The algorithm follows RFC
+// 8899, but uses samples as probes. A reliable sample whose datagrams are too long and lost is sent again.
+// The class uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -16,16 +16,17 @@ class PathMtu {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Long datagrams count as lost after this number of reports without them over this time. A queue that is
-  /// full for a moment may lose a whole train.
+  /// Long datagrams count as too long after `losses_max` reports in a row that show their loss, over at
+  /// least `timeout`. A single loss is no evidence, because a queue that is full for a moment may lose a
+  /// whole train of datagrams.
   static constexpr int losses_max = 5;
   static constexpr std::chrono::milliseconds timeout{200};
-  /// Pauses of the search for longer datagrams: after a length that works, the pause before the next longer
-  /// one; after a length that fails, the first and the longest pause before that length is tried again.
+  /// Pauses of the search for longer datagrams. `search_pause` follows a length that works. `retry_pause` is
+  /// the first pause before a failed length is tried again, and `retry_pause_max` is the longest one.
   static constexpr std::chrono::seconds search_pause{1}, retry_pause{10}, retry_pause_max{600};
 
   /// `headers` is the length of the IP and UDP headers. `shortest` is a length of datagrams that every path
-  /// takes. All are in bytes.
+  /// carries. `kernel_says` is the kernel's limit. All are in bytes.
   PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says);
 
   std::size_t datagram_bytes() const { return bytes_; }
@@ -33,16 +34,17 @@ class PathMtu {
   bool is_uncertain() const { return bytes_ < ceiling_ || losses_ > 0 || is_limited_; }
 
   void kernel_says(std::size_t bytes);
-  /// Returns the length beyond which datagrams are known not to arrive; 0 if no such length is known.
+  /// Returns the length above which datagrams are known not to arrive; 0 if no such length is known.
   std::size_t limited_to() const {
     if (!is_limited_) return 0;
     return proven_ != 0 ? proven_ : bytes_;
   }
-  /// Notes that datagrams of that length or longer were sent, and none has arrived.
+  /// Notes that a report shows the loss of datagrams of that length or longer: some were sent, and none has
+  /// arrived.
   void lost(std::size_t length, Time now);
   /// Notes the length of the longest datagram that has arrived recently.
   void arrived(std::size_t length, Time now);
-  /// Tries the next greater length when it is time.
+  /// Tries the next greater length if the pause of the search is over.
   void look_after(Time now);
 
  private:
@@ -56,14 +58,14 @@ class PathMtu {
   std::size_t shortest_;
   std::size_t ceiling_;          ///< the kernel's limit of the length
   std::size_t bytes_;            ///< the present length of datagrams
-  std::size_t proven_ = 0;       ///< the greatest length that has arrived; 0: none has yet
-  std::size_t too_long_ = none;  ///< a length that did not arrive
-  /// True if `bytes_` was reduced, and no datagram as long as `ceiling_` has come since.
+  std::size_t proven_ = 0;       ///< the greatest length of a datagram that has arrived; 0: none
+  std::size_t too_long_ = none;  ///< a length of datagrams that did not arrive
+  /// True if `bytes_` was reduced, and no datagram of the length `ceiling_` has arrived since then.
   bool is_limited_ = false;
   Time next_try_{};
   Time::duration retry_after_ = retry_pause;
   int losses_ = 0;                  ///< number of reports in a row that show losses
-  std::size_t lost_length_ = none;  ///< shortest lost datagram in these reports
+  std::size_t lost_length_ = none;  ///< length of the shortest lost datagram in these reports
   Time first_loss_{};
 };
 

@@ -1,4 +1,4 @@
-// Limits the bytes per second that a writer or a whole transport may send, whichever thread sends them.
+// Limits the bytes per second that a writer or a whole transport may send, in all threads together.
 #pragma once
 
 #include <algorithm>
@@ -11,8 +11,8 @@
 
 namespace sft::udp {
 
-/// Small samples may be sent as long as any tokens are left. Large samples leave a quarter of a burst to
-/// small ones. Any thread may call the functions.
+/// Small samples may be sent as long as any tokens are left. Large samples leave a quarter of a burst for
+/// small samples. Any thread may call the functions.
 class RateLimit {
  public:
   using Time = Pacer::Time;
@@ -34,10 +34,10 @@ class RateLimit {
     const core::Lock lock(mutex_);
     pacer_.spend(bytes);
   }
-  /// Returns the number of bytes of a large sample that are sent at a time. It is limited so that small
-  /// samples do not have to wait for more.
+  /// Returns the maximum number of bytes of a large sample that are sent at a time. So small samples wait no
+  /// longer than these bytes take.
   std::size_t batch_bytes() const { return batch_; }
-  /// Returns when to ask again, if nothing is spent until then.
+  /// Returns the time at which ready() should be called again if nothing is spent before.
   Time next_ready(bool small, Time now) {
     if (!limited_) return now;
     const core::Lock lock(mutex_);
@@ -45,7 +45,8 @@ class RateLimit {
   }
 
  private:
-  /// Returns the size of a burst: a train of datagrams, or the bytes of 10 ms if that is more.
+  /// Returns the size of a burst in bytes: that of a train of datagrams, or that of the data of 10 ms if
+  /// that is more.
   static std::size_t burst_for(std::uint64_t bytes_per_s) {
     return static_cast<std::size_t>(std::max<std::uint64_t>(64 * 1024, bytes_per_s / 100));
   }

@@ -29,10 +29,10 @@ std::size_t ReceiveShares::addresses() const {
   return n;
 }
 
-/// Returns the mark's sender, known or new; null if there are too many senders. For a new sender, the
-/// number of datagrams that have arrived is not known. All of them count as arrived, because the sender
-/// would otherwise regard the missing ones as lost. If a sender's marks come from another port, its path
-/// has changed, and former arrivals do not count.
+/// Returns the sender of the flow mark, and adds it if it is not known. Returns null if there are too many
+/// senders. For a new sender, the number of datagrams that have arrived is not known. All of them count as
+/// arrived, because the sender would otherwise regard the missing ones as lost. If a sender's marks come
+/// from another port, its path has changed, and former arrivals do not count.
 ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const SocketAddress& from) {
   const auto found = std::ranges::find_if(
       senders_, [&](const Sender& known) { return known.flow == mark.flow && known.from.ip == from.ip; });
@@ -47,8 +47,9 @@ ReceiveShares::Sender* ReceiveShares::known_or_new(const FlowMark& mark, const S
   return &*found;
 }
 
-/// Grants the sender its share. Until all other senders have received reports with their new shares, this
-/// sender gets only what their former shares leave.
+/// Grants the sender its share of the receive buffer, and returns that share in bytes. Until all other
+/// senders have received reports with their new shares, this sender gets at most what their former shares
+/// leave, but at least a quarter of its share.
 std::size_t ReceiveShares::grant(Sender& sender) const {
   const std::size_t share = usable_bytes_ / addresses() / of_address(sender.from.ip).size();
   std::size_t left = usable_bytes_;

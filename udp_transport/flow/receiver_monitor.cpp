@@ -5,8 +5,9 @@
 namespace sft::udp {
 
 namespace {
-constexpr std::chrono::seconds longest_pause_between_marks{3};  // longest pause within one silence
-}
+/// If more time passes between two flow marks, the silence of the receiver is counted anew.
+constexpr std::chrono::seconds longest_pause_between_marks{3};
+}  // namespace
 
 void ReceiverMonitor::ask(bool again, Time now) {
   unanswered_ = again ? unanswered_ + 1 : 0;
@@ -54,9 +55,9 @@ void ReceiverMonitor::begin_anew() {
   refused_ = acks_come_ = false;
 }
 
-/// Returns the pause before an unanswered mark is repeated. It grows while the receiver does not answer. On
-/// a short path it stays short until the receiver counts as silent, because the answer was probably lost,
-/// and a longer pause would only stop the window for longer.
+/// Returns the pause before an unanswered flow mark is repeated. The pause grows while the receiver does not
+/// answer. On a path with short round trips, the pause stays short until the receiver counts as mute: the
+/// answer was probably lost, and a longer pause would only block the window for longer.
 ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& round_trips) const {
   if (is_mute(marked_at_)) {
     const Time::duration longest = heard_ ? limits_.mark_silent_longest : limits_.mark_unproven_longest;
@@ -72,8 +73,8 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
                 : std::min<Time::duration>(after(std::max(asked_ - 1, 0)), limits_.mark_silent);
 }
 
-/// Returns true if a new mark is due. An ack is no evidence that long datagrams arrive, so acks do not
-/// count while that is uncertain.
+/// Returns true if a new flow mark is due. An ack is no evidence that long datagrams arrive, so acks do not
+/// count while that arrival is uncertain.
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
   const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
   if (asked_since_) return now - told_at >= limits_.mark_silent;

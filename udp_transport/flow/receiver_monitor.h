@@ -1,8 +1,8 @@
-// Tells if a receiver answers its marks, and when it may be asked again. Uses no clock, thread or I/O.
+// Determines if a receiver answers the flow marks that are sent to it, and when the next mark may be sent.
+// Uses no clock, thread or I/O.
 //
-// A receiver counts as mute if several marks, not too far from each other, have had no answer for
-// FlowLimits::silence. A single mark may get lost, and the sender may pause; neither makes the receiver
-// mute.
+// A receiver counts as mute if several flow marks, sent at short intervals, have had no answer for
+// FlowLimits::silence. A single lost mark, or a pause of the sender, does not make the receiver mute.
 #pragma once
 
 #include <chrono>
@@ -21,44 +21,45 @@ class ReceiverMonitor {
 
   /// Returns true if the receiver has reported.
   bool heard() const { return heard_; }
-  /// Returns true if marks to the receiver are unanswered, because it never answered or stopped answering.
+  /// Returns true if the receiver has not answered several flow marks. It may never have answered, or have
+  /// stopped answering.
   bool is_mute(Time now) const {
     return asked_since_ &&
            (refused_ || (asked_ >= marks_of_silence && now - *asked_since_ >= limits_.silence));
   }
   /// Returns true if the receiver has reported, and is mute now.
   bool is_silent(Time now) const { return heard_ && is_mute(now); }
-  /// Returns true if a mark was sent after the receiver's last answer.
+  /// Returns true if a flow mark was sent after the receiver's last answer.
   bool is_asked() const { return asked_since_.has_value(); }
 
-  /// Notes that a mark is sent. `again` is true if nothing else was sent since the previous mark.
+  /// Notes that a flow mark is sent. `again` is true if no other data was sent since the previous mark.
   void ask(bool again, Time now);
-  /// Notes that a mark was due and could not be sent. The next mark is due after the usual pause.
+  /// Notes that a flow mark was due and could not be sent. The next mark is due after the usual pause.
   void put_off(Time now);
-  /// Returns true if a mark may have been sent at that time.
+  /// Returns true if a flow mark may have been sent at that time.
   bool may_have_asked_at(Time time) const {
     return first_marked_at_ != Time{} && time >= first_marked_at_ && time <= marked_at_;
   }
   /// Notes a report of the receiver.
   void reported(Time now);
-  /// Notes an answer that is no report, and that only the receiver can give.
+  /// Notes an authentic answer of the receiver that is not a report, such as an ack.
   void lives(Time now);
-  /// Notes that the remote host has reported that no socket has this port. Ignored if the receiver has just
-  /// reported.
+  /// Notes that the remote host has reported (by ICMP) that no socket has this port. Does nothing if the
+  /// receiver has just reported.
   void refused(Time now);
-  /// Begins again for another address of the receiver. The receiver has to answer at that address first.
+  /// Resets the state for another address of the receiver. The receiver has to answer at that address first.
   void begin_anew();
 
-  /// Returns the time at which a mark without an answer is followed by another one.
+  /// Returns the time at which an unanswered flow mark is followed by the next one.
   Time next_retry(const RoundTrips& round_trips) const { return marked_at_ + retry_pause(round_trips); }
-  /// Data that may not have arrived is followed by a mark after this time.
+  /// If sent data may not have arrived, a flow mark follows it after this time.
   static constexpr std::chrono::milliseconds anew_unconfirmed{40};
-  /// Returns true if the receiver has to be asked about the sent data, since it has given no answer for too
-  /// long. `is_uncertain` is true if a part of the data may not have arrived.
+  /// Returns true if a flow mark has to be sent, because the receiver has not answered about the sent data
+  /// for too long. `is_uncertain` is true if a part of the data may not have arrived.
   bool has_to_ask_anew(Time now, bool is_uncertain = false) const;
 
  private:
-  /// The number of unanswered marks that count as silence.
+  /// The number of unanswered flow marks after which a receiver may count as mute.
   static constexpr int marks_of_silence = 3;
 
   Time::duration retry_pause(const RoundTrips& round_trips) const;
@@ -68,9 +69,9 @@ class ReceiverMonitor {
   Time marked_at_{};
   Time first_marked_at_{};
   Time heard_at_{};
-  int unanswered_ = 0;               ///< number of repeated marks
-  std::optional<Time> asked_since_;  ///< time of the first mark after the last answer
-  int asked_ = 0;                    ///< number of marks since `asked_since_`
+  int unanswered_ = 0;               ///< number of repeated flow marks
+  std::optional<Time> asked_since_;  ///< time of the first flow mark after the last answer
+  int asked_ = 0;                    ///< number of flow marks since `asked_since_`
   bool refused_ = false;
   bool heard_ = false;
   bool acks_come_ = false;

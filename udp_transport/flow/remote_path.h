@@ -1,7 +1,7 @@
-// The path to a remote socket: the present address of the socket, further addresses that its answers have
-// come from, and the length of datagrams that the path takes. Any thread may call the functions.
+// The path to a remote socket: the present address of the socket, further addresses from which its answers
+// have come, and the maximum length of datagrams that the path carries. Any thread may call the functions.
 //
-// The class makes no system call: callers pass in the kernel's answers about the path.
+// The class makes no system calls. Callers pass in the kernel's answers about the path.
 #pragma once
 
 #include <atomic>
@@ -21,45 +21,46 @@ class RemotePath {
  public:
   using Time = PathMtu::Time;
 
-  /// The number of further addresses of the receiver that are kept: those that the latest answers came
-  /// from.
+  /// The maximum number of further addresses of the receiver that are kept. They are the addresses from
+  /// which the latest answers came.
   static constexpr std::size_t also_at_max = 4;
 
-  /// `kernel_says` is the length of the longest datagram that the kernel sends there.
+  /// `kernel_says` is the length in bytes of the longest datagram that the kernel sends to the address.
   RemotePath(const SocketAddress& address, std::size_t kernel_says);
 
   SocketAddress address() const;
-  /// Returns true if a datagram from that address can be the receiver's: it is the address that we send to,
-  /// or the receiver has reported from it.
+  /// Returns true if a datagram from that address can come from the receiver: we send to that address, or
+  /// the receiver has reported from it.
   bool is_at(const core::IpAddress& ip) const;
   /// Notes that the receiver has reported from that address. Either its host has several addresses, or a
   /// router on the path translates addresses.
   void learn(const core::IpAddress& ip);
 
-  /// Sends to that address from now on. Returns false if that is the present address already. Lengths are
-  /// those of the former path until measure_anew().
+  /// Changes the address to which datagrams are sent. Returns false if it is the present address already.
+  /// The length of datagrams stays that of the former path until measure_anew() is called.
   bool move_to(const SocketAddress& address) noexcept;
-  /// Discards what was learnt about lengths on another path.
+  /// Discards what was learnt about the length of datagrams on the former path.
   void measure_anew(const SocketAddress& address, std::size_t kernel_says) noexcept;
 
   std::size_t datagram_bytes() const { return datagram_bytes_.load(std::memory_order_relaxed); }
-  /// Returns the limit, if longer datagrams do not arrive although the kernel would send them; 0 if no such
+  /// Returns the length above which datagrams do not arrive although the kernel sends them; 0 if no such
   /// limit is known.
   std::size_t limited_to() const { return limited_to_.load(std::memory_order_relaxed); }
-  /// Returns the limit in a sentence; empty if there is none.
+  /// Returns a sentence about that limit; empty if no limit is known.
   std::string limit_in_words() const;
-  /// Returns the sentence that says that there is no such limit any more.
+  /// Returns the sentence that says that the limit has ended.
   std::string no_limit_in_words() const;
   /// Returns true if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
-  /// Takes the kernel's answer about the path to `asked`. The answer is ignored if the socket has moved
-  /// meanwhile.
+  /// Takes the kernel's answer about the path to `asked`. Ignores it if the socket has moved to another
+  /// address meanwhile.
   void learn_length(const SocketAddress& asked, std::size_t kernel_says) noexcept;
-  // The following two functions note that the receiver has reported if datagrams of that length arrived
-  // (PathMtu).
+  // The following two functions note what the receiver has reported about datagrams of that length: that
+  // they were lost, or that they arrived (PathMtu).
   void were_lost(std::size_t length, Time now) noexcept;
   void arrived(std::size_t length, Time now) noexcept;
-  /// Called from time to time: tries longer datagrams, since the path may take them by now.
+  /// Called regularly. Tries longer datagrams if it is time, since the path may have changed and carry them
+  /// now.
   void look_after(Time now) noexcept;
 
  private:

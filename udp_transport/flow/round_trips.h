@@ -11,13 +11,13 @@ class RoundTrips {
   using Time = std::chrono::steady_clock::time_point;
   using Duration = Time::duration;
 
-  /// A shortest round trip counts only for this time, because routes change.
+  /// The shortest round trip is replaced after this time, because routes change.
   static constexpr std::chrono::seconds shortest_valid_for{10};
 
-  /// `unheard` is returned as the latest round trip until one is noted.
+  /// `unheard` counts as the latest round trip until a round trip is noted.
   explicit RoundTrips(Duration unheard) : unheard_(unheard) {}
 
-  /// Notes a round trip. Returns true if the shortest one was too old; then this one replaces it.
+  /// Notes a round trip. Returns true if the shortest round trip was too old and was replaced by this one.
   bool note(Duration time, Time now) {
     latest_ = time;
     const bool begins_anew = now - shortest_since_ > shortest_valid_for;
@@ -28,14 +28,14 @@ class RoundTrips {
     shortest_ = std::min(shortest_, time);
     return begins_anew;
   }
-  /// Begins again for another path.
+  /// Resets the estimates for another path.
   void forget() {
     latest_ = unheard_;
     shortest_ = Duration::max();
   }
 
   Duration latest() const { return latest_; }
-  /// The shortest recent round trip; Duration::max(): not known.
+  /// Returns the shortest recent round trip; Duration::max() if none is known.
   Duration shortest() const { return shortest_; }
   /// Returns the time that the latest datagram waited in queues.
   Duration queueing() const { return latest_ - shortest_; }

@@ -1,5 +1,6 @@
-// The allowance of a receiver before its first report: a few small datagrams and marks, and no more than
-// its host's budget has left. So a forged announcement cannot make this host flood another one.
+// What may be sent to a receiver before its first report: a few small datagrams and flow marks (requests for
+// a report), and no more than the rest of its host's budget. So a forged announcement cannot make this host
+// flood another one.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@ class UnprovenAllowance {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// `host` limits what all receivers on that host together are sent before they answer; null: only the
+  /// `host` limits what is sent to all receivers on that host together before they answer; null: only the
   /// limits of this receiver count.
   UnprovenAllowance(const FlowLimits& limits, std::shared_ptr<UnprovenBudget> host)
       : bytes_max_(limits.unproven_bytes),
@@ -39,10 +40,10 @@ class UnprovenAllowance {
     datagrams_ += datagrams;
     if (host_ != nullptr) host_->spend(datagrams, now);
   }
-  /// Returns true if a mark may be sent, and counts it then. First the receiver's own allowance is used,
-  /// then the budget of its host.
+  /// Returns true if a flow mark may be sent, and then counts the mark. The receiver's own allowance is used
+  /// first, and then the budget of its host.
   bool takes_mark(Time now) { return marks_++ < marks_max_ || host_ == nullptr || host_->takes_mark(now); }
-  /// Notes that the receiver has reported. Its datagrams are given back to the host's budget, since the
+  /// Notes that the receiver has reported. Its datagrams are then returned to the host's budget, since the
   /// receiver wanted them.
   void proven() {
     if (host_ != nullptr) host_->give_back(datagrams_);
@@ -51,7 +52,8 @@ class UnprovenAllowance {
   void answered(Time now) {
     if (host_ != nullptr) host_->answered(now);
   }
-  /// Begins again for another address of the receiver. The receiver has to answer at that address first.
+  /// Resets the allowance for another address of the receiver. The receiver has to answer at that address
+  /// first.
   void begin_anew(std::shared_ptr<UnprovenBudget> host) {
     host_ = std::move(host);
     bytes_ = datagrams_ = marks_ = 0;

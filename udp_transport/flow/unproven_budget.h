@@ -1,6 +1,7 @@
-// UnprovenBudget limits what all destinations on one host together are sent before they report. Each
-// destination alone may be sent a few datagrams and marks (FlowLimits). The host gets no more than the
-// budget, even if destinations on it are forged. Any thread may call the functions.
+// UnprovenBudget limits what is sent to all destinations on one host together before they report. FlowLimits
+// allows a few datagrams and flow marks (requests for a report) for each destination alone. The budget
+// limits their sum, even if forged announcements name many destinations on the host. Any thread may call the
+// functions.
 #pragma once
 
 #include <algorithm>
@@ -21,9 +22,9 @@ class UnprovenBudget {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t datagrams_max = 64;
-  /// The time after which one more datagram may be sent.
+  /// The time after which the budget grows by one datagram.
   static constexpr std::chrono::seconds refill{1};
-  /// A host counts as answering for this time after a report.
+  /// For this time after a report, a host counts as answering.
   static constexpr std::chrono::seconds answers_for{10};
 
   std::size_t left(Time now) {
@@ -36,18 +37,19 @@ class UnprovenBudget {
     recover(now);
     spent_ = std::min(spent_ + datagrams, datagrams_max);
   }
-  /// Gives back the datagrams that a destination was sent before it reported.
+  /// Returns the datagrams to the budget that were sent to a destination before it reported.
   void give_back(std::size_t datagrams) {
     const core::Lock lock(mutex_);
     spent_ -= std::min(spent_, datagrams);
   }
-  /// Notes that a destination on the host has reported. For a while, marks to the host are not limited.
+  /// Notes that a destination on the host has reported. For `answers_for`, flow marks to the host are not
+  /// limited.
   void answered(Time now) {
     const core::Lock lock(mutex_);
     answered_at_ = now;
   }
-  /// Returns true if one more mark may be sent to a destination that has used up its own allowance. Counts
-  /// the mark then.
+  /// Returns true if one more flow mark may be sent to a destination that has used up its own allowance.
+  /// Then counts the mark.
   bool takes_mark(Time now) {
     const core::Lock lock(mutex_);
     if (answered_at_ && now - *answered_at_ < answers_for) return true;
@@ -68,7 +70,7 @@ class UnprovenBudget {
 
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   std::size_t spent_ SFT_GUARDED_BY(mutex_) = 0;
-  Time since_ SFT_GUARDED_BY(mutex_){};  ///< time when `spent_` was last reduced
+  Time since_ SFT_GUARDED_BY(mutex_){};  ///< time of the last reduction of `spent_`
   std::optional<Time> answered_at_ SFT_GUARDED_BY(mutex_){};
 };
 

@@ -11,7 +11,7 @@ namespace sft::udp {
 
 namespace {
 
-/// Returns the address of this host on the route to `to`; empty if there is no route, or none by IPv4.
+/// Returns the address of this host on the route to `to`; empty if there is no IPv4 route.
 core::IpAddress own_address_towards(const SocketAddress& to) noexcept {
   if (!to.ip.is_ipv4()) return {};
   const FileDescriptor probe(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));

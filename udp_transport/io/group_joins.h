@@ -12,19 +12,20 @@
 
 namespace sft::udp {
 
-/// Joins and leaves groups. Used by the receiving thread only.
+/// Joins and leaves multicast groups. Must be used by the receiving thread only.
 class GroupJoins {
  public:
-  /// The limit of groups. Linux allows a socket 20 memberships by default.
+  /// The maximum number of joined groups. Linux allows a socket 20 memberships by default.
   static constexpr std::size_t joins_max = 16;
 
   explicit GroupJoins(std::shared_ptr<const UdpSocket> socket) : socket_(std::move(socket)) {}
 
-  /// Joins the group on the link by which `towards` is reached. If there are `joins_max` groups already, it
-  /// does not join: the writer of the group then gets no report of a probe, and serves this process alone.
-  /// Leaving the oldest group instead would lose samples of its writer until that writer noticed, and that
-  /// group would in turn displace another one. If the group was joined before and `anew` is set, the group
-  /// is left first, because only that makes the system report the membership to switches again.
+  /// Joins the group on the link by which `towards` is reached. Does nothing if `joins_max` groups are
+  /// joined already. Then the writer of the group gets no report of its probe, and sends to this process by
+  /// unicast. Leaving the oldest group instead would lose samples of its writer until that writer noticed,
+  /// and its next join would in turn displace another group. If the group was joined before and `anew` is
+  /// set, the group is left first, because only that makes the system report the membership to switches
+  /// again.
   void join(std::uint32_t group, const SocketAddress& towards, bool anew) noexcept;
   /// Leaves all groups that are not in `groups`.
   void keep_to(std::span<const std::uint32_t> groups) noexcept;

@@ -17,7 +17,7 @@ FileDescriptor open_for_groups(std::size_t receive_buffer_bytes) noexcept {
   if (!socket) return socket;
   const int fd = socket.get();
   set_int(fd, SOL_SOCKET, SO_REUSEADDR, 1);
-  // The socket receives nothing for groups that only other processes have joined.
+  // With this option, the socket receives no datagrams of groups that only other processes have joined.
   set_int(fd, IPPROTO_IP, IP_MULTICAST_ALL, 0);
   set_receive_buffer(fd, receive_buffer_bytes);
   set_int(fd, SOL_UDP, UDP_GRO, 1);

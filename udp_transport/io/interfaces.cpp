@@ -19,8 +19,8 @@ using core::IpAddress;
 
 constexpr int mtu_default = 1500;
 
-/// Returns the address from which the default route leaves the host, and not the address of some
-/// container's bridge. Returns the address "any" if there is no such route. Sends nothing.
+/// Returns the source address that the system uses for `elsewhere`, without sending anything. Returns the
+/// address "any" if there is no route.
 IpAddress address_towards(const IpAddress& elsewhere) {
   const SystemAddress to({elsewhere, 9});
   const core::FileDescriptor probe(::socket(to.family(), SOCK_DGRAM | SOCK_CLOEXEC, 0));
@@ -31,7 +31,7 @@ IpAddress address_towards(const IpAddress& elsewhere) {
   return known ? to_address(from).ip : IpAddress{};
 }
 
-// No host has these addresses: RFC 5737, RFC 3849.
+// Addresses that no host has (RFC 5737, RFC 3849), so that only a default route leads to them.
 constexpr IpAddress elsewhere_ipv4{0xC0000201};
 constexpr IpAddress elsewhere_ipv6{
     IpAddress::Bytes{0x20, 0x01, 0x0d, 0xb8, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 1}};
@@ -100,8 +100,8 @@ Result<void> check_interfaces(const std::vector<std::string>& chosen) {
   return {};
 }
 
-/// Returns true if the interface's folder has a subfolder for wireless devices. Present drivers have the
-/// first one, older drivers the second.
+/// Returns true if the interface's folder has a subfolder of wireless devices: "phy80211" for present
+/// drivers, or "wireless" for older ones.
 bool is_wireless(const std::string& interface, const std::string& interfaces) {
   const std::string folder = interfaces + "/" + interface;
   return ::access((folder + "/phy80211").c_str(), F_OK) == 0 ||

@@ -1,4 +1,4 @@
-// The links of this host, and whether they carry multicast well.
+// The links of this host, and whether multicast is used on them.
 #pragma once
 
 #include <cstdint>
@@ -10,9 +10,9 @@
 namespace sft::udp {
 
 enum class Multicast : std::uint8_t {
-  automatic,  ///< used where it saves bytes on the wire, but not on wireless interfaces
+  automatic,  ///< multicast is used if it saves bytes on the wire, but not on wireless interfaces
   off,
-  everywhere,  ///< used on loopback and wireless interfaces, too: for tests
+  everywhere,  ///< multicast is used on loopback and wireless interfaces, too; for tests
 };
 
 struct MulticastLink {
@@ -22,11 +22,11 @@ struct MulticastLink {
   std::string refusal{};  ///< reason why this link is not used for multicast; empty: it may be used
 };
 
-/// Returns the links that are up. Requests them from the system, which takes some 70 us.
+/// Returns the links that are up. The system call for their list takes about 70 us.
 std::vector<MulticastLink> multicast_links(Multicast use);
 
-/// Keeps the list of links, and requests it from the system only if the network has changed. Used by one
-/// thread.
+/// Keeps the list of links, and requests it from the system only if the network has changed. An object must
+/// be used by only one thread.
 class KnownMulticastLinks {
  public:
   using Ask = std::vector<MulticastLink> (*)(Multicast use);
@@ -41,12 +41,12 @@ class KnownMulticastLinks {
   core::NetworkMonitor& monitor_;
   const Ask ask_;
   std::vector<MulticastLink> links_;
-  std::uint64_t changes_ = 0;  ///< count of network changes when the list was made
+  std::uint64_t changes_ = 0;  ///< value of NetworkMonitor::changes() when the list was made
 };
 
 /// Returns the reason why an interface with these flags (netdevice(7)) is not used for multicast; empty if
-/// it may be used. Wireless networks send multicast at the lowest rate and without acknowledgement, and
-/// many drop it.
+/// it may be used. Wireless networks send multicast at the lowest rate and without acknowledgement, and many
+/// of them drop multicast.
 std::string why_no_multicast(const std::string& interface, unsigned flags, bool wireless, Multicast use);
 
 }  // namespace sft::udp

@@ -1,5 +1,6 @@
 // Datagrams through plain socket calls, for kernels and containers that refuse io_uring. The throughput is
-// the same, since it comes from segmentation (GSO, GRO). But each wake-up takes one more system call.
+// that of io_uring, since it depends on segmentation (GSO, GRO). But each wake-up costs one more system
+// call.
 #pragma once
 
 #include <memory>

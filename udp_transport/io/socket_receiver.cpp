@@ -24,7 +24,7 @@ SocketReceiver::SocketReceiver(std::shared_ptr<const UdpSocket> socket, FileDesc
 bool SocketReceiver::receive(DatagramSink& sink, Time deadline, std::chrono::nanoseconds spin) noexcept {
   const auto over = [&] { return trains_.read(sink) || was_woken(); };
   if (spin.count() > 0 && core::spin(std::min(deadline, Clock::now() + spin), over))
-    deadline = {};  // then the last poll below does not wait
+    deadline = {};  // so that the last poll below does not wait
   std::array<pollfd, 2> ready{{{.fd = socket_->readable(), .events = POLLIN, .revents = 0},
                                {.fd = wake_event_.get(), .events = POLLIN, .revents = 0}}};
   if (!poll_until(ready, deadline)) return true;
@@ -44,7 +44,7 @@ void SocketReceiver::wake() noexcept {
 }
 
 /// Returns true if the flag `woken_` was set, and clears it. wake() may set the flag after its event was
-/// read. A flag that stayed set would end each later spin.
+/// read. If the flag stayed set, it would end each later spin.
 bool SocketReceiver::was_woken() noexcept {
   return woken_.load(std::memory_order_relaxed) && woken_.exchange(false, std::memory_order_relaxed);
 }

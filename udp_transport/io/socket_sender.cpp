@@ -28,7 +28,7 @@ class SocketConnection;
 struct Shared {
   std::shared_ptr<const UdpSocket> socket;
   std::atomic<std::size_t> own_sockets{0};
-  /// Connections that wait for room; used by the thread that calls await().
+  /// Connections that wait for room in their send buffers; used by the thread that calls await().
   std::vector<SocketConnection*> waiting;
 };
 
@@ -52,8 +52,8 @@ class SocketConnection final : public Connection {
     if (own_) shared_->own_sockets.fetch_sub(1, std::memory_order_relaxed);
   }
 
-  /// Passes the address with the datagrams if the socket is not connected. That also happens for a moment
-  /// while another thread reconnects the socket.
+  /// Passes the address with the datagrams if the socket is not connected. The socket is also unconnected
+  /// for a moment while another thread reconnects it.
   Sent try_send(std::span<const OutgoingBatch> batches) noexcept override {
     Sent sent{};
     if (connected_.load(std::memory_order_relaxed)) {
@@ -117,7 +117,8 @@ class SocketConnection final : public Connection {
     connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
   }
 
-  /// Puts another socket in place of this one. Threads that are using this one continue with the other.
+  /// Replaces the connection's socket by one of another family, with the same descriptor. Threads that are
+  /// using the descriptor continue with the new socket.
   void change_family(int family) noexcept {
     const FileDescriptor other = open_sending_socket(shared_->socket->options, family);
     if (other && ::dup3(other.get(), own_.get(), O_CLOEXEC) >= 0)
@@ -149,7 +150,7 @@ class SocketSender final : public DatagramSender {
   std::uint16_t answer_port() const noexcept override { return answers_ == nullptr ? 0 : answers_->port; }
   Answer take_answer(std::span<std::byte> to) noexcept override {
     if (answers_ == nullptr) return {};
-    for (;;) {  // an empty datagram is skipped, since others may follow
+    for (;;) {  // an empty datagram is skipped, since more answers may follow it
       sockaddr_in6 from{};
       socklen_t from_bytes = sizeof from;
       const ssize_t bytes = ::recvfrom(answers_->fd.get(), to.data(), to.size(), MSG_DONTWAIT,
@@ -197,8 +198,7 @@ class SocketSender final : public DatagramSender {
   void wake() noexcept override { ::eventfd_write(wake_event_.get(), 1); }
 
  private:
-  /// The pause if the program has closed all descriptors (closefrom(3)), so that there is nothing to wait
-  /// for.
+  /// The pause if the program has closed all descriptors (closefrom(3)). Then there is no event to wait for.
   static constexpr std::chrono::milliseconds pause_without_descriptors{100};
   /// The number of connections that can be full at a time without an allocation.
   static constexpr std::size_t waiting_foreseen = 64;
@@ -213,8 +213,8 @@ class SocketSender final : public DatagramSender {
 constexpr std::size_t answers_buffer_bytes = 256 * 1024;
 
 /// Opens a socket for answers, which the sending thread reads between sends. So no thread has to be woken
-/// for answers. If a user has chosen the port, answers come to that port instead, because firewalls and
-/// address translation are configured for it.
+/// for answers. If a user has chosen the port, there is no such socket: answers come to the chosen port,
+/// because firewalls and address translation are configured for that port.
 std::shared_ptr<const UdpSocket> open_answers(const SocketOptions& options) {
   if (options.bind.port != 0) return nullptr;
   Result<std::shared_ptr<const UdpSocket>> socket =

@@ -1,5 +1,5 @@
-// Sends through a connected socket for each address. The sending thread polls the sockets whose send
-// buffers are full.
+// Sends datagrams through one connected socket for each address. The sending thread polls the sockets whose
+// send buffers are full.
 #pragma once
 
 #include <memory>
@@ -9,8 +9,8 @@
 
 namespace sft::udp {
 
-/// The number of addresses with a socket of their own. Any further addresses share the receiving socket and
-/// its send buffer.
+/// The maximum number of addresses that have their own socket. Further addresses share the receiving socket
+/// and its send buffer.
 inline constexpr std::size_t sending_sockets_max = 256;
 
 /// Opens a sender. Its connections send from the address that `socket` is bound to. Their send buffers have

@@ -39,7 +39,7 @@ bool TrainReader::read_from(int fd, DatagramSink& sink) noexcept {
   message.msg_control = control_;
   message.msg_controllen = sizeof control_;
   const ssize_t bytes = ::recvmsg(fd, &message, MSG_DONTWAIT);
-  // Other errors belong to an earlier datagram, and the call has cleared them.
+  // Other errors are about an earlier datagram, and the call has cleared them.
   if (bytes < 0) return errno != EAGAIN;
   if ((message.msg_flags & MSG_TRUNC) != 0) return true;
   hand_over(std::span(train_).first(static_cast<std::size_t>(bytes)),

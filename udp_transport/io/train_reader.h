@@ -1,4 +1,5 @@
-// Reads the datagrams that have come to a socket, one train at a time, with plain calls.
+// Reads the datagrams that have come to a socket with plain system calls. Each call reads one train: several
+// datagrams of one sender, which the kernel has joined (UDP_GRO).
 #pragma once
 
 #include <cstddef>
@@ -15,12 +16,12 @@ class TrainReader {
  public:
   explicit TrainReader(std::shared_ptr<const UdpSocket> socket);
 
-  /// Reads one train, without waiting. Returns false if there is none. The unicast socket comes first.
-  /// After many trains in a row from it, the socket for groups comes first once, because a sender that
-  /// never pauses must not block the other socket.
+  /// Reads one train, without waiting. Returns false if there is none. Tries the unicast socket first. After
+  /// many unicast trains in a row, tries the socket for groups first once. Otherwise a unicast sender that
+  /// never pauses would block that socket.
   bool read(DatagramSink& sink) noexcept;
-  /// Reads one train of datagrams to groups, without waiting, even if the process has left all groups.
-  /// Returns false if there is none.
+  /// Reads one train of datagrams that were sent to multicast groups, without waiting. Also reads trains
+  /// that came before the process left all groups. Returns false if there is no train.
   bool read_from_groups(DatagramSink& sink) noexcept;
 
  private:

@@ -20,8 +20,8 @@ namespace {
 using Clock = std::chrono::steady_clock;
 using core::IpAddress;
 
-// The kernel frees the sockets of a killed process, or of a closed ring, a little later. On a busy machine
-// that took more than 200 ms.
+// The kernel frees the sockets of a killed process, or of a closed io_uring, with a delay. On a busy
+// machine, the delay was more than 200 ms.
 constexpr std::chrono::milliseconds bind_timeout{1000};
 constexpr std::chrono::milliseconds bind_interval{10};
 
@@ -63,8 +63,9 @@ int get_int(int fd, int level, int name) {
   return ::getsockopt(fd, level, name, &value, &size) == 0 ? value : 0;
 }
 
-/// Makes the kernel refuse datagrams that are too long for a path instead of fragmenting them. Otherwise
-/// one lost fragment would lose the whole datagram. A socket of both families needs both options.
+/// Makes the kernel refuse datagrams that are too long for a path instead of fragmenting them. Otherwise one
+/// lost fragment would lose the whole datagram. A socket of both families needs the options of IPv4 and of
+/// IPv6.
 void refuse_fragments(int fd, int family) {
   set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_DO);
   if (family != AF_INET6) return;
@@ -183,14 +184,15 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   if (!options.bind.ip.is_any() && from.family() == family) ::bind(fd, from.get(), from.bytes());
   set_send_buffer(fd, options.send_buffer_bytes);
   set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_interactive);
-  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // nothing reads what others send to this socket
+  set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // no thread reads datagrams that come to this socket
   refuse_fragments(fd, family);
   return socket;
 }
 
 void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }
 
-/// Returns true if there is a single buffer. send() takes less time for it than sendmsg() with a msghdr.
+/// Returns true if the batches are a single buffer for a connected socket. For this case, send() takes less
+/// time than sendmsg() with a msghdr.
 static bool is_single(std::span<const OutgoingBatch> batches, const SystemAddress* to) noexcept {
   return to == nullptr && batches.size() == 1 && batches[0].segment_bytes == 0 &&
          batches[0].parts.size() == 1;
@@ -215,7 +217,8 @@ Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
     const int n = ::sendmmsg(fd, headers.data(), static_cast<unsigned>(left.size()), MSG_DONTWAIT);
     if (n > 0) sent.batches += static_cast<std::size_t>(n);
     if (n > 0 || errno == EINTR) continue;
-    // A connected socket reports an error of an earlier datagram once, instead of sending the present one.
+    // If there was an ICMP error for an earlier datagram, the call on a connected socket fails once with
+    // that error, without sending anything. So it is tried again.
     sent.refused = sent.refused || is_refusal(errno);
     sent.outcome = outcome_of(errno, left[0].segment_bytes != 0);
     if (errno == EAGAIN || std::exchange(again, true)) return sent;
@@ -264,7 +267,8 @@ void hand_over(std::span<const std::byte> train, std::span<std::byte> control, c
   sink.begin(arrival_time());
   while (!train.empty()) {
     const std::size_t bytes = std::min(segment, train.size());
-    // The kernel's copy of the train has left the nearest cache by now.
+    // The train, which the kernel has copied, may not be in the nearest cache any more, so its datagrams are
+    // prefetched.
     if (train.size() > 2 * segment) __builtin_prefetch(&train[2 * segment]);
     sink.datagram(train.first(bytes), source);
     train = train.subspan(bytes);

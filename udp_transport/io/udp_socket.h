@@ -36,7 +36,7 @@ struct SocketOptions {
 /// IPv4-mapped), unless the system has no IPv6.
 struct UdpSocket {
   FileDescriptor fd;
-  int family = AF_INET;  ///< family of the addresses that are used with it
+  int family = AF_INET;  ///< family of the addresses that are passed to the socket
   SocketOptions options;
   std::uint16_t port = 0;
   std::uint32_t receive_buffer_bytes = 0;      ///< granted size, as the kernel counts
@@ -50,18 +50,18 @@ struct UdpSocket {
   int readable() const noexcept { return groups.either_fd ? groups.either_fd.get() : fd.get(); }
 };
 
-/// Opens a socket that receives. A port that a process has just left can stay in use for some 50 ms. The
-/// function waits for such a port.
+/// Opens a socket that receives. If the port is in use, tries again for some time, because a port can stay
+/// in use for a while after its process has ended.
 Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& options);
 
-/// Opens a socket that only sends, to addresses of one family, from any free port and with a send buffer of
-/// its own. The socket is not connected yet. Its datagrams leave first if the device supports priorities.
-/// Invalid if the process may not open more descriptors.
+/// Opens a socket that only sends, to addresses of one family, from any free port and with its own send
+/// buffer. The socket is not connected yet. Its datagrams have a high priority if the device supports
+/// priorities. The result is invalid if the process cannot open more descriptors.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
-/// From now on, lets the datagrams of other sockets leave first.
+/// Gives the datagrams of this socket a lower priority than those of other sockets.
 void give_way(int fd) noexcept;
 
-/// Calls sendmmsg() so that it never waits. `to` is null if the socket is connected.
+/// Sends the batches without waiting (sendmmsg()). `to` is null if the socket is connected.
 Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
                               const SystemAddress* to) noexcept;
 
@@ -76,14 +76,14 @@ timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;
 /// which. Otherwise all `revents` are 0.
 bool poll_until(std::span<pollfd> polled, std::chrono::steady_clock::time_point deadline) noexcept;
 
-/// The length of the longest train that the kernel hands over at a time (UDP_GRO), and the room for its one
-/// control message, in bytes.
+/// The maximum length of a train, which is what the kernel returns by one call (UDP_GRO), and the size of
+/// its only control message. Both are in bytes.
 inline constexpr std::size_t train_bytes_max = 65536;
 inline constexpr std::size_t train_control_bytes = CMSG_SPACE(sizeof(int));
 
-/// Hands the datagrams of a train to the sink, between begin() and end(). `control` has the control
-/// messages that came with the train. If there is no segment size among them, the train is one datagram.
-/// `from` is of either family.
+/// Hands the datagrams of a train to the sink, between begin() and end(). `control` has the control messages
+/// that came with the train. If they include no segment size, the train is one datagram. `from` is an IPv4
+/// or IPv6 address.
 void hand_over(std::span<const std::byte> train, std::span<std::byte> control, const sockaddr_in6& from,
                DatagramSink& sink) noexcept;
 

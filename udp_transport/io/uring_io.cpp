@@ -63,14 +63,14 @@ class Ring {
     // liburing 2.3 declares a function for this, but does not export it.
     const int result = io_uring_register(ring_.ring_fd, IORING_REGISTER_ENABLE_RINGS, nullptr, 0);
     enabled_ = result == 0;
-    if (enabled_) io_uring_register_ring_fd(&ring_);  // only saves time, so a refusal does not matter
+    if (enabled_) io_uring_register_ring_fd(&ring_);  // this only saves time, so a refusal does not matter
     return -result;
   }
   bool enabled() const { return enabled_; }
 
   void close() noexcept {
     if (!open_) return;
-    // Frees the files at once; the rest of a ring is freed a little later.
+    // The files are freed at once. The kernel frees the rest of the ring a little later.
     io_uring_unregister_files(&ring_);
     io_uring_queue_exit(&ring_);
     open_ = enabled_ = false;
@@ -85,8 +85,8 @@ class Ring {
     return submission;
   }
 
-  /// Submits, then waits for that many completions or the deadline. Returns 0, or the errno if the kernel
-  /// refused that.
+  /// Submits the operations, then waits for that number of completions or until the deadline. Returns 0, or
+  /// the errno if the kernel refused the call.
   int wait(unsigned completions, Clock::time_point deadline) noexcept {
     int result = 0;
     if (deadline == Clock::time_point::max()) {
@@ -101,14 +101,15 @@ class Ring {
     return waited ? 0 : -result;
   }
 
-  /// Returns true if wait() would return at once. This costs no system call: the kernel makes completions
-  /// only in wait(), but sets a flag as soon as there are some to make.
+  /// Returns true if wait() would return at once. Makes no system call: the kernel makes completions only in
+  /// wait(), but sets a flag as soon as a completion is pending.
   bool has_news() noexcept {
     return (IO_URING_READ_ONCE(*ring_.sq.kflags) & IORING_SQ_TASKRUN) != 0 || io_uring_cq_ready(&ring_) != 0;
   }
   bool has_submissions() noexcept { return io_uring_sq_ready(&ring_) != 0; }
 
-  /// Calls `handle(completion)` for each completion. Each is given back to the kernel before it is handled.
+  /// Calls `handle(completion)` for each completion. The slot of each completion is given back to the kernel
+  /// before `handle` is called.
   template <class Handle>
   void for_each_completion(Handle&& handle) noexcept {
     io_uring_cqe* completion = nullptr;
@@ -150,8 +151,8 @@ class Pages {
   std::size_t bytes_ = 0;
 };
 
-/// Buffers that the kernel picks from as trains arrive. Each holds one train and the data of recvmsg()
-/// about that train.
+/// The buffers into which the kernel receives trains of datagrams. Each buffer holds one train and the data
+/// of recvmsg() about that train.
 class BufferRing {
  public:
   static constexpr unsigned buffers = 4;  // few, so that they stay in the nearest cache until they are read
@@ -236,8 +237,8 @@ class UringReceiver final : public DatagramReceiver {
 
   void wake() noexcept override { plain_.wake(); }
 
-  /// The ring's receives stay armed meanwhile, because a ring takes nothing from the socket unless its
-  /// thread requests it.
+  /// The ring's receives stay armed meanwhile. That is safe, because a ring takes nothing from the socket
+  /// outside of wait().
   bool receive_now(DatagramSink& sink) noexcept override { return plain_.receive_now(sink); }
   bool receive_from_groups(DatagramSink& sink) noexcept override { return plain_.receive_from_groups(sink); }
   Descriptors descriptors() const noexcept override { return plain_.descriptors(); }
@@ -263,7 +264,8 @@ class UringReceiver final : public DatagramReceiver {
   }
 
  private:
-  /// Room for an address of either family. The bytes behind it are aligned.
+  /// The size of the part of a buffer that holds the sender's address, of either family. The data after it
+  /// is aligned.
   static constexpr socklen_t sender_address_bytes = 32;
   static_assert(sender_address_bytes >= sizeof(sockaddr_in6) && sender_address_bytes % alignof(cmsghdr) == 0);
 
@@ -299,8 +301,8 @@ class UringReceiver final : public DatagramReceiver {
   bool armed() const { return receive_armed_ || group_armed_ || wake_armed_; }
 
   /// Arms the receives that are not armed. A multishot receive ends if it finds no free buffer, and on
-  /// errors. Nothing is lost meanwhile. The sockets get the buffers in turns, because the socket that is
-  /// armed first may take all of them at once.
+  /// errors. No datagram is lost meanwhile. The two sockets are armed first in turns, because the socket
+  /// that is armed first may use all buffers at once.
   void arm() noexcept {
     const bool groups_first = std::exchange(groups_first_, !groups_first_);
     if (groups_first) arm_groups();
@@ -329,7 +331,7 @@ class UringReceiver final : public DatagramReceiver {
   }
 
   /// Hands the train to the sink; without a sink the train is discarded. Returns an errno if the kernel
-  /// will receive no more by the ring; else 0.
+  /// cannot receive by the ring any more; else 0.
   int complete(const io_uring_cqe& completion, DatagramSink* sink) noexcept {
     if (completion.user_data == wake_tag) {
       eventfd_t ignored = 0;
@@ -361,9 +363,9 @@ class UringReceiver final : public DatagramReceiver {
 
   const std::shared_ptr<const UdpSocket> socket_;
   SocketReceiver plain_;
-  msghdr layout_{};  ///< determines the room that each buffer leaves before the train
+  msghdr layout_{};  ///< determines the space for address and control data at the beginning of each buffer
   BufferRing buffers_;
-  Ring ring_;  // closed before `buffers_` is freed
+  Ring ring_;  // declared after `buffers_`, so that it is closed first
   bool receive_armed_ = false;
   bool group_armed_ = false;
   bool wake_armed_ = false;

@@ -1,5 +1,5 @@
 // Datagrams through io_uring: one multishot receive into a ring of provided buffers. Sending uses plain
-// calls (socket_sender.h), because a ring takes no fewer cycles for that. Only uring_io.cpp includes
+// calls (socket_sender.h), because a ring does not make sending cheaper. Only uring_io.cpp includes
 // liburing.
 #pragma once
 
@@ -11,11 +11,11 @@
 
 namespace sft::udp {
 
-/// The beginning of errors of open_uring_io(); the reason follows.
+/// The beginning of the messages of open_uring_io()'s errors; the reason follows.
 inline constexpr std::string_view no_io_uring = "io_uring cannot be used: ";
 
-/// Opens io_uring. The error gives the kernel's reason to refuse: it is too old (before 6.1), forbids
-/// io_uring (seccomp, sysctl), or may lock too little memory.
+/// Opens io_uring. The error names the reason: the kernel is older than 6.1, io_uring is forbidden (seccomp,
+/// sysctl), or this process may lock too little memory.
 Result<DatagramIo> open_uring_io(std::shared_ptr<const UdpSocket> socket);
 
 }  // namespace sft::udp

@@ -1,4 +1,4 @@
-// The eventfd by which other threads wake a thread that sleeps in the kernel.
+// Opens the eventfd by which other threads wake a thread that waits in a system call.
 #pragma once
 
 #include "core/platform/file_descriptor.h"

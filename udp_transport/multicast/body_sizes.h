@@ -1,5 +1,6 @@
-// The lengths of a writer's bodies under any mask, and with the parts of fields that readers request. The
-// cost model needs these lengths. They are measured now and then on samples that are being published.
+// The lengths of the bodies of a writer's samples under any mask, and with the parts of fields that readers
+// request. The cost model needs these lengths. They are measured from time to time on samples that are being
+// published.
 #pragma once
 
 #include <atomic>
@@ -22,8 +23,9 @@ class BodySizes {
   /// `type` must outlive this object.
   explicit BodySizes(const StructType& type) : leaves_(type) {}
 
-  /// Measures the sample if it is time. Called by the publisher's thread when it sends a sample.
-  /// `of_several` is true if several samples are published together. Allocates nothing.
+  /// Measures the sample if `pause` has passed or measure_next() was called. Called by the publisher's
+  /// thread for each sample. `of_several` is true if several samples are published by one call. Allocates
+  /// nothing.
   void measure(const detail::SampleState& sample, Time now, bool of_several = false) noexcept {
     if (of_several) several_.store(true, std::memory_order_relaxed);
     samples_.fetch_add(1, std::memory_order_relaxed);
@@ -39,26 +41,27 @@ class BodySizes {
 
   // The following functions are for the agent's thread.
 
-  /// From now on, measures the parts of these selections, and no other parts. `type` must outlive this
-  /// object.
+  /// From now on, measures the parts of fields in these selections, and no other parts. `type` must outlive
+  /// this object.
   void follow(const TypeSupport& type, std::span<const Selection> selections);
-  /// Returns true if samples with all fields of the selection have been measured, and also its parts. The
-  /// parts must be followed (follow()).
+  /// Returns true if all fields of the selection have been measured in samples, and also its parts of
+  /// fields. The parts must have been passed to follow().
   bool known(const Selection& selection) const;
   bool known_all(std::span<const Selection> selections) const;
-  /// Returns the length of a body with exactly that selection. Parts that are not followed count as whole
-  /// fields.
+  /// Returns the length of a body with exactly that selection. Parts that were not passed to follow() count
+  /// as whole fields.
   double bytes_of(const Selection& selection) const;
-  /// Returns the size of the parts; null if the selection has no parts, or is not followed.
+  /// Returns the measured size of the selection's parts; null if it has no parts, or was not passed to
+  /// follow().
   std::shared_ptr<const PartSize> part_size(const Selection& selection) const;
 
   // Any thread may call the following functions.
 
-  /// Makes measure() measure the next sample, because readers request other fields.
+  /// Makes measure() measure the next sample. Called when readers request other fields.
   void measure_next() { asked_for_.store(true, std::memory_order_relaxed); }
   double bytes_of(const FieldMask& fields) const { return leaves_.bytes(fields); }
   std::uint64_t samples() const { return samples_.load(std::memory_order_relaxed); }
-  /// Returns true if samples were published together since the last call of this function.
+  /// Returns true if several samples were published by one call since the last call of this function.
   bool take_several() { return several_.exchange(false, std::memory_order_relaxed); }
 
  private:

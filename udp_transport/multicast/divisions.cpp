@@ -27,7 +27,7 @@ void refuse_some(std::vector<Known>& divisions) {
   std::ranges::stable_sort(divisions, std::greater(), [](const Known& one) {
     return std::tuple(one.has_group, one.bytes_per_s, one.places);
   });
-  std::map<std::size_t, std::size_t> groups_behind;  // number of groups by link
+  std::map<std::size_t, std::size_t> groups_behind;  // number of groups of such divisions, by link
   for (Known& one : divisions) {
     if (one.of.some_samples == nullptr) continue;
     if (one.places < 2) {

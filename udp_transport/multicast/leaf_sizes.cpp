@@ -47,7 +47,8 @@ class LeafSizes::Meter {
     return true;
   }
 
-  /// Measures a member. If `is_last`, nothing follows the member, so its end is not computed.
+  /// Measures a member. If `is_last` is true, no other member follows, so the end of the member is not
+  /// computed.
   bool member(const Member& m, std::size_t leaf, bool is_last) {
     if (!is_variable(leaf, leaf_count(m))) return skip(m, leaf);
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
@@ -109,8 +110,9 @@ class LeafSizes::Meter {
   std::uint64_t at_ = 0;
 };
 
-/// Walks over the type in the order of encoding, and uses averages for fields of variable size. Behind such
-/// a field the position is known only in part, so padding is an average, too.
+/// Computes the length of a body. It visits the fields in the order of encoding, and uses averages for
+/// fields of variable size. After such a field, the exact position is not known, so padding is an average,
+/// too.
 class LeafSizes::Sum {
  public:
   Sum(const LeafSizes& sizes, const FieldMask& fields) : sizes_(sizes), fields_(fields) {}
@@ -151,8 +153,8 @@ class LeafSizes::Sum {
     if (fields_.any_of(leaf, type.leaves)) repeat(n, [&] { structure(type, leaf); });
   }
 
-  /// Adds `n` equal elements. The size of an element depends only on what is known of the position where it
-  /// begins, so the sizes repeat after a few elements.
+  /// Adds `n` elements of the same type. The size of an element depends only on the known alignment of its
+  /// beginning, so the sizes repeat after a few elements.
   template <class One>
   void repeat(std::uint64_t n, const One& one) {
     struct Begin {
@@ -179,7 +181,7 @@ class LeafSizes::Sum {
     at_ += static_cast<double>(bytes);
     rest_ = (rest_ + bytes) % sure_;
   }
-  /// Adds `n` items of a length. `n` is an average, unless it is a whole number.
+  /// Adds `n` items of the length `length`. If `n` is not a whole number, it is an average.
   void add_some(double n, std::size_t length) {
     if (n == std::floor(n)) return add(in_whole(n) * length);
     at_ += n * static_cast<double>(length);
@@ -201,7 +203,7 @@ class LeafSizes::Sum {
   const LeafSizes& sizes_;
   const FieldMask& fields_;
   double at_ = 0;
-  std::size_t sure_ = alignment_max;  ///< `at_` modulo this is known: it is `rest_`
+  std::size_t sure_ = alignment_max;  ///< `at_` modulo `sure_` is known, and is `rest_`
   std::size_t rest_ = 0;
 };
 
@@ -229,7 +231,8 @@ double LeafSizes::value_of(const Average& average) {
   return std::max(0.0, average.value.load(std::memory_order_relaxed));
 }
 
-/// Updates an average. The elements of an empty sequence have no sizes, and none are needed.
+/// Updates an average with the present sample. An average without any values counts as 0: the elements of an
+/// empty sequence have no sizes, and none are needed.
 void LeafSizes::settle(Average& average) {
   const double before = average.value.load(std::memory_order_relaxed);
   double value = std::max(before, 0.0);

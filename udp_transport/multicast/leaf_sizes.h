@@ -1,5 +1,5 @@
-// The average sizes of the fields in the samples of one writer: how many elements sequences have, and how
-// long strings are. The length of a body under any mask can be computed from these without a sample.
+// The average sizes of the fields in the samples of one writer: the number of elements of sequences, and the
+// length of strings. The length of a body under any mask is computed from these averages.
 #pragma once
 
 #include <atomic>
@@ -17,21 +17,24 @@ class LeafSizes {
   /// `type` must outlive this object.
   explicit LeafSizes(const StructType& type);
 
-  /// Measures the fields in the sample, but only the first elements of a collection of structs. Called by
-  /// one thread. Each new average counts for a quarter. Allocates nothing.
+  /// Measures the fields in the sample, but only the first elements of a collection of structs. Must be
+  /// called by only one thread. The values of a new sample get a weight of one quarter in the averages.
+  /// Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
   // Any thread may call the following functions.
 
   /// Returns true if each of these fields has been measured, or has a fixed size.
   bool known(const FieldMask& fields) const;
-  /// Returns the length of a body with these fields and no others. `fields` must be closed.
+  /// Returns the length in bytes of a body with exactly these fields. `fields` must be a closed mask
+  /// (TypeSupport::closed()).
   double bytes(const FieldMask& fields) const;
 
  private:
-  static constexpr std::uint32_t elements_max = 32;  ///< number of elements that are measured at most
+  static constexpr std::uint32_t elements_max = 32;  ///< maximum number of measured elements
 
-  /// An average of the samples so far. `sum` and `count` are those of the present sample.
+  /// The average over the samples so far. `sum` and `count` are the values of the sample that is being
+  /// measured.
   struct Average {
     std::atomic<double> value{unmeasured};
     std::uint64_t sum = 0, count = 0;

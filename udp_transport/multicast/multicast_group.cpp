@@ -8,14 +8,15 @@
 namespace sft::udp {
 
 namespace {
-/// Members that request a sample again within this time have probably lost it together.
+/// If several members request the same sample within this time, they have probably lost the same datagram.
 constexpr std::chrono::milliseconds asked_together{100};
-/// The limit of samples that are sent to the group again. Of a larger sample only parts are missing, so
-/// each member that requests parts is sent these alone.
+/// The maximum size in bytes of samples that are sent to the group again. A larger sample misses only parts,
+/// so each member gets just the parts that it requests.
 constexpr std::size_t sent_again_bytes_max = std::size_t{16} << 10;
 constexpr std::uint64_t first_probed_max = std::uint64_t{1} << 48;
 
-/// The upper half of each name is random, and the lower half is the member's index.
+/// Returns the names of members in reports. The upper half of a name is random, and the lower half is the
+/// member's index.
 std::vector<std::uint32_t> names_for(std::size_t members) {
   std::vector<std::uint32_t> names;
   for (std::size_t i = 0; i < members; ++i)
@@ -58,8 +59,9 @@ std::uint64_t MulticastGroup::next_ordinal(Time now) noexcept {
   return ++last_ordinal_;
 }
 
-/// Notes the place. If another sample takes a place in a member's channel (the rest of a late reader's
-/// history can do that), all further samples would get wrong places there. So the group is broken then.
+/// Notes the ordinals. If another sample has taken an ordinal of a member's channel (a sample of a late
+/// reader's history can do that), all further samples would get wrong ordinals there. Then the group is
+/// broken, and cannot be used any more.
 void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint64_t in_channel) noexcept {
   const auto ahead = static_cast<std::int64_t>(in_channel - ordinal);
   {
@@ -69,7 +71,7 @@ void MulticastGroup::placed(std::size_t member, std::uint64_t ordinal, std::uint
     broken_.store(true, std::memory_order_relaxed);
     for (std::size_t i = 0; i < members_.size(); ++i) hears_[i].store(false, std::memory_order_relaxed);
   }
-  // note_departed() does not find this sample, because its place differs from `ahead_`.
+  // note_departed() does not find this sample, because the difference of its ordinals is not `ahead_`.
   static_cast<void>(members_[member].channel->departed(in_channel));
 }
 
@@ -140,8 +142,9 @@ Wake MulticastGroup::take_over_repairs(std::size_t member, Ack& ack, Time now) {
   return wake;
 }
 
-/// Returns true if the group sends the sample again. The first member that requests it is answered alone.
-/// So is a member that requests it once more, because a copy to the group may be lost again.
+/// Returns true if the sample is sent to the group again. The first member that requests a sample gets its
+/// own copy. A member that requests the sample once more also gets its own copy, because a copy to the group
+/// may be lost again.
 bool MulticastGroup::is_taken_over(std::size_t member, std::uint64_t in_channel, Time now, Wake& wake) {
   std::optional<std::int64_t> ahead;
   {
@@ -196,7 +199,7 @@ std::vector<MulticastGroup::Offer> MulticastGroup::offers(Time now) {
 }
 
 std::optional<GroupProbe> MulticastGroup::probe(Time now) {
-  // Determined first, because due() counts a probe as sent even if it may not be sent.
+  // This is determined before due() is called, which counts a probe as sent.
   const bool may_send = is_answered() && !broken();
   const core::Lock lock(mutex_);
   if (!probes_.due(now) || !may_send) return {};

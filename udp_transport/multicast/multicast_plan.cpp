@@ -11,7 +11,7 @@ namespace sft::udp {
 
 namespace {
 
-/// Destinations that share one copy, or one destination that is served alone.
+/// Destinations that share one copy, or one destination that gets its own copy.
 struct Share {
   Selection fields{};
   std::vector<std::size_t> members{};
@@ -40,8 +40,8 @@ class DivisionPlan {
     wire_max_ = limits_.wire_max * std::min(cost_of(alone_).wire, everyone_.cost.wire);
   }
 
-  /// Leaves the destinations in their present groups. A new destination joins the group of a destination
-  /// with the same request.
+  /// Begins with the present groups. A new destination joins the group of a destination with the same
+  /// request.
   void take_over(const MulticastPlan& present) {
     std::vector<std::vector<std::size_t>> groups(present.size());
     for (const auto& members : equals_) {
@@ -62,14 +62,14 @@ class DivisionPlan {
     }
   }
 
-  /// Dissolves groups whose gain has become small. A switch may discard the members of a group without
-  /// traffic, and these members would then miss the next sample.
+  /// Dissolves all groups if they save only a few bytes per second. A switch may discard the members of a
+  /// group without traffic, and these members would then miss the next sample.
   void dissolve_if_rare(double samples_per_s) {
     const double gain = cost_of(alone_).cost - cost_of(shares_).cost;
     if (gain * samples_per_s < limits_.gain_bytes_per_s / 2) shares_ = alone_;
   }
 
-  /// Changes to a better plan if the gain is large enough.
+  /// Changes to a better plan if its gain exceeds the limits.
   void improve(double samples_per_s) {
     std::vector<Share> better = share_where_equal();
     if (cost_of(better).wire > limits_.wire_max * everyone_.cost.wire) better = unite(std::move(better));
@@ -120,8 +120,8 @@ class DivisionPlan {
     return share;
   }
 
-  /// Makes a group for each selection that several destinations request, if one copy has fewer bytes than a
-  /// copy for each of them. If there are too many groups, those that save most stay.
+  /// Makes a group for each selection that several destinations request, if one copy has fewer bytes than
+  /// separate copies. If there are too many groups, those that save the most bytes are kept.
   std::vector<Share> share_where_equal() const {
     struct Candidate {
       Share group;
@@ -152,19 +152,19 @@ class DivisionPlan {
     return shares;
   }
 
-  /// Makes one group under the union of all masks. The smallest shares stay out of it, as long as groups
-  /// and single copies together put no more bytes on the wire than allowed. So a reader of a small field
-  /// does not get a large one.
+  /// Makes one group with the union of all masks. The smallest shares stay separate, as long as groups and
+  /// separate copies together have no more bytes on the wire than allowed. So a reader of a small field does
+  /// not get a large field.
   std::vector<Share> unite(std::vector<Share> apart) const {
     std::ranges::stable_sort(apart, {}, [](const Share& share) { return share.cost.wire; });
-    std::vector<FieldMask> from(apart.size());  // [i]: the fields of share i and of all shares behind it
+    std::vector<FieldMask> from(apart.size());  // [i]: the fields of share i and of all following shares
     for (std::size_t i = apart.size(); i-- > 0;)
       from[i] = i + 1 == apart.size() ? apart[i].fields.mask() : apart[i].fields.mask() | from[i + 1];
     std::vector<Share> shares;
     std::vector<std::size_t> united;
     std::size_t shares_united = 0, groups = 1;
     FieldMask fields;
-    // Only half of the allowed surplus may be used, because acks and repairs of the destinations outside
+    // Only half of the allowed surplus may be used, because acks and repairs of the separate destinations
     // are not counted.
     const double outside_max = (1 + limits_.wire_max) / 2 * everyone_.cost.wire;
     double outside = 0;
@@ -189,8 +189,8 @@ class DivisionPlan {
     return shares;
   }
 
-  /// Returns the bytes on the wire of one copy with these fields, in datagrams that the paths of all
-  /// members take.
+  /// Returns the size on the wire of one copy with these fields, in bytes. Its datagrams have a length that
+  /// the paths to all members carry.
   double wire_of_all(const FieldMask& fields) const {
     std::size_t datagram_bytes = SIZE_MAX;
     for (const Share& one : alone_)

@@ -25,7 +25,7 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
     known->misplaced = 0;
     known->offer = offer;
     known->report_to = report_to;
-    known->reported_at = {};  // a writer that repeats its offer has received no report
+    known->reported_at = {};  // the writer repeats its offer because it has received no report
     if (now - known->alive_at < silence_max) return false;
     known->alive_at = now;
     return true;
@@ -34,7 +34,7 @@ bool OfferedGroups::hear(const GroupOffer& offer, const SocketAddress& from, Tim
   return false;
 }
 
-/// Removes a group that is not in use, or that is over. Returns false if there is no such group.
+/// Removes a group that is not in use, or that has ended. Returns false if there is no such group.
 bool OfferedGroups::make_room(Time now) {
   const auto unneeded = std::ranges::find_if(
       groups_, [&](const Offered& group) { return !in_use(group, now) || is_over(group, now); });
@@ -44,8 +44,8 @@ bool OfferedGroups::make_room(Time now) {
   return true;
 }
 
-/// Returns true if a later group was received after this one, and nothing of this group has come for a
-/// while.
+/// Returns true if the group has ended: samples of a later group have come, and no datagram of this group
+/// has come for a while.
 bool OfferedGroups::is_over(const Offered& group, Time now) const {
   return now - group.alive_at >= under_way_for && std::ranges::any_of(groups_, [&](const Offered& other) {
            return other.heard != 0 && other.alive_at > group.alive_at && is_before(group.offer, other.offer);
@@ -105,7 +105,7 @@ bool OfferedGroups::knows(std::uint32_t group) const {
 void OfferedGroups::came(Offered& group, std::uint64_t ordinal, Time now) {
   group.alive_at = now;
   group.heard = std::max(group.heard, ordinal);
-  // No report is due: a writer that gets none repeats its offer.
+  // An unconfirmed group is not reported, so that the writer repeats its offer.
   if (group.is_unconfirmed) return;
   if (group.reported_at == Time{} || now - group.reported_at >= group_report_pause) {
     group.reported_at = now;

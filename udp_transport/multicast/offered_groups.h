@@ -1,5 +1,6 @@
-// The multicast groups of one writer that were offered to this process (multicast.md). The class knows the
-// places of a group's samples in the channel, and the reports that are due. Uses no clock, thread or I/O.
+// The multicast groups of one writer that were offered to this process (multicast.md). The class determines
+// the ordinals of a group's samples in the channel, and the reports that are due. Uses no clock, thread or
+// I/O.
 #pragma once
 
 #include <algorithm>
@@ -19,29 +20,30 @@ class OfferedGroups {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Takes an offer. An offer that contradicts a known group replaces it when it comes twice. An offer
-  /// without an address withdraws that group and those with lower numbers, if none of them was in use
-  /// recently or when the offer comes twice. Returns true if the address has to be joined again, because
-  /// nothing of that group has come for so long that a switch may have discarded the membership.
+  /// Processes an offer. An offer that contradicts a known group replaces that group only when it comes
+  /// twice. An offer without an address withdraws the group and all groups with lower numbers, if none of
+  /// them was in use recently or when the offer comes twice. Returns true if the group has to be joined
+  /// again: no datagram of the group has come for so long that a switch may have discarded the membership.
   bool hear(const GroupOffer& offer, const SocketAddress& from, Time now);
 
-  /// Gives a first datagram that came by a group its place in the channel, if it has one there. Returns
-  /// false if that group was not offered, or was offered for another channel than the one that is followed.
-  /// Then the sample comes in another way. All places in a group rest on a single offer, which may be
-  /// wrong. So samples of a group, however many, are no evidence for the number of the channel.
+  /// Writes the ordinal in the channel into the first datagram of a sample that came by a group, if the
+  /// sample is in the channel. Returns false if that group was not offered, or was offered for a different
+  /// channel than the followed one. Then the sample comes by unicast. All ordinals of a group depend on a
+  /// single offer, which may be wrong. So samples of a group, however many, are no evidence for the number
+  /// of the channel.
   bool place(FirstHeader& first, Time now, const ChannelMonitor* channels = nullptr);
 
-  /// Takes a probe that came by a group. The probe counts like a sample. Ignored if that group was not
-  /// offered.
+  /// Processes a probe that came by a group. A probe counts like a sample. It is ignored if that group was
+  /// not offered.
   void hear(const GroupProbe& probe, Time now);
   bool knows(std::uint32_t group) const;
 
-  /// Notes if a sample of that group, of which nothing had arrived before, has no place in the channel any
-  /// more. After several such samples in a row the offer must have been wrong, and the writer is asked to
-  /// repeat the offer.
+  /// Notes that a sample of that group has begun to arrive. `misplaced` is true if the channel does not wait
+  /// for a sample with that ordinal. After several misplaced samples in a row, the offer must have been
+  /// wrong, and the writer is asked to repeat it.
   void note(std::uint32_t group, bool misplaced);
 
-  /// Calls `send(address, report)` for each report that is due. Called after place().
+  /// Calls `send(address, report)` for each report that is due. Must be called after place().
   template <class Send>
   void report(const Send& send) {
     if (!due_) return;
@@ -57,7 +59,7 @@ class OfferedGroups {
 
   bool due() const { return due_; }
   bool empty() const { return groups_.empty(); }
-  /// Returns true if samples of a group have come, and the group is not over as far as this process knows.
+  /// Returns true if samples of a group have come that has not ended, as far as this process knows.
   bool were_heard() const {
     return std::ranges::any_of(groups_, [](const Offered& g) { return g.heard != 0; });
   }
@@ -65,7 +67,7 @@ class OfferedGroups {
   void addresses(std::vector<std::uint32_t>& to) const;
 
  private:
-  /// Returns true if the previous contradicting offer was equal to this one.
+  /// Notes a contradicting offer. Returns true if the previous contradicting offer was equal to it.
   bool comes_again(const GroupOffer& offer);
   void take_back(const GroupOffer& offer, Time now);
 
@@ -86,25 +88,27 @@ class OfferedGroups {
   struct Offered {
     GroupOffer offer;
     SocketAddress report_to;
-    Time alive_at;  ///< time when the group was joined, or when the last sample of it came
+    Time alive_at;  ///< time when the group was joined, or when its last sample came
     std::uint64_t heard = 0;
     Time reported_at{};
     bool due = false;
-    /// True if the latest offer contradicted this one, or many samples were misplaced.
+    /// True if the latest offer contradicted this group's offer, or many samples were misplaced.
     bool is_unconfirmed = false;
     std::uint32_t misplaced = 0;  ///< number of misplaced datagrams in a row
   };
   static constexpr std::uint32_t misplaced_max = 8;
-  /// The number of groups: the present one, and those of which samples may still be under way.
+  /// The maximum number of groups of a writer: the present group, and earlier groups of which samples may
+  /// still be under way.
   static constexpr std::size_t groups_max = 4;
-  /// The longest silence of a group after which its membership still counts as known: a switch learns of a
-  /// new member sooner than this.
+  /// If no datagram of a group has come for longer than this, switches may have lost the membership. A
+  /// switch registers a new member in less time.
   static constexpr std::chrono::milliseconds silence_max{250};
-  /// A group that was received within this time does not make room for another one, unless it is over.
+  /// A group of which a sample has come within this time is not replaced by a new group, unless it has
+  /// ended.
   static constexpr std::chrono::milliseconds used_for{500};
-  /// Samples of a group that is over may be under way for this time. If the readers of a writer come one
-  /// after another, the writer makes several groups in that time. Each of these is over when the next one
-  /// is received.
+  /// Samples of a group that has ended may be under way for this time. If the readers of a writer come one
+  /// after another, the writer makes several groups in that time. Each of these groups has ended when a
+  /// sample of the next one is received.
   static constexpr std::chrono::milliseconds under_way_for{100};
   /// A message to the writer that a group in use was replaced or withdrawn. If the writer did not do that,
   /// it offers the group again at once.

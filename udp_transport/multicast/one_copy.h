@@ -5,9 +5,9 @@
 
 namespace sft::udp {
 
-/// Returns the content of one copy for the readers of both selections. If both are equal, the copy has just
-/// that selection. Otherwise it has all their fields whole, and a reader of a part takes that part out. The
-/// order in which several selections are combined does not matter.
+/// Returns the content of one copy for the readers of both selections. If the selections are equal, the copy
+/// has exactly that content. Otherwise the copy has all fields of both as whole fields, and a reader of a
+/// part extracts that part. The order in which several selections are combined does not matter.
 inline Selection one_copy(const Selection& a, const Selection& b) {
   return a == b ? a : Selection(a.mask() | b.mask());
 }

@@ -27,7 +27,8 @@ void PartSize::measure(const detail::SampleState& sample) noexcept {
   value_.store(before <= 0 ? less : before + (less - before) / 4, std::memory_order_relaxed);
 }
 
-/// Measures the first strings, and assumes that the rest are about as long.
+/// Computes the saved bytes of a part of a sequence of strings. Measures only the first strings, and assumes
+/// that the others have the same average length.
 bool PartSize::strings_less(const detail::SampleState& sample, const Piece& piece, double& bytes) {
   const std::uint32_t begin = __atomic_load_n(sample.index + piece.field.slot, __ATOMIC_RELAXED);
   const detail::Extent all = begin == detail::no_offset ? detail::Extent{} : checked_length(sample, begin);

@@ -1,5 +1,5 @@
-// The average number of bytes that a selection with parts leaves out of the samples of one writer. It is
-// computed from the lengths in a sample, without a projection.
+// The average number of bytes by which a selection with parts of fields makes the samples of one writer
+// shorter. It is computed from the lengths in a sample, without encoding the parts.
 #pragma once
 
 #include <atomic>
@@ -19,8 +19,9 @@ class PartSize {
 
   const Selection& selection() const { return selection_; }
 
-  /// Measures a sample. Ignores it if it does not have all fields of the selection. Called by one thread.
-  /// Each new average counts for a quarter, like that of a whole field. Allocates nothing.
+  /// Measures a sample. Ignores it if it does not have all fields of the selection. Must be called by only
+  /// one thread. The value of a new sample gets a weight of one quarter in the average, as for a whole
+  /// field. Allocates nothing.
   void measure(const detail::SampleState& sample) noexcept;
 
   // Any thread may call the following functions.
@@ -36,7 +37,7 @@ class PartSize {
     detail::Layout::Field field{};
     const detail::Layout* layout = nullptr;
   };
-  static constexpr std::uint32_t strings_max = 32;  ///< number of strings that are measured at most
+  static constexpr std::uint32_t strings_max = 32;  ///< maximum number of measured strings
   static constexpr double unmeasured = -1;
 
   static bool strings_less(const detail::SampleState& sample, const Piece& piece, double& bytes);

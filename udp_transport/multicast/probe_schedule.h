@@ -10,9 +10,9 @@ class ProbeSchedule {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// The pause before the first probe, for a member that joins as soon as it reads the offer. Each further
-  /// pause is twice as long, since a busy member reads later, and a switch needs a moment to learn of a new
-  /// member.
+  /// The pause from an offer to the first probe. It suffices for a member that reads the offer and joins at
+  /// once. Each further pause is twice as long, since a busy member reads the offer later, and a switch
+  /// needs some time to register a new member.
   static constexpr std::chrono::milliseconds first_pause{2};
   static constexpr int probes_max = 5;
 
@@ -29,9 +29,9 @@ class ProbeSchedule {
     next_ = --left_ > 0 ? now + pause_ : Time::max();
     return true;
   }
-  /// Stops probing, because all members have reported.
+  /// Stops probing. Called when all members have reported.
   void stop() { next_ = Time::max(); }
-  /// Returns when due() will return true; Time::max() if no probe is planned.
+  /// Returns the time at which due() will return true; Time::max() if no probe is planned.
   Time next() const { return next_; }
 
  private:

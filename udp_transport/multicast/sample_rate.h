@@ -1,5 +1,5 @@
-// The number of samples that a writer sends per second, and the number of them that pass a gate. Both
-// classes use no clock, thread or I/O.
+// The number of samples that a writer sends per second, and the number of samples per second that pass a
+// gate (core::Gate). Both classes use no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,10 +12,10 @@ namespace sft::udp {
 class SampleRate {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// The shortest time for which samples are counted.
+  /// The minimum time over which samples are counted.
   static constexpr std::chrono::milliseconds counting{100};
 
-  /// `samples` is the number of samples sent before.
+  /// `samples` is the number of samples sent before `now`.
   explicit SampleRate(Time now, std::uint64_t samples = 0) : since_(now), counted_(samples) {}
 
   /// Updates the rate; `samples` is the number of samples sent so far. The former rate is valid until
@@ -30,8 +30,8 @@ class SampleRate {
     counted_ = samples;
   }
   double per_s() const { return per_s_; }
-  /// Returns when the next rate is ready, if the last call of count() came too early. Otherwise returns
-  /// `otherwise`.
+  /// Returns the time at which count() can update the rate, if its last call came too early. Otherwise
+  /// returns `otherwise`.
   Time due(Time otherwise) const { return is_early_ ? since_ + counting : otherwise; }
 
  private:
@@ -41,15 +41,16 @@ class SampleRate {
   bool is_early_ = false;
 };
 
-/// Counts the samples that pass a gate, over a longer time, because such samples may come in bursts, and a
-/// group is useful only if they come steadily.
+/// The rate of samples that pass a gate. It is measured over a longer time, because such samples may come in
+/// bursts, and a multicast group is useful only if they come steadily.
 class PassRate {
  public:
   using Time = SampleRate::Time;
-  /// The shortest time for which samples are counted, once this time has passed.
+  /// The minimum time over which samples are counted, as soon as this time has passed.
   static constexpr std::chrono::seconds counting{5};
 
-  /// The next sample that passes is not counted, because it is the first one after a request.
+  /// `passed` is the number of samples that have passed so far. The next passing sample is not counted,
+  /// because the first sample after a request always passes.
   PassRate(Time now, std::uint64_t passed) : former_{now, passed + 1}, latest_(former_) {}
 
   /// Returns the rate. `passed` is the number of samples that have passed so far.

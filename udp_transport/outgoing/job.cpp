@@ -76,9 +76,10 @@ JobHandle JobPool::take() {
   return JobHandle(job.release());
 }
 
-/// Makes all spare jobs as large as this one, because any job may be the next one for any mask. If each job
-/// grew only when it was used, memory would be allocated until each job had been used for each mask. This
-/// way, no job allocates any more after a few samples. A job in use grows when it comes back.
+/// Gives all spare jobs as much memory as this job has, because any job may be used next for any mask. If
+/// each job grew only when it was used, memory would be allocated until each job had been used for each
+/// mask. With this function, no job allocates any more after a few samples. A job in use grows when it
+/// returns to the pool.
 void JobPool::widen(Job& job) noexcept try {
   const detail::Projection::Memory own = job.projection.memory();
   const bool is_wider = !widest_.suffices_for(own);

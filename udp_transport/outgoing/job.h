@@ -1,4 +1,4 @@
-// One encoding of one sample, shared by all lanes that still have to send it.
+// One encoding of one sample, which is shared by all lanes that still have to send it.
 #pragma once
 
 #include <atomic>
@@ -19,62 +19,63 @@ namespace sft::udp {
 
 class JobPool;
 
-/// The name of one of a writer's masks in datagrams.
+/// The values by which datagrams name one of a writer's masks.
 struct WireMask {
-  /// The limit of words on the wire. More words would fill most of the shortest first datagram, so the hash
-  /// alone names a longer mask.
+  /// The maximum number of words of a mask on the wire. More words would fill most of the shortest first
+  /// datagram, so a longer mask is named by its hash alone.
   static constexpr std::size_t words_max = 32;
 
   std::uint16_t variant = 0;
   std::uint64_t mask = 0;            ///< value of the mask field of the header
-  std::vector<std::uint64_t> words;  ///< the words of the mask; empty if the field `mask` is enough
+  std::vector<std::uint64_t> words;  ///< the words of the mask; empty if `mask` alone identifies the mask
 };
 
-/// Longer bodies are sent by the sending thread, so that the publisher goes on after a few datagrams. The
-/// exception is a body that would have to be copied for that: the publisher's thread sends it itself.
+/// Longer bodies are sent by the sending thread, so that the publisher continues after a few datagrams. The
+/// exception is a body that would have to be copied for that. The publisher's thread sends such a body
+/// itself.
 inline constexpr std::size_t direct_bytes_max = 16 * 1024;
 
-/// The publisher's thread writes to a job only while no lane has it.
+/// The publisher's thread must write to a job only while no lane has it.
 ///
-/// A job may also be a pack: copies of small samples, all under one mask and with one stamp, whose
-/// sequences follow one another. In a pack `first` is the header of the first sample, but its total is that
-/// of all samples.
+/// A job may also be a pack: copies of several small samples with the same mask, the same stamp and
+/// consecutive sequences. In a pack, `first` is the header of the first sample, except that its total is
+/// that of all samples.
 struct Job {
   core::SampleHandle sample;  ///< the sample, which keeps the memory that the projection refers to
   detail::Projection projection;
   FirstHeader first;
   std::shared_ptr<const WireMask> mask;
   std::uint64_t sequence = 0;  ///< the whole sequence, not only its low bits
-  /// Bytes of the sample's body with all fields. In a pack, the bytes of all these bodies together.
+  /// The size in bytes of the sample's body with all fields; in a pack, the sum of these sizes.
   std::uint32_t whole_bytes = 0;
-  /// Body bytes that were sent already. The lane that gets the job sends the rest.
+  /// The number of bytes of the body that were sent already. The lane that gets the job sends the rest.
   std::uint32_t sent_bytes = 0;
 
   EncodedBody body() const { return body(first); }
-  /// Returns the body with another header.
+  /// Returns the body with the given header.
   EncodedBody body(const FirstHeader& header) const {
     if (is_pack()) return {header, mask->words, packed_, true};
     return {header, mask->words, copied_.data == nullptr ? projection.segments() : std::span(&copied_, 1)};
   }
-  /// Returns `samples` samples of a pack, from `part` on. If it is a single sample, the body is like one
-  /// outside of packs.
+  /// Returns the body of `samples` samples of a pack, beginning with the sample `part`. A single sample is
+  /// returned as a normal body, not as a pack.
   EncodedBody body(const FirstHeader& header, std::size_t part, std::size_t samples) const {
     if (!is_pack()) return body(header);
     return {header, mask->words, std::span(packed_).subspan(part, samples), samples > 1};
   }
 
   bool is_pack() const { return !packed_.empty(); }
-  /// Returns true if the publisher's thread sends the body itself, as far as there is room
-  /// (`direct_bytes_max`).
+  /// Returns true if the body is so small (`direct_bytes_max`) that the publisher's thread sends it itself,
+  /// if the window allows that.
   bool is_small() const { return is_pack() || first.total <= direct_bytes_max; }
   std::size_t samples() const { return is_pack() ? packed_.size() : 1; }
-  /// Returns the length of one sample's body.
+  /// Returns the length in bytes of the body of the sample `part`.
   std::uint32_t body_bytes(std::size_t part) const {
     return is_pack() ? static_cast<std::uint32_t>(packed_[part].bytes) : first.total;
   }
 
-  /// Returns the share of `part` in `whole_bytes`. The samples of a pack have equal shares, except for one
-  /// byte, so that all shares add up to the whole.
+  /// Returns the share of `whole_bytes` that counts for the sample `part` of a pack. The samples of a pack
+  /// have equal shares, except for one byte, so that all shares add up to the whole.
   std::uint32_t whole_bytes_of(std::size_t part) const {
     const auto before = [&](std::size_t shares) {
       return static_cast<std::uint32_t>(std::uint64_t{whole_bytes} * shares / samples());
@@ -86,13 +87,13 @@ struct Job {
   void copy_body();
   /// Copies the body into memory of the caller, which must be at least as large as the body.
   void copy_body(core::SampleHandle to);
-  /// Counts the job's sample as borrowed memory, which is scarce.
+  /// Counts the job's sample as borrowed memory (JobPool::may_borrow()), which is limited.
   void borrow();
-  /// Counts the job's memory as kept until its last handle is gone, because a channel keeps the job from
-  /// now on. Called only by the thread that gives the job to channels.
+  /// Counts the job's memory as kept (KeptMemory) until its last handle is destroyed. Must be called only by
+  /// the thread that gives the job to channels.
   void keep();
-  /// Adds a sample to a pack, or begins a pack. After seal() the pack can be sent, and takes no more
-  /// samples.
+  /// Adds a sample to a pack, or begins a pack. After seal(), the pack can be sent, and no sample can be
+  /// added.
   void pack(std::span<const detail::Segment> body);
   void pack(std::span<const std::byte> body) {
     const detail::Segment whole{body.data(), body.size()};
@@ -100,7 +101,7 @@ struct Job {
   }
   void seal();
   std::size_t packed_bytes() const { return packed_bytes_; }
-  /// Returns the bytes of memory that the sample, or that part of a pack, occupies.
+  /// Returns the size in bytes of the memory that the sample, or the sample `part` of a pack, occupies.
   std::size_t held_bytes(std::size_t part = 0) const {
     if (is_pack()) return packed_[part].bytes;
     return sample ? sample->capacity : copy_.size();
@@ -115,14 +116,14 @@ struct Job {
   std::size_t borrowed_bytes_ = 0;
   std::size_t kept_bytes_ = 0;
   std::vector<detail::Segment>
-      packed_;  ///< the bodies of a pack, which are in `copy_`; before seal() only their lengths are set
+      packed_;  ///< the bodies of a pack in `copy_`; only their lengths are set until seal()
   std::size_t packed_bytes_ = 0;
   std::shared_ptr<JobPool> pool_;  ///< the job's pool, while the job is in use
   std::atomic<std::uint32_t> references_{0};
 };
 
-/// A handle of a job. Handles share a job. When the last handle is destroyed, the job releases its sample
-/// and returns to its pool.
+/// A handle of a job. Several handles may share one job. When the last handle is destroyed, the job releases
+/// its sample and returns to its pool.
 class JobHandle {
  public:
   JobHandle() = default;
@@ -146,8 +147,8 @@ class JobHandle {
   Job* job_ = nullptr;
 };
 
-/// The jobs of one writer. Spare jobs keep the memory that their projections have grown to. Any thread may
-/// call the functions.
+/// The jobs of one writer. Spare jobs keep the memory of their projections. Any thread may call the
+/// functions.
 class JobPool : public std::enable_shared_from_this<JobPool> {
  public:
   /// `memory` counts the bytes that channels keep.
@@ -173,24 +174,24 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   void recycle(std::unique_ptr<Job> job) noexcept;
   void widen(Job& job) noexcept SFT_REQUIRES(mutex_);
 
-  /// The number of spare jobs. It is enough for many masks with a few samples each, or for all samples that
-  /// a process acknowledges at a time.
+  /// The maximum number of spare jobs. It suffices for many masks with a few samples each, or for all
+  /// samples that a process acknowledges at a time.
   static constexpr std::size_t spare_max = 2048;
   /// Limits the memory of projections in all jobs together. Within this limit, each spare job has memory
   /// for the largest projection that any job needed.
   static constexpr std::size_t projections_bytes_max = std::size_t{4} << 20;
-  /// The limit of a copy whose memory is kept for the next job.
+  /// The maximum size in bytes of a copy whose memory is kept for the next job.
   static constexpr std::size_t spare_copy_bytes_max = 64 * 1024;
-  /// The number of borrowed samples. It is enough for samples that are under way to readers that keep up,
-  /// and for a few more. Other publishers on this host need the rest of the memory.
+  /// The maximum number of borrowed samples. It suffices for the samples that are under way to readers that
+  /// keep up, and for a few more. Other publishers on this host need the rest of the memory.
   static constexpr std::size_t borrowed_samples_max = 8;
   static constexpr std::size_t borrowed_bytes_max = std::size_t{24} << 20;
   const std::shared_ptr<KeptMemory> memory_;
   std::atomic<std::size_t> borrowed_samples_{0}, borrowed_bytes_{0};
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
-  /// The spare jobs. The vector has capacity for all jobs.
+  /// The spare jobs. The vector has capacity for all jobs of the pool.
   std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);
-  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;               ///< number of jobs in use and spare
+  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;               ///< number of jobs that are in use or spare
   detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);  ///< the largest memory that a returned job had
 };
 

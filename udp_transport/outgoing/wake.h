@@ -1,5 +1,5 @@
-// The action that the sending thread has to be woken for, after a job was given to a lane or a channel, or
-// an answer came.
+// The action for which the sending thread has to be woken after a job was given to a lane or a channel, or
+// after an answer came.
 #pragma once
 
 #include <algorithm>
@@ -7,11 +7,11 @@
 
 namespace sft::udp {
 
-/// The values are ordered: each includes the previous ones.
+/// The values are ordered: each action includes the previous ones.
 enum class Wake : std::uint8_t {
   none,
-  look,      ///< the thread has to check the lanes and channels that it knows (Sender::look_again())
-  schedule,  ///< the thread does not know this lane, channel or work yet (Sender::schedule())
+  look,      ///< the thread has to check the lanes and channels in its list (Sender::look_again())
+  schedule,  ///< the lane, channel or work has to be added to the thread's list (Sender::schedule())
 };
 
 inline Wake strongest(Wake a, Wake b) { return std::max(a, b); }

@@ -1,4 +1,5 @@
-// The counts of the samples that one writer has sent and lost, and the limit of its rate.
+// The counts of the samples that one writer has sent and lost, and the limit of its rate in bytes per
+// second.
 #pragma once
 
 #include <atomic>
@@ -14,10 +15,10 @@ struct WriterTally {
   RateLimit limit;
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< number of samples that were taken from a lane and then not sent
-  /// The number of lanes for which the sending thread has something to send, including lanes that get no
-  /// new samples any more.
+  /// The number of lanes with data for the sending thread to send, including lanes that get no new samples
+  /// any more.
   std::atomic<std::uint32_t> busy_lanes{0};
-  /// The number of these lanes that lead to readers with different masks (LaneEnd::is_merged()).
+  /// The number of these lanes whose samples may be for readers with different masks (LaneEnd::is_merged()).
   std::atomic<std::uint32_t> busy_merged_lanes{0};
 };
 

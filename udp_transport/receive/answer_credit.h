@@ -1,7 +1,7 @@
-// Limits the answers to a writer that has not shown that it is at the address that its node announced. The
-// limit is three times the bytes that came in the writer's name, as in QUIC before an address is validated
-// (RFC 9000, section 8.1). So an attacker gains nothing by making this process answer another host. The
-// class uses no clock, thread or I/O.
+// Limits the answers to a writer, since it is not certain that the writer is at the address that its node
+// announced. The limit is three times the number of bytes that came in the writer's name, as in QUIC before
+// an address is validated (RFC 9000, section 8.1). So an attacker gains little by making this process send
+// answers to another host. The class uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>

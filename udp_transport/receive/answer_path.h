@@ -1,5 +1,5 @@
-// The addresses to which the acks of one writer go, and the bytes that these acks may have. The class uses
-// no clock, thread or I/O.
+// The addresses to which acks are sent to one writer, and the number of bytes that these acks may have. The
+// class uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -16,10 +16,11 @@ using SendAck = std::function<void(const SocketAddress&, const Ack&)>;
 
 class AnswerPath {
  public:
-  /// Notes that a datagram of the writer came. Answers may have a few times as many bytes.
+  /// Notes that a datagram of the writer came. It allows answers of a few times as many bytes
+  /// (AnswerCredit).
   void received(std::size_t bytes) { credit_.received(bytes); }
-  /// Notes that a heartbeat requests acks at this address. One heartbeat is not enough to leave the former
-  /// address: acks go to both addresses until the next heartbeat.
+  /// Notes that a heartbeat requests acks at this address. Since a single heartbeat may be wrong, acks are
+  /// sent to the former address, too, until the next heartbeat.
   void turn_to(const SocketAddress& address) {
     const bool confirmed = !confirmed_ || unconfirmed_ == address;
     if (confirmed) confirmed_ = address;
@@ -32,14 +33,14 @@ class AnswerPath {
   }
   bool is_known() const { return confirmed_.has_value(); }
 
-  /// Returns true if an ack of that length may be sent to each address.
+  /// Returns true if the allowed bytes suffice to send an ack of that length to each address.
   bool covers(std::size_t ack_bytes) const { return credit_.covers(copies() * ack_bytes); }
-  /// Returns the number of missing parts for which one ack to each address still has room.
+  /// Returns the number of missing parts that an ack to each address may request within the allowed bytes.
   std::size_t parts_covered() const {
     const std::size_t bytes = credit_.left() / copies();
     return bytes < ack_header_bytes ? 0 : (bytes - ack_header_bytes) / missing_bytes;
   }
-  /// Sends the ack to each address, or to none if the copies would have too many bytes.
+  /// Sends the ack to each address. Sends nothing if all copies together would have too many bytes.
   void send(const Ack& ack, const SendAck& send) {
     if (!covers(ack.bytes())) return;
     credit_.spend(copies() * ack.bytes());

@@ -7,8 +7,8 @@
 namespace sft::udp {
 
 namespace {
-/// The number of samples that are delivered to a reader in order before the reader's presence is checked
-/// again.
+/// The maximum number of samples that are delivered in order to a reader at a time. Then it is checked again
+/// that the reader still exists.
 constexpr std::size_t delivered_at_once = 256;
 }  // namespace
 
@@ -47,8 +47,8 @@ void Delivery::deliver(Arrival& arrival, Time now) {
   if (in_channel) deliver_in_order(writer, now);
 }
 
-/// Delivers to readers that take samples as they come. Listeners run while no subscriptions are in use,
-/// because listeners may take long, and may connect and destroy readers.
+/// Delivers to best-effort readers, which get samples in the order of arrival. Listeners run while no
+/// subscriptions are in use, because listeners may take long, and may connect and destroy readers.
 void Delivery::deliver_at_once(Arrival& arrival) {
   const auto in_turn = [&](const Subscriber& s) { return arrival.in_channel && s.reliable; };
   if (std::ranges::all_of(wanted_->subscribers[arrival.stream], in_turn)) return;
@@ -67,8 +67,8 @@ void Delivery::deliver_at_once(Arrival& arrival) {
   enter();
 }
 
-/// Delivers samples in the order of their sequences. A sample that came by unicast waits if an earlier one
-/// is missing.
+/// Delivers samples in the order of their sequences. A sample that came by unicast waits if an earlier
+/// sample is missing.
 void Delivery::hand_over(Arrival& arrival, core::EndpointId writer) {
   const std::span samples = arrival.sample ? std::span(&arrival.sample, 1) : arrival.packed;
   for (core::SampleHandle& sample : samples)
@@ -92,7 +92,7 @@ void Delivery::end_hand_over() noexcept {
   leave();
 }
 
-/// Delivers to the readers in order. Returns true if some reader had room for a sample.
+/// Delivers available samples to the reliable readers in order. Returns true if some reader got a sample.
 bool Delivery::deliver_in_order(core::EndpointId writer, Time now) {
   bool any = false;
   while (deliver_next(writer, now)) any = true;
@@ -105,8 +105,8 @@ std::optional<std::size_t> Delivery::index_of(core::EndpointId writer) const {
   return static_cast<std::size_t>(stream - wanted_->streams.begin());
 }
 
-/// Delivers the available samples to one reader, up to a limit. Returns false if no reader can get a
-/// sample.
+/// Delivers available samples in order to one reliable reader, up to a limit. Returns false if no reader can
+/// get a sample.
 bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   const std::optional<std::size_t> index = index_of(writer);
   ArrivalWindow* window = index ? reassembly_.window(*index) : nullptr;
@@ -122,9 +122,9 @@ bool Delivery::deliver_next(core::EndpointId writer, Time now) {
   return false;
 }
 
-/// Delivers the samples that are available in order to one reader. Returns false if there is none;
-/// otherwise the subscriptions may have changed meanwhile. If a publisher waits for its readers, later
-/// samples do not displace earlier ones as long as it waits.
+/// Delivers the available samples in order to this reader. Returns false if no sample is available for it.
+/// If the result is true, the subscriptions may have changed meanwhile. If the publisher waits for its
+/// readers, later samples do not displace earlier ones in the inbox.
 bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, ArrivalWindow& window) {
   const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
     return subscriber.accepts(s, request);

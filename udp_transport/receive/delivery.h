@@ -1,5 +1,5 @@
-// Hands samples to the inboxes of the readers that requested them: at once, or in order for reliable
-// readers.
+// Puts samples into the inboxes of the readers that requested them: at once, or for reliable readers in the
+// order of the channel.
 #pragma once
 
 #include <atomic>
@@ -19,36 +19,38 @@
 
 namespace sft::udp {
 
-/// Used by the receiving thread, except where a comment names another thread.
+/// Must be used by the receiving thread, except where a comment names another thread.
 class Delivery {
  public:
   using Time = std::chrono::steady_clock::time_point;
   /// A function that leaves all multicast groups except `groups`, which are IPv4 addresses.
   using KeepGroups = std::function<void(std::span<const std::uint32_t> groups)>;
 
-  /// The reassembly must outlive the delivery, which passes the requests of the subscriptions to it.
+  /// `reassembly` must outlive this object, which passes the requests of the subscriptions to it.
   Delivery(Reassembly& reassembly, KeepGroups keep_groups)
       : reassembly_(reassembly), keep_groups_(std::move(keep_groups)) {}
 
   /// Returns the subscriptions. Any thread may use them, except for enter() and leave().
   SubscriptionDirectory& subscriptions() { return subscriptions_; }
 
-  /// Allows datagrams for the present subscribers until leave().
+  /// Makes the present subscriptions valid until leave(). deliver() may be called only in between.
   void enter();
   void leave() { subscriptions_.leave(); }
-  /// Delivers the samples of a datagram. `arrival` must not be empty. Called between enter() and leave().
+  /// Delivers the samples of a datagram. `arrival` must not be empty. Must be called between enter() and
+  /// leave().
   void deliver(Arrival& arrival, Time now);
 
-  /// Returns true if some samples wait for earlier ones that may be in the socket of groups. They wait
-  /// until these have come, or until end_hand_over() is called because there are none.
+  /// Returns true if some samples wait for earlier samples that may be in the socket for groups. They wait
+  /// until the earlier samples have come, or until end_hand_over() is called because that socket is empty.
   bool hands_over() const noexcept { return hand_over_.is_under_way(); }
   void end_hand_over() noexcept;
 
-  /// Retries delivery to readers that had no room before.
+  /// Retries delivery to reliable readers whose inboxes were full before.
   void look_after_readers(Time now);
-  /// Returns when look_after_readers() is due; Time::max() if no reader lags.
+  /// Returns the time at which look_after_readers() should be called; Time::max() if no reader lags.
   Time next_look() const { return lag_monitor_.next_look(); }
-  /// Returns true if some readers have no room for samples that have come. Any thread may call this.
+  /// Returns true if samples have come that wait because the inboxes of their readers are full. Any thread
+  /// may call this.
   bool readers_lag() const noexcept { return readers_lag_.load(std::memory_order_relaxed); }
 
  private:
@@ -68,7 +70,7 @@ class Delivery {
   HandOver hand_over_;
   LagMonitor lag_monitor_;
   std::atomic<bool> readers_lag_{false};
-  std::vector<core::SampleHandle> batch_;  ///< samples on their way to one inbox
+  std::vector<core::SampleHandle> batch_;  ///< the samples that are being put into one inbox
 };
 
 }  // namespace sft::udp

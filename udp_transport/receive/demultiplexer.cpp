@@ -22,8 +22,8 @@ Arrival Demultiplexer::accept(std::span<const std::byte> bytes, const SocketAddr
   return {};
 }
 
-/// Counts malformed bytes in the shares of the receive buffer, since marks count all datagrams of samples
-/// and heartbeats. Bytes that name another kind are not counted there.
+/// Counts a malformed datagram as arrived, since the sender's flow marks count all its datagrams of samples
+/// and heartbeats. A malformed datagram of a kind that flow marks do not count is not counted as arrived.
 Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
   const bool is_counted =
       !d.kind || (!is_answer(*d.kind) && *d.kind != DatagramKind::mark &&
@@ -33,7 +33,8 @@ Arrival Demultiplexer::take(Malformed& d, const Envelope& envelope) {
   return {};
 }
 
-/// Sends the report at once, because all datagrams that were sent before the mark have left the socket.
+/// Answers the flow mark at once with a report, because all datagrams that were sent before the mark have
+/// left the socket.
 Arrival Demultiplexer::take(FlowMark& d, const Envelope& envelope) {
   const std::optional<SocketAddress> to = reassembly_.report_address(envelope.from.ip, d.port);
   if (to) {

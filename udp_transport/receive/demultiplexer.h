@@ -1,5 +1,5 @@
-// Decodes each datagram once and hands it to the class that handles it. Uses no clock, thread or I/O of its
-// own.
+// Decodes each datagram once and passes it to the class that handles its kind. Uses no clock, thread or I/O
+// of its own.
 #pragma once
 
 #include <chrono>
@@ -17,40 +17,42 @@
 
 namespace sft::udp {
 
-/// All functions are called by the receiving thread.
+/// All functions must be called by the receiving thread.
 class Demultiplexer {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// accept() calls these functions for datagrams that bring no samples.
+  /// The functions that accept() calls for datagrams that are not part of a sample.
   struct Handlers {
-    /// Hands an answer to the sending half of the transport.
+    /// Passes an answer (an ack or a report) to the sending half of the transport.
     std::function<void(const Answer&, const SocketAddress& from, Time)> hear_answer;
-    /// Sends a report, which answers a mark.
+    /// Sends a report, which answers a flow mark.
     std::function<void(const SocketAddress& to, const FlowReport&)> send_report;
     /// Leaves all multicast groups except `groups`, which are IPv4 addresses.
     std::function<void(std::span<const std::uint32_t> groups)> keep_groups;
-    /// Joins a group on the link towards that address. If `anew`, leaves the group first if it was joined
-    /// before.
+    /// Joins a multicast group on the link by which `towards` is reached. If `anew` is true and the group
+    /// was joined before, leaves it first.
     std::function<void(std::uint32_t group, const SocketAddress& towards, bool anew)> join_group;
   };
 
-  /// The reassembly must outlive the demultiplexer. All senders to the socket share `receive_buffer_bytes`.
+  /// `reassembly` must outlive this object. `receive_buffer_bytes` is the size of the socket's receive
+  /// buffer, which is divided among all senders to the socket.
   Demultiplexer(Handlers handlers, Reassembly& reassembly, std::size_t receive_buffer_bytes);
 
-  /// Returns what the datagram brought for readers. If there is no memory for a datagram, it counts as
-  /// lost.
+  /// Processes a datagram. Returns the samples that it completes for readers. If memory for the datagram
+  /// cannot be allocated, it counts as lost.
   Arrival accept(std::span<const std::byte> bytes, const SocketAddress& from, ArrivalTime now) noexcept;
 
-  /// Returns the number of marks from processes of which no writer is read here.
+  /// Returns the number of flow marks that were not answered, because no writer of the process that sent
+  /// them is read here.
   std::uint64_t unknown_marks() const { return unknown_marks_; }
   /// Returns the number of processes that share the receive buffer.
   std::size_t senders() const { return shares_.senders(); }
 
  private:
   Arrival take(Malformed& d, const Envelope& envelope);
-  /// Takes a sample's datagram or a heartbeat, and counts it. Marks contain the number of such datagrams
-  /// sent.
+  /// Processes a datagram of a sample, or a heartbeat, and counts it. Flow marks contain the number of such
+  /// datagrams that were sent.
   template <class FromWriter>
   Arrival take(FromWriter& d, const Envelope& envelope) {
     shares_.count(envelope.from);
@@ -66,7 +68,7 @@ class Demultiplexer {
   Reassembly& reassembly_;
   ReceiveShares shares_;
   LongestArrivals longest_;
-  core::IpAddress last_from_;  ///< the address that the latest sample came from
+  core::IpAddress last_from_;  ///< the address from which the latest sample came
   std::uint64_t unknown_marks_ = 0;
 };
 

@@ -14,7 +14,7 @@ bool HandOver::concerns(core::EndpointId writer) const {
   return std::ranges::find(waiting_, writer, writer_of) != waiting_.end();
 }
 
-/// Adds a sample. If an earlier sample waits, this one has to wait as well.
+/// Adds a sample. If an earlier sample of the same writer waits, the new sample has to wait, too.
 void HandOver::add(Waiting one) {
   const auto first = first_of(writer_of(one));
   if (first != waiting_.end() && sequence_of(*first) <= sequence_of(one)) one.overtakes = true;

@@ -33,7 +33,7 @@ std::size_t Inbox::room(core::EndpointId id) const noexcept {
   return writer == nullptr ? depth_ : writer->queue.room();
 }
 
-/// Enqueues samples until no more can wait.
+/// Enqueues samples until as many as can wait at a time are kept.
 Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples,
                                     KeepLastQueue::Excess excess) noexcept {
   Enqueued enqueued;
@@ -42,13 +42,13 @@ Inbox::Enqueued Inbox::enqueue_some(std::span<core::SampleHandle> samples,
   return enqueued;
 }
 
-/// Enqueues the sample. Returns true if it was kept. Afterwards `sample` holds a sample that the caller
-/// must release without the lock, if there is one.
+/// Enqueues the sample. Returns true if it was kept. If `sample` is not null afterwards, it is a refused or
+/// displaced sample, which the caller must release without the lock.
 bool Inbox::enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) noexcept {
   Writer* writer = find(sample->header().writer);
   if (writer == nullptr || !writer->connected) return false;
   if (writer->filter.is_late() && !writer->filter.takes(*sample, std::chrono::steady_clock::now()))
-    return false;  // such a sample is for other readers, or will come again in order
+    return false;  // such a sample is for other readers, or will come again later, in order
   ++writer->arrivals;
   const KeepLastQueue::Put put = writer->queue.put(sample, ++arrivals_, excess);
   const std::size_t dropped = writer->queue.take_dropped();
@@ -62,7 +62,8 @@ bool Inbox::enqueue(core::SampleHandle& sample, KeepLastQueue::Excess excess) no
       ++writer->dropped;
       return true;
     case KeepLastQueue::Put::late:
-      // A late sample is not counted, because it may have come by both paths.
+      // A late reader's sample is not counted as discarded, because it may have come twice: for all readers
+      // and for this one.
       if (!writer->filter.is_late()) ++discarded_;
       return false;
     case KeepLastQueue::Put::repeated:
@@ -88,7 +89,7 @@ core::SampleHandle Inbox::take() noexcept {
   core::SampleHandle sample = first->queue.pop();
   const std::uint64_t dropped = std::exchange(first->dropped, 0);
   if (!std::exchange(first->taken, true) && sample->oldest_retained == 0)
-    lost_unnoticed_ += dropped;  // the reader did not know where the writer's sequences began
+    lost_unnoticed_ += dropped;  // the reader could not know the first sequence of the writer
   forget_the_finished();
   return sample;
 }
@@ -116,8 +117,8 @@ void Inbox::forget_the_finished() noexcept {
   std::erase_if(writers_, [](const Writer& w) { return !w.connected && w.queue.empty(); });
 }
 
-/// Takes out the oldest sample of the disconnected writers, if they keep more than allowed. The caller
-/// releases it without the lock. Returns null if they do not keep more than allowed.
+/// Removes and returns the oldest sample of the disconnected writers, if they keep more samples than
+/// allowed. The caller releases it without the lock. Returns null if they do not keep too many.
 core::SampleHandle Inbox::drop_surplus() noexcept {
   const auto departed = [](const Writer& w) { return !w.connected; };
   const core::Lock lock(mutex_);

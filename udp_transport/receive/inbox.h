@@ -17,30 +17,30 @@ namespace sft::udp {
 
 class Inbox {
  public:
-  /// The listener may be null. ReaderSpec explains `depth_bytes`.
+  /// `listener` may be null. ReaderSpec explains `depth` and `depth_bytes`.
   Inbox(std::size_t depth, core::ArrivalListener* listener, std::uint64_t depth_bytes = 0)
       : depth_(depth == 0 ? 1 : depth), depth_bytes_(depth_bytes), notify_listener_([listener] {
           if (listener != nullptr) listener->arrived();
         }) {}
 
-  /// Queues a sample of a connected writer and calls the listener, without a lock. Called by the receiving
-  /// thread.
+  /// Queues a sample of a connected writer. Then calls the listener, without a lock. Must be called by the
+  /// receiving thread.
   void deliver(core::SampleHandle sample) noexcept { deliver(std::span(&sample, 1)); }
-  /// Delivers several samples. Afterwards the handles are null or hold samples that were displaced. The
-  /// listener is called for each group of samples that can wait together, so that no sample is displaced
-  /// before the listener could take it.
+  /// Queues several samples. Afterwards, the handles are null or hold samples that were displaced. If not
+  /// all of them can wait at a time, the listener is called after each part, so that it can take samples
+  /// before later ones displace them.
   void deliver(std::span<core::SampleHandle> samples,
                KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) noexcept;
 
-  /// Returns the number of further samples of the writer that can wait. More samples are not refused, but
-  /// displace the oldest ones.
+  /// Returns the number of further samples of the writer that can be queued without displacing older ones.
+  /// Further samples are not refused, but displace the oldest ones.
   std::size_t room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;
 
   void connect(const core::Source& source);
   /// Disconnects the writer. Its queued samples can still be taken. All disconnected writers together keep
-  /// the newest samples, as many as one connected writer.
+  /// at most as many samples as one connected writer: the newest ones.
   void disconnect(core::EndpointId writer) noexcept;
   bool connected(core::EndpointId writer) const noexcept;
   core::HistoryProgress history(core::EndpointId writer) const noexcept;
@@ -48,8 +48,8 @@ class Inbox {
   std::uint64_t discarded() const noexcept;
   std::uint64_t lost_unnoticed() const noexcept;
 
-  /// Ends calls of the listener. After the return, no call is in progress, except a call of the listener
-  /// that itself calls this function.
+  /// Ends calls of the listener. When this function returns, no call of the listener is in progress, except
+  /// if the listener itself has called this function.
   void detach() noexcept { notify_listener_.clear(); }
 
  private:
@@ -58,8 +58,8 @@ class Inbox {
     KeepLastQueue queue;
     bool connected = true;
     LateFilter filter{};
-    bool taken = false;         ///< true if some sample of the writer was taken
-    std::uint64_t dropped = 0;  ///< samples dropped since the last one was taken
+    bool taken = false;         ///< true if at least one sample of the writer was taken
+    std::uint64_t dropped = 0;  ///< number of samples dropped since a sample was last taken
     std::uint64_t arrivals = 0;
   };
   Writer* find(core::EndpointId id) noexcept SFT_REQUIRES(mutex_);
@@ -71,7 +71,8 @@ class Inbox {
   };
   Enqueued enqueue_some(std::span<core::SampleHandle> samples, KeepLastQueue::Excess excess) noexcept
       SFT_REQUIRES(mutex_);
-  /// Returns, among the writers for which `condition` is true, the one whose oldest sample came first.
+  /// Returns the writer whose oldest waiting sample came first, of the writers for which `condition` is
+  /// true.
   template <class Condition>
   Writer* first_to_come(Condition condition) noexcept SFT_REQUIRES(mutex_);
   core::SampleHandle drop_surplus() noexcept;

@@ -12,7 +12,7 @@ namespace {
 
 using Standing = ArrivalWindow::Standing;
 
-/// The number of missing parts that are requested at a time. Further parts are requested later.
+/// The maximum number of missing parts that are requested at a time; further parts are requested later.
 constexpr std::size_t asked_at_once_max = 8 * missing_max;
 
 /// Calls `ask(Missing)` for each part of a sample that has not come. `sample` is null if no part of it has
@@ -37,8 +37,8 @@ std::uint64_t sequence_of(const FirstHeader& first, const SequenceMonitor& seque
   return sequences.widen(first.label.sequence);
 }
 
-/// Returns true if an earlier sample may still be in the socket of groups. That is possible because a
-/// writer can stop using a group after any sample.
+/// Returns true if an earlier sample may still be in the socket for groups. A writer can stop using a group
+/// after any sample, so this is possible whenever samples of a group have come.
 bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const SequenceMonitor& sequences,
                   const OfferedGroups& groups) {
   if (sequences.newest() == 0 || sequence <= sequences.newest() + 1) [[likely]]
@@ -46,8 +46,8 @@ bool may_overtake(std::uint64_t sequence, const FirstHeader& first, const Sequen
   return (first.flags & group_follows) == 0 && groups.were_heard();
 }
 
-/// Gives up another sample at that place if it makes no progress, because it may be forged. Returns true if
-/// it was given up.
+/// Gives up a sample with another label that has begun at that place, if it makes no progress. It may be
+/// forged. Returns true if it was given up.
 bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint64_t place,
                const SampleLabel& label, IncomingWriter::Time now) {
   constexpr std::chrono::milliseconds progress_holds{20};
@@ -120,7 +120,7 @@ bool IncomingWriter::follows(std::uint32_t channel) const {
 
 bool IncomingWriter::fits(const Datagram& d) {
   if (has(d, channel_follows) && follows(d.first.channel.channel)) return true;
-  Datagram copy = d;  // a copy, because named_by() takes the mask's words out of its argument
+  Datagram copy = d;  // a copy, because named_by() removes the mask's words from its argument
   const WantedMasks::Named named = wanted_.named_by(copy);
   return named.mask != nullptr && !named.malformed &&
          std::max<std::size_t>(copy.first.total, copy.bytes_each) <= facts_.sample_bytes;
@@ -134,8 +134,8 @@ Arrival IncomingWriter::accept(Datagram& d, const Envelope& envelope) {
                                         : accept_first(d, named, envelope.now);
 }
 
-/// Gives a sample of a group its place. Returns false if this process does not know the group, or if the
-/// sample is not for its present readers.
+/// Sets the ordinal in the channel of a sample that came by a group. Returns false if the group was not
+/// offered to this process, or if the sample is not for its present readers.
 bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   const bool is_placed = groups_.place(d.first, now, window_ == nullptr ? nullptr : &window_->channels());
   shared_.group_reports_due = shared_.group_reports_due || groups_.due();
@@ -147,7 +147,7 @@ bool IncomingWriter::place_by_group(Datagram& d, Time now) {
   return is_placed;
 }
 
-/// Accepts each sample of a pack as if it had come alone.
+/// Accepts each sample of a pack as if it had come in a separate datagram.
 Arrival IncomingWriter::accept_packed(const Datagram& packed, const WantedMasks::Named& named,
                                       ArrivalTime now) {
   PackedBodies bodies(packed);
@@ -198,7 +198,7 @@ Arrival IncomingWriter::accept_first(const Datagram& d, const WantedMasks::Named
     const bool is_old = sample != nullptr || samples_.is_finished(d.label());
     if (is_wanted || !is_old) groups_.note(d.first.group.group, !is_wanted);
   }
-  // The sample had begun before a reader requested reliable delivery.
+  // The sample began to arrive before a reader requested reliable delivery.
   if (is_wanted && met.place != 0 && repeated) {
     samples_.set_place(*sample, met.place);
     window_->samples().begun(met.place, sample->label(), sample->buffer());
@@ -227,14 +227,16 @@ Arrival IncomingWriter::begin(const Datagram& d, UnfinishedSample* sample, std::
                     std::move(buffer));
   sample->add(0, d.payload, shared_.limits.gaps, now.steady);
   Arrival arrival = proceed(*sample, samples_.unpark(*sample, now.steady), now);
-  arrival.in_channel = place != 0;  // even if no sample is whole, earlier ones may have turned out to be lost
+  // Even if this sample is not whole, reliable readers may get others, since missing ones may count as lost
+  // now.
+  arrival.in_channel = place != 0;
   return arrival;
 }
 
 Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const ArrivalTime now = envelope.now;
   answers_.received(envelope.bytes);
-  drop_abandoned();  // also needed because readers may have taken samples
+  drop_abandoned();  // called here, too, since the window may have dropped samples after readers took others
   UnfinishedSample* sample = samples_.find(d.label);
   if (sample == nullptr) {
     if (samples_.is_finished(d.label) || elsewhere_.contains(d.label)) return {};
@@ -258,8 +260,8 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   return proceed(*sample, added, now);
 }
 
-/// Continues after a datagram was added to a described sample, or was refused. A reliable sample can come
-/// again.
+/// Continues after a datagram was added to the sample, or was refused. If a datagram of a reliable sample
+/// was refused, the sample is kept, because the datagram can come again.
 Arrival IncomingWriter::proceed(UnfinishedSample& sample, UnfinishedSample::Added added, ArrivalTime now) {
   using Added = UnfinishedSample::Added;
   const bool in_channel = sample.place() != 0;
@@ -306,8 +308,8 @@ Arrival IncomingWriter::complete(core::SampleHandle sample, const FirstHeader& f
   return {std::move(sample), facts_.stream_index, place != 0, {}, overtakes};
 }
 
-/// Returns true if a sample may be delivered. Samples that wait under sequences that turn out to be wrong
-/// have to come again. A writer that does not answer any more sends nothing new, so a sample behind its
+/// Returns true if a sample may be delivered. If sequences turn out to be wrong, the samples that wait with
+/// them have to come again. A writer that is not alive sends no new data, so a sample that is older than its
 /// newest one was repeated by another sender.
 bool IncomingWriter::accepts(const SequenceMonitor::Observed& observed, Time now) {
   if (!facts_.alive && observed.place == 0 && observed.sequence < sequences_.newest()) return false;
@@ -344,8 +346,8 @@ IncomingWriter::Refusal IncomingWriter::describe(const Datagram& d, const Wanted
   return Refusal::none;
 }
 
-/// Takes memory for a sample. Samples behind the first missing one must leave memory for that one, because
-/// no reader gets them without it.
+/// Takes memory for a sample. Samples after the first missing sample must leave enough memory for that
+/// sample, because readers get no later sample before it.
 core::SampleHandle IncomingWriter::take_buffer(const Datagram& d, std::uint64_t place) {
   const std::size_t total = d.first.total;
   const std::size_t bytes = detail::SampleLayout(facts_.type->index_slots()).bytes(total);
@@ -359,7 +361,8 @@ std::size_t IncomingWriter::reserved_for_first_missing() const {
                   shared_.pool->limit_bytes() / 4);
 }
 
-/// Refuses a sample. A reliable sample that lacks only memory now will come again.
+/// Refuses a sample. If only memory is missing, a reliable sample is not given up, because it will come
+/// again.
 Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal why, Time now) {
   core::Transport::Counters& counters = shared_.counters;
   const Arrival nothing{{}, facts_.stream_index, place != 0};
@@ -381,13 +384,14 @@ Arrival IncomingWriter::refuse(const Datagram& d, std::uint64_t place, Refusal w
   return nothing;
 }
 
-/// Counts a sample that is given up, even if it had not begun. Further datagrams of it are ignored.
+/// Gives up and counts a sample, even if no datagram of it has come. Further datagrams of the sample are
+/// ignored.
 void IncomingWriter::drop(const SampleLabel& label, std::uint64_t& counter) {
   const std::uint64_t place = samples_.drop(SampleLabel(label), counter);
   if (place != 0 && window_ != nullptr) window_->pass(place);
 }
 
-/// Drops the samples that the writer does not have any more, and those that begin anew.
+/// Drops the samples that the window has given up, and those that begin anew.
 void IncomingWriter::drop_abandoned() {
   if (window_ == nullptr) return;
   if (window_->samples().dropped().empty()) [[likely]]

@@ -12,10 +12,10 @@ class IntervalSet {
  public:
   struct Interval {
     std::uint32_t begin;
-    std::uint32_t end;  ///< the first value behind the interval
+    std::uint32_t end;  ///< the first value after the interval
   };
 
-  /// Adds the interval. Returns the number of bytes of [begin, end) that were not in the set before.
+  /// Adds the interval [begin, end). Returns the number of its bytes that were not in the set before.
   /// REQUIRES: begin < end.
   std::uint32_t add(std::uint32_t begin, std::uint32_t end);
 

@@ -38,7 +38,8 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   return sample ? Put::pushed_out : Put::kept;
 }
 
-/// Drops samples until the limit of bytes is met. Returns one of them; the rest are counted as dropped.
+/// Drops the oldest samples until the bytes are within the limit. Returns one of the dropped samples; the
+/// others are counted in `dropped_`.
 core::SampleHandle KeepLastQueue::drop_excess_bytes() {
   core::SampleHandle dropped;
   while (bytes_max_ != 0 && bytes_ > bytes_max_ && size_ > 1) {

@@ -1,5 +1,5 @@
-// Samples of one writer that wait to be taken: at most `depth`, in the order of their sequences, none
-// twice. The number of their bytes is limited, but a single sample may have any size.
+// Samples of one writer that wait to be taken: at most `depth`, in the order of their sequences, without
+// duplicates. Their bytes are limited, too, but a single sample may have any size.
 #pragma once
 
 #include <cstddef>
@@ -19,26 +19,26 @@ class KeepLastQueue {
 
   enum class Put : std::uint8_t {
     kept,
-    pushed_out,  ///< the sample is kept; `sample` now holds the oldest one, which was removed for it
-    late,        ///< the sample is older than one that was taken or displaced
+    pushed_out,  ///< the sample is kept; `sample` now holds the removed oldest sample
+    late,        ///< the sample is older than a sample that was taken or displaced
     repeated,
   };
-  /// The treatment of waiting samples if their bytes exceed the limit.
+  /// Says what happens to waiting samples if their bytes exceed the limit.
   enum class Excess : bool {
     pushed_out,
-    kept,  ///< samples stay until they are taken, since the publisher waits; room() then returns 0
+    kept,  ///< samples stay, because the publisher waits for room; room() returns 0
   };
-  /// Adds the sample. `arrival` is a number that counts up over all writers of a reader.
+  /// Adds the sample. `arrival` is the number of the sample, counted over all writers of the reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
 
-  /// Returns the number of samples dropped since the last call, because their sequences turned out to be
-  /// wrong, or because a new sample had more bytes than the one that was removed for it.
+  /// Returns the number of samples dropped since the last call in addition to those that put() returned.
+  /// They had wrong sequences, or a larger new sample displaced several samples.
   std::size_t take_dropped() { return std::exchange(dropped_, 0); }
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// Returns the number of further samples that can wait without displacing another. If these are larger
-  /// than the last sample, their bytes may exceed the limit.
+  /// Returns the number of further samples that can wait without displacing older ones. The number assumes
+  /// that they have the size of the last sample.
   std::size_t room() const;
   /// Returns the number `arrival` of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
@@ -59,7 +59,7 @@ class KeepLastQueue {
   std::size_t depth_;
   std::uint64_t bytes_max_;
   std::uint64_t bytes_ = 0;       ///< bytes of the samples that wait
-  std::uint64_t last_bytes_ = 0;  ///< bytes of the sample that was put in last
+  std::uint64_t last_bytes_ = 0;  ///< bytes of the sample that was added last
   std::vector<Entry> entries_;    ///< a ring that grows as needed
   std::size_t head_ = 0;
   std::size_t size_ = 0;

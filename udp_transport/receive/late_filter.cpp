@@ -13,7 +13,7 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   }
   if (!alone && (waits_ || (now - alone_at_ < settling && !follows(sample)))) return false;
   const bool anew = sample.numbering > numbering_;
-  // The queue finds out if the sample is already known or late.
+  // The queue checks if the sample is a duplicate or late.
   if (sample.sequence <= sequence_ && !anew) return true;
   numbering_ = std::max(numbering_, sample.numbering);
   sequence_ = sample.sequence;
@@ -23,7 +23,8 @@ bool LateFilter::takes(const core::SampleBuffer& sample, Time now) {
   return true;
 }
 
-/// Returns true if no sample between the last one and this one is missing, except withheld ones.
+/// Returns true if no sample between the last taken one and this one is missing. Samples that a maximum rate
+/// or conditions withheld are not missing.
 bool LateFilter::follows(const core::SampleBuffer& sample) const {
   if (sample.sequence <= sequence_ + 1 || sample.numbering > numbering_) return true;
   const bool is_numbered = sample.min_period_us != 0 || sample.gate != 0;

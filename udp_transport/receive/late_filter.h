@@ -1,7 +1,7 @@
-// Decides which samples of a durable writer a late reader takes. Samples for this reader alone come first:
-// those that the writer had retained, and live ones that were published meanwhile. Other readers in the
-// process may have the same mask. Live samples for all of them must not overtake those for this reader
-// alone. Uses no clock, thread or I/O.
+// Decides which samples of a durable writer a late reader takes. The samples for this reader alone come
+// first: the samples that the writer had retained, and those that it published meanwhile. Other readers in
+// the process may have the same mask. New samples for all readers must not overtake the samples for this
+// reader alone. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -14,22 +14,23 @@ namespace sft::udp {
 class LateFilter {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// If no sample for this reader alone has come for this time, no such sample is under way any more.
+  /// If no sample for this reader alone has come for this time, it is assumed that no such sample is under
+  /// way.
   static constexpr std::chrono::milliseconds settling{100};
 
-  /// Without `history_first` the reader takes every sample at once.
+  /// If `history_first` is false, the reader takes every sample at once.
   explicit LateFilter(bool history_first = false) : waits_(history_first), history_first_(history_first) {}
 
   bool is_late() const { return history_first_; }
-  /// Returns true if the reader takes a sample that has arrived. A sample for all readers is taken if it is
-  /// the very next one, or if no sample for this reader alone is under way.
+  /// Returns true if the reader takes `sample`, which has arrived. A sample for all readers is taken if it
+  /// directly follows the last taken sample, or if no sample for this reader alone is under way.
   bool takes(const core::SampleBuffer& sample, Time now);
   core::HistoryProgress progress(Time now) const;
 
  private:
   bool follows(const core::SampleBuffer& sample) const;
 
-  bool waits_;  ///< true if no sample for this reader alone has come yet
+  bool waits_;  ///< true until a sample for this reader alone has come
   bool history_first_;
   Time alone_at_{};  ///< time of the last sample for this reader alone
   // The following members describe the newest sample that was taken.

@@ -36,8 +36,7 @@ void Reassembly::set_streams(std::span<const Stream> streams) {
   for (auto& [id, known] : before) close_window(known->writer);
 }
 
-/// Notes the writers of each short id. Several writers may have the same short id; the living ones come
-/// first.
+/// Makes the lists of writers with the same short id. Living writers come first in each list.
 void Reassembly::note_short_ids(std::span<const Stream> streams) {
   for (const bool alive : {true, false}) {
     for (const Stream& stream : streams) {
@@ -71,9 +70,9 @@ void Reassembly::close_window(IncomingWriter& writer) {
 }
 
 /// Returns the writer of a datagram; null if no reader here reads a writer with that short id. An attacker
-/// may announce writers with the short ids and the addresses of other writers. Among such twins, the result
-/// is one whose node announced the address `from` and for which `fits(writer)` is true. If there is none,
-/// it is one whose node announced that address, or else the first one.
+/// may announce writers with the short ids and the addresses of other writers. Among writers with the same
+/// short id, the result is a writer whose node announced the address `from` and for which `fits(writer)` is
+/// true. If there is none, it is a writer whose node announced that address, or else the first writer.
 template <class Fits>
 IncomingWriter* Reassembly::find(std::uint32_t short_id, const core::IpAddress& from, const Fits& fits) {
   if (is_of_last(short_id)) return last_;

@@ -1,5 +1,5 @@
-// Makes samples from decoded datagrams. It finds the writer of each datagram among those that are read
-// here. The class uses no clock, thread or I/O of its own.
+// Makes samples from decoded datagrams. It finds the writer of each datagram among the writers that are read
+// in this process. The class uses no clock, thread or I/O of its own.
 #pragma once
 
 #include <cstddef>
@@ -27,52 +27,52 @@ class Reassembly {
 
   Reassembly(const ReassemblyLimits& limits, std::shared_ptr<core::BufferPool> pool);
 
-  /// Sets the requests from now on. Unfinished samples of a writer that stays are kept; those of a writer
-  /// that is not read any more are dropped. Writers with the same short id are distinguished by the
-  /// addresses that their nodes announced, and by the announced properties of their samples.
+  /// Sets the writers and requests from now on. Unfinished samples of a writer that is still read are kept;
+  /// those of other writers are dropped. Writers with the same short id are distinguished by the addresses
+  /// that their nodes announced, and by the announced properties of their samples.
   void set_streams(std::span<const Stream> streams);
 
-  /// Accepts a datagram of a sample. The address that it came from matters only if several writers have the
-  /// same short id. The mask's words are taken from the datagram.
+  /// Accepts a datagram of a sample. The address from which it came matters only if several writers have the
+  /// same short id. The mask's words are removed from `d`.
   Arrival accept(Datagram& d, const Envelope& envelope) { return accept_sample(d, d.label(), envelope); }
   Arrival accept(const Following& d, const Envelope& envelope) { return accept_sample(d, d.label, envelope); }
   Arrival accept(const Heartbeat& heartbeat, const Envelope& envelope);
   /// Counts a malformed datagram.
   void refuse(const Malformed& d);
 
-  /// The group that this process should join because of an offer.
+  /// The multicast group that this process should join because of an offer.
   struct Joining {
     std::uint32_t group = 0;  ///< IPv4 address; 0: the offer withdrew the group
-    bool anew = false;        ///< true: the group has to be joined again, even if it was joined before
+    bool anew = false;        ///< true if the group has to be joined again even if it was joined before
   };
   /// Accepts an offer. Returns nothing if no reader here reads the offer's writer. Otherwise groups() may
   /// have changed.
   std::optional<Joining> accept(const GroupOffer& offer, const Envelope& envelope);
-  /// Takes a probe. Ignored if its group is not known, since the group may be offered later.
+  /// Processes a probe of a group. A probe of an unknown group is ignored; that group may be offered later.
   void accept(const GroupProbe& probe, const Envelope& envelope);
-  /// Returns the IPv4 addresses of all groups that were offered by writers that are read here.
+  /// Returns the IPv4 addresses of all groups that writers which are read in this process have offered.
   std::vector<std::uint32_t> groups() const;
-  /// Sends the reports on groups that are due. Called after accept().
+  /// Sends the reports on groups that are due. Must be called after accept().
   void report_groups(const SendGroupReport& send);
 
   /// Returns the window of the stream; null unless the stream is reliable. The pointer is valid until
   /// set_streams().
   ArrivalWindow* window(std::size_t stream_index);
-  /// Sends the acks that are due, with requests for missing parts. Called after accept(), and at
-  /// next_answer().
+  /// Sends the acks that are due, with requests for missing parts. Must be called after accept(), and at the
+  /// time that next_answer() returns.
   void answer(Time now, const SendAck& send);
   Time next_answer() const;
 
-  /// Returns the address for a report to a process that sent a mark. Empty unless a writer that is read
-  /// here belongs to that process.
+  /// Returns the address for a report to a process that has sent a flow mark. Returns nothing unless a
+  /// writer of that process is read here.
   std::optional<SocketAddress> report_address(const core::IpAddress& from, std::uint16_t port) const;
-  /// Notes that a sample or heartbeat of that stream came from this address. The writer's node need not
-  /// have announced it.
+  /// Notes that a sample or heartbeat of that stream came from this address. The writer's node may not have
+  /// announced the address.
   void came_from(std::size_t stream_index, const core::IpAddress& ip);
 
   /// Drops samples that have made no progress for too long.
   void expire(Time now);
-  /// Returns the earliest time when expire() has something to do; empty while no sample has begun.
+  /// Returns the earliest time at which expire() may drop a sample; empty if no sample is incomplete.
   std::optional<Time> next_expiry() const { return shared_.next_expiry(); }
 
   const Counters& counters() const { return shared_.counters; }

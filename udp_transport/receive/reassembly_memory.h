@@ -1,5 +1,5 @@
-// The limits, memory and counters that all writers that are read in a process share while their samples are
-// assembled.
+// The limits, memory and counters for the assembly of samples. All writers that are read in a process share
+// them.
 #pragma once
 
 #include <chrono>
@@ -18,13 +18,15 @@
 namespace sft::udp {
 
 struct ReassemblyLimits {
-  std::size_t sample_bytes = std::size_t{64} << 20;  ///< limit of one body, whatever its writer announced
-  std::size_t unfinished_bytes = std::size_t{128} << 20;  ///< limit of all unfinished bodies of one writer
-  std::size_t unfinished_per_variant = 4;                 ///< limit of unfinished samples of one variant
-  std::size_t unfinished_per_writer = 32;                 ///< limit of unfinished samples of one writer
-  /// Limit of all datagrams that came before the first one of their sample.
+  /// Maximum size of a body, whatever its writer announced.
+  std::size_t sample_bytes = std::size_t{64} << 20;
+  /// Maximum size of all unfinished bodies of a writer.
+  std::size_t unfinished_bytes = std::size_t{128} << 20;
+  std::size_t unfinished_per_variant = 4;  ///< maximum number of unfinished samples of a variant
+  std::size_t unfinished_per_writer = 32;  ///< maximum number of unfinished samples of a writer
+  /// The maximum memory of datagrams that came before the first datagram of their sample.
   std::size_t parked_bytes = std::size_t{512} << 10;
-  std::size_t gaps = 4096;                 ///< limit of gaps in one sample
+  std::size_t gaps = 4096;                 ///< maximum number of gaps in a sample
   std::chrono::milliseconds timeout{500};  ///< a sample without progress for this time is dropped
   ArrivalLimits channel{};                 ///< limits of the window of a reliable writer
 };
@@ -37,9 +39,10 @@ class ReassemblyMemory {
   ReassemblyMemory(const ReassemblyLimits& reassembly_limits, std::shared_ptr<core::BufferPool> sample_pool)
       : limits(reassembly_limits), pool(std::move(sample_pool)) {}
 
-  /// Returns an unfinished sample without data. It reuses the memory of an earlier one if possible.
+  /// Returns an unfinished sample without data. It reuses the memory of an earlier unfinished sample if
+  /// possible.
   UnfinishedSamples::Handle begin_sample(const SampleLabel& label, std::uint64_t place, Time now);
-  /// Notes that a writer does not have this sample any more.
+  /// Notes that this sample was removed from the unfinished samples of its writer.
   void note_removed(const UnfinishedSample& sample);
   void recycle(UnfinishedSamples::Handle sample);
 
@@ -48,16 +51,17 @@ class ReassemblyMemory {
   void note_unparked(std::size_t bytes) { parked_bytes_ -= bytes; }
 
   /// Returns the number of bytes of the pool that are reserved for the samples that this node publishes. So
-  /// neither received samples nor those that subscribers keep can prevent its publishers from publishing.
+  /// received samples, and samples that subscribers keep, cannot prevent this node from publishing.
   std::size_t reserved_for_publishers() const { return pool->limit_bytes() / 4; }
 
-  /// Notes that there was no memory for a sample.
+  /// Notes that memory for a sample could not be allocated within the limits.
   void note_refused(Time now) { refused_at_ = now; }
-  /// Returns true if there was no memory for a sample recently. Then unfinished samples without progress
-  /// have to release their memory.
+  /// Returns true if memory for a sample was refused recently. Then unfinished samples without progress have
+  /// to release their memory.
   bool is_short(Time now) const { return now - refused_at_ < limits.channel.confirm_timeout; }
 
-  /// Returns when the next unfinished sample may have to be dropped; empty if there is none.
+  /// Returns the time at which the next unfinished sample may have to be dropped; empty if there is no such
+  /// sample.
   const std::optional<Time>& next_expiry() const { return next_expiry_; }
   void set_next_expiry(const std::optional<Time>& time) { next_expiry_ = time; }
 

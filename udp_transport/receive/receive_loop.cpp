@@ -20,7 +20,8 @@ namespace sft::udp {
 
 namespace {
 using Clock = std::chrono::steady_clock;
-constexpr int trains_per_turn = 64;  // number of trains after which a waiting thread may get the role
+// Number of trains after which a waiting thread may get the receiving role.
+constexpr int trains_per_turn = 64;
 constexpr int trains_per_hand_over = 1024;
 
 /// Reads an eventfd or timerfd, so that it is not readable any more.
@@ -121,15 +122,15 @@ void ReceiveLoop::receive_alone() {
   if (!works) give_up();
 }
 
-/// Stops receiving, because the program has closed the descriptors of this loop (closefrom(3)). The loop
-/// cannot wait for anything without them.
+/// Stops receiving. Called if the program has closed the descriptors of this loop (closefrom(3)), without
+/// which the loop cannot wait.
 void ReceiveLoop::give_up() {
   broken_.store(true, std::memory_order_relaxed);
   role_.close();
 }
 
-/// Waits for datagrams. Called while threads that wait for samples take the role without waking this
-/// thread.
+/// Waits for datagrams in the transport's own thread, without the receiving role. Meanwhile threads that
+/// wait for samples can take the role without waking this thread.
 void ReceiveLoop::poll(Time until) {
   const auto [datagrams, wake] = io_->descriptors();
   std::array<pollfd, 3> ready{{{.fd = datagrams, .events = POLLIN, .revents = 0},
@@ -182,7 +183,7 @@ bool ReceiveLoop::receive(const core::Waiting& waiting) noexcept {
 
 void ReceiveLoop::wake_receiver() noexcept { ::eventfd_write(waiter_event_.get(), 1); }
 
-/// Waits while another thread receives and delivers to this thread's reader.
+/// Waits for a sample while another thread receives, and delivers to the reader of this thread.
 void ReceiveLoop::wait_behind(const core::Waiting& waiting) noexcept {
   if (role_.wait_behind()) io_->wake();
   if (!waiting.bell.spin(waiting.seen, waiting.spin_until))
@@ -203,8 +204,8 @@ void ReceiveLoop::wait_in_role(const core::Waiting& waiting) noexcept {
   }
 }
 
-/// Delivers to readers that had no room. Called when a waiting thread has taken the samples of its reader,
-/// so that there may be room.
+/// Delivers to readers whose inboxes were full. Called when a waiting thread has taken samples of its
+/// reader, so that the inbox may have room.
 void ReceiveLoop::deliver_to_laggards() noexcept {
   if (!role_.begin()) return;
   const Time now = Clock::now();
@@ -224,8 +225,9 @@ bool ReceiveLoop::receive_turn() noexcept {
   return came;
 }
 
-/// Ends a hand-over. A sample came by unicast, so the samples that were sent before it have come, too: they
-/// are in the socket of groups, or were lost.
+/// Delivers the samples that wait for earlier ones (HandOver). The waiting samples came by unicast. So the
+/// samples that were sent before are in the socket for groups by now, or were lost. That socket is read
+/// first.
 void ReceiveLoop::end_hand_over() noexcept {
   if (!delivery_.hands_over()) [[likely]]
     return;
@@ -285,7 +287,7 @@ void ReceiveLoop::begin(ArrivalTime now) noexcept {
 void ReceiveLoop::datagram(std::span<const std::byte> bytes, const SocketAddress& from) noexcept {
   Arrival arrival = demultiplexer_.accept(bytes, from, now_);
   if (arrival.is_empty()) return;
-  if (arrival.has_samples()) publish_counters();  // done before listeners can read the counters
+  if (arrival.has_samples()) publish_counters();  // before listeners are called, which may read the counters
   delivery_.deliver(arrival, now_.steady);
 }
 

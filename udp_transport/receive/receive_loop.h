@@ -1,5 +1,5 @@
-// The thread that receives datagrams: the transport's own thread, or a thread that waits for a sample and
-// receives meanwhile (receiving_role.h).
+// Receives datagrams, in the transport's own thread or in a thread that waits for a sample
+// (receiving_role.h).
 #pragma once
 
 #include <atomic>
@@ -22,8 +22,8 @@
 
 namespace sft::udp {
 
-/// The thread keeps its loop alive, so that a listener may destroy the transport that calls the listener.
-/// "The receiving thread" is the thread that has the role.
+/// The thread keeps its ReceiveLoop alive, so that a listener may destroy the transport that calls it. "The
+/// receiving thread" is the thread that has the receiving role.
 class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_this<ReceiveLoop> {
  public:
   /// The functions of the sending half of the transport that the loop calls, on the receiving thread.
@@ -34,20 +34,21 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
     std::function<void(const SocketAddress&, const FlowReport&)> send_report;
     Reassembly::SendGroupReport send_group_report;
   };
-  /// All senders to the socket share `receive_buffer_bytes`.
+  /// `receive_buffer_bytes` is the size of the socket's receive buffer, which is divided among all senders
+  /// to the socket.
   ReceiveLoop(std::unique_ptr<DatagramReceiver> io, const ReassemblyLimits& limits,
               std::size_t receive_buffer_bytes, std::shared_ptr<core::BufferPool> pool,
               SendingHalf sending_half, const std::shared_ptr<GroupJoins>& joins);
 
   Result<void> start(const core::ThreadSpec& thread);
-  /// Ends receiving: nothing is received after this has returned. If a listener calls stop(), that is true
+  /// Ends receiving. After the return, no datagram is received. If a listener calls stop(), that is true
   /// only after the listener has returned.
   void stop();
 
   // Any thread may call the following functions.
 
-  /// Registers a reader. After this has returned, only the transport's own thread calls listeners. The
-  /// exception is a reader for which threads only wait.
+  /// Registers a reader. After the return, only the transport's own thread calls listeners, except if
+  /// threads of the reader wait for samples and need no listener.
   void add(const core::ReaderSpec& reader);
   void remove(const core::ReaderSpec& reader);
 
@@ -59,7 +60,7 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   SubscriptionDirectory& subscriptions() { return delivery_.subscriptions(); }
   core::Transport::Counters counters() const noexcept { return published_.load(); }
   struct Health {
-    bool is_broken = false;   ///< true if the system refuses to let the socket receive any more
+    bool is_broken = false;   ///< true if the socket cannot receive any more
     std::string fell_back{};  ///< result of DatagramReceiver::fell_back()
   };
   Health health() const { return {broken_.load(std::memory_order_relaxed), io_->fell_back()}; }
@@ -101,15 +102,16 @@ class ReceiveLoop final : private DatagramSink, public std::enable_shared_from_t
   std::unique_ptr<DatagramReceiver> io_;
   std::thread thread_;
   ReceivingRole role_;
-  /// A timerfd, which wakes the transport's thread after ReceivingRole::vacancy.
+  /// A timerfd, which wakes the transport's own thread after ReceivingRole::vacancy.
   FileDescriptor alarm_;
-  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the role, or will get it
+  FileDescriptor waiter_event_;  ///< wakes the waiting thread that has the receiving role, or will get it
   SpinLimits spins_;
   std::atomic<bool> broken_{false};
   PublishedCounters published_;
 
-  // Used by the transport's own thread. Spinning is useful if samples come about as fast as a thread can be
-  // woken. A callback that answers at once, and gets the next sample in reply, is faster with spinning.
+  // Used by the transport's own thread to decide if it polls before it sleeps (spinning). Spinning is useful
+  // if the pauses between samples are about as short as the time to wake a thread. For example, a callback
+  // that answers at once, and gets the next sample as a reply, is faster with spinning.
   core::SpinChoice spinning_{3};
 
   // The following members are used by the receiving thread only.

@@ -110,8 +110,8 @@ ReceivingRole::Look ReceivingRole::look(const State& state, Time now, bool reada
   return {.seemed_idle = !state.in_turn && (readable || next_deadline_.load() <= now), .turns = turns_};
 }
 
-/// Returns when the own thread checks the holder next. That is soon after the next work is due, because a
-/// holder that does nothing must not delay this work for long.
+/// Returns the time of the own thread's next check of the thread with the role. The check comes soon after
+/// the next deadline, so that a stopped thread with the role does not delay the work that is due then.
 ReceivingRole::Time ReceivingRole::next_look(Time now) const {
   if (last_look_.seemed_idle) return now + second_look;
   const Time due = next_deadline_;
@@ -128,8 +128,8 @@ ReceivingRole::Task ReceivingRole::next(Time now, bool readable) {
     Look now_seen = last_look_;
     if (evicts) {
       now_seen = look(before, now, readable);
-      // The holder counts as idle only if it seems idle twice, because at the first check it may be about
-      // to receive a datagram that has just come.
+      // The thread with the receiving role counts as idle only if it seems idle at two checks in a row. At
+      // the first check, it may be about to receive a datagram that has just come.
       const bool does_nothing =
           now_seen.seemed_idle && last_look_.seemed_idle && now_seen.turns == last_look_.turns;
       const bool must_go = before.attended > 0 && !before.in_turn;
@@ -175,8 +175,8 @@ bool ReceivingRole::end_turn(Time next_deadline) {
   return passes_it_on;
 }
 
-/// The exchange here and the one in leave() order the actions of both threads: a thread that finds the
-/// alarm set has left the role before the alarm rings.
+/// The exchange here and the exchange in leave() order the actions of the two threads: a thread that finds
+/// `alarm_set_` true has left the role before the alarm rings.
 void ReceivingRole::alarm_rang() { alarm_set_.exchange(false); }
 
 void ReceivingRole::close() {

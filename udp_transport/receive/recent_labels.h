@@ -1,5 +1,5 @@
-// Labels of the samples that were completed or given up most recently. Further datagrams of these samples
-// are ignored.
+// The labels of the samples that were completed or given up most recently. Further datagrams of these
+// samples are ignored.
 #pragma once
 
 #include <algorithm>

@@ -69,8 +69,9 @@ std::uint64_t SampleAssembly::drop(const SampleLabel& label, std::uint64_t& coun
   return place;
 }
 
-/// Drops the oldest sample, of the same variant if there is one. Never drops the sample with that label or
-/// a reliable sample. Returns false if there is no sample to drop.
+/// Drops the oldest sample of the same variant as `same_variant_first`, or the oldest one of any variant if
+/// that variant has no other. Never drops the sample with that label or a reliable sample. Returns false if
+/// no sample can be dropped.
 bool SampleAssembly::drop_oldest(const SampleLabel& same_variant_first) {
   const UnfinishedSample* oldest = nullptr;
   for (const auto& sample : unfinished_.loose()) {

@@ -1,4 +1,5 @@
-// The limits on spinning that the readers of a transport set. Any thread may call the functions.
+// The maximum times of spinning (polling before a thread sleeps) that the readers of a transport set. Any
+// thread may call the functions.
 #pragma once
 
 #include <atomic>

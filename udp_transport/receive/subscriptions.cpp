@@ -11,10 +11,10 @@ namespace sft::udp {
 
 namespace {
 
-constexpr std::size_t twins_max = 64;  // limit of living writers with one short id that are read
+constexpr std::size_t twins_max = 64;  // maximum number of living writers with the same short id
 
-/// The indices of a stream's selections, by their hashes. A stream has many selections if many readers
-/// change theirs.
+/// The indices of a stream's selections, by the hashes of the selections. A stream has many selections if
+/// many readers change their requests.
 using SelectionPlaces = std::unordered_multimap<std::uint64_t, std::size_t>;
 
 void add(const Selection& selection, Stream& stream, SelectionPlaces& places) {
@@ -42,8 +42,8 @@ void join(Stream& stream, const TypeSupport* type, const core::Source& source,
 
 }  // namespace
 
-/// A sample for this reader alone may come late, because it has waited behind the history. A merged sample
-/// has whole fields, from which the reader takes its parts.
+/// A sample for this reader alone is accepted even if its request has ended, because it may have been sent
+/// late, after the history. A merged sample has whole fields, from which the reader extracts its parts.
 bool Subscriber::accepts(const core::SampleBuffer& sample, std::uint64_t first_request) const {
   const bool for_one = sample.addressee != 0;
   if (for_one && sample.addressee != reader) return false;
@@ -81,7 +81,7 @@ Result<void> SubscriptionDirectory::connect(const Inbox& inbox, const core::Sour
 }
 
 /// Checks that the reader may connect. Datagrams carry only half of the writer's id, and a writer must have
-/// one type. A few writers with the same short id are distinguished by their addresses.
+/// one type. A limited number of writers with the same short id are distinguished by their addresses.
 Result<void> SubscriptionDirectory::check(const Reader& reader, const core::Source& source) const {
   std::set<core::EndpointId> twins;  // the living writers with that short id
   for (const Reader& other : readers_) {
@@ -145,7 +145,7 @@ SubscriptionDirectory::Reader& SubscriptionDirectory::find(const Inbox& inbox) {
 void SubscriptionDirectory::publish() {
   auto next = std::make_shared<Subscriptions>();
   std::unordered_map<core::EndpointId, std::size_t> places;
-  std::vector<SelectionPlaces> selections;  // one map for each stream
+  std::vector<SelectionPlaces> selections;  // one map per stream
   for (const Reader& reader : readers_) {
     for (const core::Source& source : reader.sources) {
       const auto [place, is_new] = places.try_emplace(source.writer, next->streams.size());

@@ -1,6 +1,6 @@
-// Passes the connections between readers and writers to the receiving thread. That thread uses a published
-// value that does not change. A thread that removes a reader waits until no former value is in use. No
-// value is in use while listeners run.
+// Passes the connections between readers and writers to the receiving thread, as published immutable values
+// (core::Published). A thread that removes a reader waits until the receiving thread does not use any former
+// value. The receiving thread uses no value while listeners run.
 #pragma once
 
 #include <memory>
@@ -19,12 +19,13 @@ namespace sft::udp {
 struct Subscriber {
   core::EndpointId reader = 0;
   std::shared_ptr<Inbox> inbox;
-  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the requests; the latest one is last
+  std::shared_ptr<const std::vector<core::Accepted>> accepted;  ///< the reader's requests; the latest is last
   bool reliable = false;
 
-  /// Returns true if the sample is for this reader, whose requests before `first_request` are over.
+  /// Returns true if the sample is for this reader. Requests before `first_request` have ended and do not
+  /// count.
   bool accepts(const core::SampleBuffer& sample, std::uint64_t first_request = 0) const;
-  /// Returns the latest request of this reader that the writer knows.
+  /// Returns the number of the latest request of this reader that the writer has received.
   std::uint64_t heard_request() const;
 };
 
@@ -44,8 +45,8 @@ class SubscriptionDirectory {
   void announced(const Inbox& reader, const core::Source& source);
   void disconnect(const Inbox& reader, core::EndpointId writer);
   void accept(const Inbox& reader, std::vector<core::Accepted> accepted);
-  /// Removes the reader. When this returns, the reader's type is not used any more. Must not be called
-  /// between enter() and leave().
+  /// Removes the reader. When this function returns, the reader's type is not used any more. Must not be
+  /// called between enter() and leave().
   void remove(const Inbox& reader);
 
   // The following functions are for the receiving thread.

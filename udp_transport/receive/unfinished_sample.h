@@ -1,5 +1,5 @@
-// One sample of which some datagrams have come. It has a buffer once its first datagram has come. Until
-// then it keeps the payloads of the datagrams that came earlier.
+// One sample of which some datagrams have come. It gets a buffer when its first datagram comes. Until then,
+// it keeps the payloads of the datagrams that have come (parked payloads).
 #pragma once
 
 #include <chrono>
@@ -18,7 +18,7 @@ class UnfinishedSample {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Begins another sample, with the memory of the former one.
+  /// Begins another sample, and reuses the memory of the former sample.
   void begin(const SampleLabel& label, Time now);
 
   const SampleLabel& label() const { return first_.label; }
@@ -30,29 +30,29 @@ class UnfinishedSample {
 
   bool described() const { return static_cast<bool>(buffer_); }
   const FirstHeader& first() const { return first_; }
-  /// Sets the header and the buffer. The buffer's body has room for first.total bytes.
+  /// Sets the header and the buffer. The buffer must be large enough for a body of first.total bytes.
   void describe(const FirstHeader& first, std::size_t body_offset, core::SampleHandle buffer);
 
   enum class Added : std::uint8_t {
     yes,
     beyond_body,    ///< the datagram was ignored
-    too_many_gaps,  ///< the datagram was ignored, since it would have made one gap too many
+    too_many_gaps,  ///< the datagram was ignored, since it would have made too many gaps
   };
-  /// Adds the payload. REQUIRES: the sample is described.
+  /// Adds the payload to the body. REQUIRES: described() is true.
   Added add(std::uint32_t offset, std::span<const std::byte> payload, std::size_t gaps_max, Time now);
   bool whole() const { return described() && received_.covered() == first_.total; }
   core::SampleHandle take_buffer() { return std::move(buffer_); }
   const core::SampleHandle& buffer() const { return buffer_; }
   const IntervalSet& received() const { return received_; }
 
-  /// Keeps the payload for unpark(). REQUIRES: the sample is not described yet.
+  /// Keeps the payload until unpark(). REQUIRES: described() is false.
   void park(std::uint32_t offset, std::span<const std::byte> payload, Time now);
   std::size_t parked_bytes() const { return parked_.size(); }
   static std::size_t bytes_to_park(std::span<const std::byte> payload) {
     return sizeof(Parked) + payload.size();
   }
-  /// Adds the parked payloads. If one of them could not be added, the result gives the reason. Afterwards
-  /// no payload is parked.
+  /// Adds the parked payloads to the body. If a payload could not be added, the result is the reason.
+  /// Afterwards, no payload is parked.
   Added unpark(std::size_t gaps_max, Time now);
 
   /// Releases the sample's memory, except for small vectors.
@@ -70,7 +70,7 @@ class UnfinishedSample {
   core::SampleHandle buffer_;
   std::byte* body_ = nullptr;
   IntervalSet received_;
-  std::vector<std::byte> parked_;  ///< {Parked, payload}* of the datagrams that came before the first one
+  std::vector<std::byte> parked_;  ///< parked payloads, each after its Parked
   Time last_progress_;
   std::size_t index_ = 0;  ///< index of the sample in `UnfinishedSamples::placed_`
   UnfinishedSample* next_in_bucket_ = nullptr;

@@ -5,8 +5,8 @@
 
 namespace sft::udp {
 
-/// Returns the sample with that label. Searches the loose samples from the end, because datagrams of the
-/// newest ones are the most likely.
+/// Returns the sample with that label. Searches the samples that are in no channel from the end, because the
+/// datagram most likely belongs to a new sample.
 UnfinishedSample* UnfinishedSamples::search(const SampleLabel& label) const {
   if (last_found_ != nullptr && last_found_->label() == label) return last_found_;
   const auto loose = std::find_if(loose_.rbegin(), loose_.rend(),

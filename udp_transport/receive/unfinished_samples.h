@@ -1,6 +1,6 @@
-// The samples of one writer that have begun and are not whole yet. A sample is found by its label in
-// bounded time, however many have begun, because forged datagrams can begin any number of samples. Uses no
-// clock, thread or I/O.
+// The samples of one writer that are not whole yet. A sample is found by its label in bounded time, however
+// many samples there are. This is necessary because forged datagrams can begin any number of samples. Uses
+// no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -17,21 +17,20 @@ class UnfinishedSamples {
   using Handle = std::unique_ptr<UnfinishedSample>;
 
   bool empty() const { return loose_.empty() && placed_.empty(); }
-  /// Returns the samples without a place in a channel, the oldest first. Callers of add() limit their
-  /// number.
+  /// Returns the samples that are in no channel, the oldest first. Callers of add() must limit their number.
   const std::vector<Handle>& loose() const { return loose_; }
-  /// Returns the samples that have a place in a channel, in any order.
+  /// Returns the samples that are in a channel, in any order.
   const std::vector<Handle>& placed() const { return placed_; }
 
-  /// Returns the sample; null if it has not begun. The pointer is valid until the sample is removed.
+  /// Returns the sample; null if no sample has that label. The pointer is valid until the sample is removed.
   UnfinishedSample* find(const SampleLabel& label) const { return empty() ? nullptr : search(label); }
-  /// Adds a sample. REQUIRES: no sample here has the same label.
+  /// Adds a sample. REQUIRES: no unfinished sample of this writer has the same label.
   UnfinishedSample& add(Handle sample);
-  /// Removes a sample and returns it; returns null if it is not here.
+  /// Removes and returns the sample; returns null if no sample has that label.
   Handle remove(const SampleLabel& label);
-  /// Gives a sample its place in the channel of the writer. 0: the sample has no place any more.
+  /// Sets the sample's place in the channel of the writer; 0: the sample is in no channel any more.
   void set_place(UnfinishedSample& sample, std::uint64_t place);
-  /// Removes the places in a channel from all samples.
+  /// Notes that no sample is in a channel any more.
   void forget_places();
 
  private:
@@ -49,9 +48,9 @@ class UnfinishedSamples {
   Handle take_placed(UnfinishedSample& sample);
 
   std::vector<Handle> loose_;
-  std::vector<Handle> placed_;  ///< each sample knows its index in this vector
+  std::vector<Handle> placed_;  ///< each sample has its index in this vector
   mutable std::vector<UnfinishedSample*> buckets_{
-      8};  ///< hash table of the samples with a place; the number of buckets is a power of two
+      8};  ///< hash table of `placed_`; the number of buckets is a power of two
   mutable UnfinishedSample* last_found_ = nullptr;
 };
 

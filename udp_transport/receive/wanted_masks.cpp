@@ -43,7 +43,7 @@ WantedMasks::Named WantedMasks::named_by(Datagram& d) {
   return {.mask = &found->mask, .parts = found->parts, .conditions = found->conditions};
 }
 
-/// Returns the union of masks that the datagram names, if the union contains some wanted mask.
+/// Returns the union of masks that the datagram names, if the union contains a mask that a reader requests.
 WantedMasks::Named WantedMasks::merged(const Datagram& d, std::span<const std::byte> words) {
   const auto known = std::ranges::find_if(merged_, [&](const FieldMask& mask) {
     return mask.hash() == d.first.mask && (words.empty() || equals(mask, words));

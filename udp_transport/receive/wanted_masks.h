@@ -1,5 +1,5 @@
-// The masks, parts of fields and conditions that readers of this process request from a writer. Finds the
-// ones that a datagram names.
+// The masks, parts of fields and conditions that readers of this process request from a writer. The class
+// finds the mask, parts and conditions that a datagram names.
 #pragma once
 
 #include <cstddef>
@@ -22,14 +22,14 @@ class WantedMasks {
   void set(const TypeSupport& type, std::span<const Selection> selections);
 
   struct Named {
-    /// The mask; null: no reader requests such samples; valid until the next call.
+    /// The mask; null if no reader requests such samples. Valid until the next call.
     const FieldMask* mask = nullptr;
     std::uint64_t parts = 0;       ///< value of SampleBuffer::parts
     std::uint64_t conditions = 0;  ///< the hash of the conditions under which the sample is sent; 0: none
     bool malformed = false;
   };
-  /// Returns the mask, parts and conditions that a first, whole or packed datagram names. Takes the mask's
-  /// words out of its payload.
+  /// Returns the mask, parts and conditions that a first, whole or packed datagram names. Removes the mask's
+  /// words from the payload of `d`.
   Named named_by(Datagram& d);
 
  private:

@@ -24,7 +24,8 @@ void ArrivalWindow::begin_with(Place place) {
 }
 
 /// Evaluates the channel of a datagram, and changes to that channel if necessary. Returns false if the
-/// datagram does not count. After a change, missing samples of the previous channel will not come any more.
+/// datagram has to be ignored. After a change, missing samples of the previous channel will not come any
+/// more.
 bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) {
   switch (channels_.evaluate(observed, now)) {
     case ChannelMonitor::Verdict::present:
@@ -43,13 +44,13 @@ bool ArrivalWindow::turn_to(const ChannelMonitor::Observed& observed, Time now) 
   return true;
 }
 
-/// Continues with that ordinal of the present channel. Places continue to count up.
+/// Continues with that ordinal of the present channel. It gets the place after the last known one.
 void ArrivalWindow::begin_channel(std::uint64_t ordinal) {
   samples_.lose_before(samples_.end(), !fresh_);
   places_.begin(ordinal, samples_.end());
 }
 
-/// Goes back to that ordinal, because it and the ordinals behind it were wrongly passed over.
+/// Goes back to that ordinal. Called if this ordinal and greater ones were wrongly skipped.
 void ArrivalWindow::go_back_to(std::uint64_t ordinal) {
   begin_channel(ordinal);
   ordinals_.go_on_with(ordinal);
@@ -99,7 +100,7 @@ ArrivalWindow::Met ArrivalWindow::meet_passed_over(const ChannelMark& mark, Time
 }
 
 /// Requests the next sample from a writer that is far ahead, although the writer may not have that sample
-/// any more. The answer shows how far ahead the writer is.
+/// any more. The writer's answer shows which samples it still has.
 void ArrivalWindow::ask_for_next(Time now) {
   if (!fresh_) samples_.reach(samples_.next() + 1, now);
   pending_ack_.want();
@@ -149,7 +150,8 @@ void ArrivalWindow::hear(const Heartbeat& heartbeat, Time now) {
 }
 
 /// Counts samples that the writer no longer has as lost. Returns false if the heartbeat is too far ahead to
-/// be credible. Samples before the first heartbeat of a writer were not for this process.
+/// be credible. Samples before the first heartbeat of a writer do not count, since they were not for this
+/// process.
 bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time now) {
   constexpr double sent_per_s_max = 1 << 22;
   const std::uint64_t known_end = ordinal_of(samples_.end());
@@ -166,7 +168,8 @@ bool ArrivalWindow::follow(const Heartbeat& heartbeat, Time heard_before, Time n
   return true;
 }
 
-/// Returns true if all sent samples in the heartbeat were passed over, and some of them have not arrived.
+/// Returns true if the window has skipped all samples that the heartbeat reports as sent, although some of
+/// them have not arrived.
 bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
   if (fresh_ || !reported_end_.is_news(heartbeat)) return false;
   const Place next = samples_.next();
@@ -174,9 +177,9 @@ bool ArrivalWindow::contradicts(const Heartbeat& heartbeat, Time now) {
          ordinals_.passed_over(heartbeat.end - 1, false, now).has_value();
 }
 
-/// Returns true if a sample arrived that the writer has not published yet, so that the sample must have had
-/// a wrong place. The writer's heartbeats have shown that for a while, and nothing new has arrived
-/// meanwhile. The writer's next sample would take that place.
+/// Returns true if a sample arrived whose ordinal the writer has not published yet, so that the ordinal was
+/// wrong. For this, the writer's heartbeats must have shown that for a while, and no new sample may have
+/// arrived meanwhile. The caller then goes back, because the writer's next sample will have that ordinal.
 bool ArrivalWindow::was_never_published(const Heartbeat& heartbeat, Time now) {
   const std::uint64_t end = heartbeat.end + heartbeat.waiting;
   if (!fresh_ && end < ordinal_of(samples_.next()) && places_.follows(end))

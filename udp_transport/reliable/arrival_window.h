@@ -1,7 +1,7 @@
 // The reader's end of a channel (wire_format.md). It decides which datagrams and heartbeats of the writer
-// count, and which place each sample has. It hands samples over to the readers of this process, and makes
-// the acks with their requests. Uses no clock, thread or I/O: calls and times are passed in, answers are
-// returned.
+// are accepted, and gives each sample a place: its number over all channels of the writer. It hands samples
+// to the readers of this process, and makes the acks and their requests for missing data. Uses no clock,
+// thread or I/O: events and times are passed in, answers are returned.
 #pragma once
 
 #include <algorithm>
@@ -32,79 +32,82 @@ class ArrivalWindow {
   explicit ArrivalWindow(const ArrivalLimits& limits)
       : limits_(limits), samples_(limits), pending_ack_(limits.ack_bytes) {}
 
-  /// The progress of a window when the last reader of the writer left.
+  /// The progress of a window at the time when the last reader of the writer left.
   struct Mark {
     std::uint32_t channel = 0;
-    std::uint64_t end = 0;  ///< ordinal behind the last known sample
+    std::uint64_t end = 0;  ///< the ordinal after the last known sample
   };
   std::optional<Mark> mark() const;
   /// Continues for a writer that has readers again. If the channel is the same, the window begins with the
-  /// first sample that comes now, and skips those that were sent meanwhile.
+  /// next sample that comes, and skips the samples that were sent meanwhile.
   void join(const Mark& left);
 
-  /// The decision about a first datagram.
+  /// The decision about the first datagram of a sample.
   enum class Standing : std::uint8_t {
     wanted,
-    known,  ///< the sample, or this datagram of it, has come already, or is not needed any more
-    /// The sample belongs to an earlier channel, or there is no room for it. The writer will send it again.
+    known,  ///< the sample or its first datagram has come already, or the sample is no longer needed
+    /// The sample belongs to an earlier channel, or is too far ahead for the window. The writer will send it
+    /// again.
     beyond,
   };
   struct Met {
     Standing standing{};
     Place place = 0;
   };
-  /// Decides about a first datagram. `same_datagram` is true if the previous mark came in the same
-  /// datagram.
+  /// Decides about the first datagram of a sample by the channel mark in it. `same_datagram` is true if the
+  /// previous channel mark was in the same datagram.
   Met meet(const ChannelMark& mark, Time now, bool same_datagram = false);
 
-  // The next three functions, and those of samples(), take a place that meet() returned.
+  // The next three functions, and those of the object that samples() returns, take a place that meet()
+  // returned.
 
   void whole(Place place, core::SampleHandle sample);
-  /// Notes that the sample will not come, or is for no reader of this process.
+  /// Notes that the sample at that place will not come, or is for no reader of this process.
   void pass(Place place);
-  /// Notes that the sample is invalid although each of its datagrams is valid. The first time, the sample
-  /// is requested again; the second time, it is passed over.
+  /// Notes that the sample is invalid although each of its datagrams is valid. The first time, the sample is
+  /// requested again. The second time, it is skipped.
   void refuse_or_pass(Place place);
   ArrivedSamples& samples() { return samples_; }
 
   void hear(const Heartbeat& heartbeat, Time now);
 
-  /// Returns the next sample for that reader, in order; empty if there is none yet. `accepts(buffer,
-  /// request)` returns true if a sample that has begun to arrive is for the reader, whose requests before
-  /// `request` are over.
+  /// Returns the next sample for that reader, in order; empty if none has arrived yet. `accepts(buffer,
+  /// request)` returns true if the sample in `buffer`, of which at least a part has arrived, is for the
+  /// reader. `request` is the reader's request in force.
   template <class Accepts>
   core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
   /// Sets the readers of the writer. New readers begin with the first sample that has not arrived yet.
   void set_readers(const std::vector<core::EndpointId>& readers) { readers_.set(readers, samples_.next()); }
-  /// Notes that the writer now serves that reader under that request or a later one. Samples under earlier
-  /// requests may still be under way, up to the end in the writer's next heartbeat.
+  /// Notes that the writer now serves that reader under `request` or a later request. Samples under earlier
+  /// requests may still be under way. The writer's next heartbeat names the end of these samples.
   void heard(core::EndpointId reader, std::uint64_t request) { readers_.heard(reader, request); }
   /// Releases the samples that all readers have taken.
   void release();
 
-  /// Sets if the writer waits for its readers. If so, a sample that has come is not acknowledged until all
+  /// Sets whether the writer waits for its readers. If it does, a sample is not acknowledged until all
   /// readers have taken it.
   void set_awaited(bool awaited) { awaited_ = awaited; }
-  /// Returns true if, after release(), there is a sample that some reader has not taken.
+  /// Returns true if some reader has not taken an arrived sample. Must be called after release().
   bool holds_back() const { return samples_.slots().begin() < samples_.next(); }
-  /// Returns true if the window goes on without waiting for lagging readers, or holds too much for them.
-  /// Then samples are handed to readers even if older samples in their queues are dropped.
+  /// Returns true if the window does not wait for lagging readers, because too many bytes wait for them or
+  /// the writer is too far ahead. Then samples are handed to readers even if their full queues drop older
+  /// samples.
   bool overtakes() const { return overtakes_; }
 
-  /// Returns when samples().due_gaps() may return a gap; Time::max() if there will be none.
+  /// Returns the time at which samples().due_gaps() may return a gap; Time::max() if no gap is known.
   Time next_look() const { return samples_.schedule().next_look(); }
   /// Returns the ordinal of a place in the present channel.
   std::uint64_t ordinal_of(Place place) const { return places_.ordinal_of(place); }
   /// Returns true if an ack is due now.
   bool ack_due() const { return pending_ack_.due(); }
-  /// Returns an ack without missing parts. The ack counts as sent.
+  /// Returns an ack that requests no missing parts yet. The ack counts as sent.
   Ack ack(std::uint32_t writer);
 
   const ChannelMonitor& channels() const { return channels_; }
 
  private:
-  /// The limit of a heartbeat's range. No writer keeps more samples, so a heartbeat with a longer range is
-  /// ignored.
+  /// The maximum length of a heartbeat's range of ordinals. No writer keeps more samples, so a heartbeat
+  /// with a longer range is ignored.
   static constexpr std::uint64_t kept_max = OrdinalMonitor::remembered;
 
   bool turn_to(const ChannelMonitor::Observed& observed, Time now);

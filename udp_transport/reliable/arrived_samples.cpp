@@ -46,8 +46,8 @@ void ArrivedSamples::lose_before(Place end, bool all_counted) {
   advance();
 }
 
-/// Gives up missing samples until the limit is met. Samples before the first missing one do not count,
-/// because these go to the readers now.
+/// Gives up missing samples until the held samples are within the limit. Samples before the first missing
+/// one do not count, because the readers can take them.
 void ArrivedSamples::hold_no_more_than_allowed() {
   while (held_bytes_ - ready_bytes_ > held_bytes_max_) lose_before(next_ + 1, false);
 }
@@ -110,8 +110,8 @@ void ArrivedSamples::unconfirm(Place place, std::uint32_t sequence) {
   if (static_cast<std::uint32_t>(slots_[place].sample->sequence) != sequence) come_again(place);
 }
 
-/// Requests those samples again that have a greater sequence. Samples before the first missing one were
-/// acknowledged, so they do not come again.
+/// Samples before the first missing one are dropped, but not requested again, because they were
+/// acknowledged.
 void ArrivedSamples::distrust_above(std::uint64_t sequence) {
   for (Place place = slots_.begin(); place < slots_.end(); ++place) {
     const Slot& slot = slots_[place];
@@ -121,7 +121,7 @@ void ArrivedSamples::distrust_above(std::uint64_t sequence) {
 
 void ArrivedSamples::forget_unpublished(Place from, Time now) {
   from = std::max(from, first_wanted());
-  if (unpublished_end_ <= from) {  // the writer has meanwhile published what it did not have before
+  if (unpublished_end_ <= from) {  // the writer has published these samples meanwhile
     unpublished_end_ = end_ > from ? end_ : 0;
     unpublished_since_ = now;
     return;
@@ -137,7 +137,7 @@ void ArrivedSamples::forget_unpublished(Place from, Time now) {
   advance();
 }
 
-/// Empties the place, because the sample there was wrong although it was whole.
+/// Removes a whole sample that was wrong, so that it is requested again.
 void ArrivedSamples::come_again(Place place) {
   Slot& slot = slots_[place];
   held_bytes_ -= slot.sample->capacity;

@@ -6,11 +6,11 @@
 namespace sft::udp {
 
 namespace {
-/// The number of kept bytes that stay in the caches, and the number of samples below which sending would
-/// pause.
+/// The number of kept bytes that fit into a processor's caches, and the minimum number of kept samples with
+/// which sending does not pause.
 constexpr std::size_t cached_bytes_max = std::size_t{8} << 20, cached_samples_min = 2;
-/// The longest wait for a large sample. A fast link sends it within this time. On a slow link, or after a
-/// lost ack, a longer wait would not help.
+/// The maximum time of waiting until kept samples fit into the caches. A fast link sends a large sample
+/// within this time. On a slow link, or after a lost ack, a longer wait would not help.
 constexpr std::chrono::milliseconds moment{10};
 
 Channel::Time now() { return std::chrono::steady_clock::now(); }
@@ -21,7 +21,7 @@ Heartbeat addressed(Heartbeat heartbeat, std::uint16_t port) {
 }
 }  // namespace
 
-/// Returns true if the window can keep the job without giving up other jobs, or if the channel has ended.
+/// Returns true if the window can keep the job without giving up older samples, or if the channel has ended.
 bool Channel::has_room_for(const Job& job) const {
   return life_.has_ended() || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
@@ -32,7 +32,8 @@ bool Channel::runs_ahead_with(const Job& job) const {
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
-/// Waits for room, with the mutex unlocked. Returns false if there was no need to wait.
+/// Waits until the channel can keep the job, with the mutex unlocked. Returns false if it did not have to
+/// wait.
 bool Channel::wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock) {
   if (!runs_ahead_with(job)) [[likely]]
     return false;
@@ -115,8 +116,8 @@ Wake Channel::departed(std::uint64_t ordinal) {
   return looks_sooner(time);
 }
 
-/// Returns the wake that makes the sending thread check this channel earlier than planned. Returns
-/// Wake::none if that is not needed.
+/// Returns the Wake with which the sending thread checks this channel earlier than planned; Wake::none if
+/// the planned check is early enough.
 Wake Channel::looks_sooner(Time now) {
   return attention_.is_paid() ? attention_.look_by(window_.next_look(now), now) : Wake::none;
 }
@@ -185,7 +186,7 @@ Channel::Care Channel::look_after() {
     life_.close();
     return {.heartbeat = addressed(window_.parting(), port_), .at_rest = true};
   }
-  // Read only once, because a move between two reads would never be noticed.
+  // The number is read only once. A move between two reads would never be noticed.
   const std::uint32_t moves = to_->moves();
   if (std::exchange(moves_, moves) != moves) window_.way_changed(time);
   Care care;

@@ -26,7 +26,7 @@ class Channel {
   using Time = ResendWindow::Time;
   using Piece = ResendWindow::Piece;
 
-  /// `port` receives the acks.
+  /// `port` is our port that receives the acks.
   Channel(std::uint32_t writer, std::uint32_t number, std::shared_ptr<Destination> to,
           std::shared_ptr<WriterTally> tally, std::uint16_t port,
           std::shared_ptr<const KeptMemory> memory = {})
@@ -48,57 +48,60 @@ class Channel {
   struct Posted {
     std::optional<Piece> piece{};  ///< the caller sends this piece, and then calls finished() or put_back()
     Wake wake = Wake::none;
-    bool waited = false;  ///< true if the call has waited for room
+    bool waited = false;  ///< true if the call has waited until the sample could be kept
     ResendWindow::Kept kept{};
   };
-  /// Posts a sample. `at_once` is true if the caller wants to send the sample itself. With `timeout`, waits
-  /// for at most that time until no older sample has to be given up for this one, and subtracts the time of
-  /// waiting. It also waits for a moment if the kept samples exceed a processor's caches, because a
-  /// publisher that is faster than the sending would encode into memory that has left the caches.
+  /// Posts a sample. `at_once` is true if the caller wants to send the sample itself. If `timeout` is not
+  /// null, waits until the sample can be kept without giving up an older one, for at most that time, and
+  /// subtracts the time of waiting from it. It also waits for a moment if the kept samples exceed a
+  /// processor's caches. Otherwise a publisher that is faster than the sending would encode into memory that
+  /// has left the caches.
   Posted post(JobHandle job, const FirstHeader& first, bool at_once,
               std::chrono::nanoseconds* timeout = nullptr);
-  /// Posts the job only if nothing else waits to be sent. The caller then sends it. No other thread reads the
-  /// job before the caller calls finished() or put_back().
+  /// Posts the job only if no other sample waits to be sent. The caller then sends it. No other thread reads
+  /// the job before the caller calls finished() or put_back().
   std::optional<Posted> post_ahead(const JobHandle& job, const FirstHeader& first,
                                    std::chrono::nanoseconds* timeout = nullptr);
-  /// Returns true if the sample is neither acknowledged nor given up.
+  /// Returns true if the channel still keeps the sample: it is neither acknowledged nor given up.
   bool keeps(std::uint64_t ordinal);
   /// Waits as post() does until the job can be posted without giving up an older sample. Returns false if
-  /// there is still no room.
+  /// the job still cannot be posted without that.
   bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
   /// Returns true if the job can be posted without giving up an older sample. Called by the sending thread.
-  /// If the result is false, a later hear() wakes that thread.
+  /// If the result is false, hear() wakes that thread later.
   bool has_room_or_tells(const Job& job);
-  /// Returns true if all channels of the node together keep so many bytes that a channel that keeps `bytes`
-  /// has to give up some.
+  /// Returns true if a channel that keeps `bytes` has to give up samples, because all channels of the node
+  /// together keep too many bytes.
   bool must_give_up_some_of(std::size_t bytes) const {
     return memory_ != nullptr && memory_->wants_some_of(bytes);
   }
-  /// Posts a sample that a group sends, too. If `kept.elsewhere` of the result is false, this channel sends
-  /// the sample as well.
+  /// Posts a sample that a multicast group sends. If `kept.elsewhere` of the result is false, this channel
+  /// sends the sample, too.
   Posted post_shared(JobHandle job, const FirstHeader& first, bool elsewhere);
-  /// Notes that the sample was sent to the group. The sending thread may then have to request acks earlier.
+  /// Notes that the sample was sent to the multicast group. The sending thread may then have to request acks
+  /// earlier.
   [[nodiscard]] Wake departed(std::uint64_t ordinal);
-  /// Returns the job of a sample that was sent to the group; null for other samples.
+  /// Returns the job of a sample that was sent to the multicast group; null for other samples.
   JobHandle sent_elsewhere(std::uint64_t ordinal);
-  /// Notes that the piece was sent at about `now`. The sending thread may then have to request acks
-  /// earlier, because its last check may have come before anything was sent.
+  /// Notes that the piece was sent at about `now`. The sending thread may then have to request acks earlier,
+  /// because the piece may have been sent after its last check.
   [[nodiscard]] Wake finished(const Piece& piece, Time now);
   void put_back(const Piece& piece);
-  /// Notes that the publisher has sent a large sample up to this position. Heartbeats must not overtake it.
+  /// Notes that the publisher has sent a large sample that ends at this position of the destination's
+  /// stream. Heartbeats must not overtake that sample.
   void stay_behind(std::uint64_t position) { behind_.store(position, std::memory_order_relaxed); }
   std::uint64_t behind() const { return behind_.load(std::memory_order_relaxed); }
-  /// Takes an ack. It may name another channel of the writer (ResendWindow::hear()).
+  /// Processes an ack, which may name another channel of the writer (ResendWindow::hear()).
   [[nodiscard]] Wake hear(const Ack& ack);
-  /// Returns true if the receiver has acknowledged samples that were never sent. This channel ends then,
-  /// and another one has to begin.
+  /// Returns true if the receiver has acknowledged samples that were never sent. Then this channel has
+  /// ended, and the caller has to replace it by a new channel.
   bool went_wrong() const { return went_wrong_.load(std::memory_order_relaxed); }
 
   // The following functions are for the agent's thread.
 
   /// Notes that the last reader of the channel has gone.
   void end();
-  /// Ends the channel at once, because the destination now has other readers.
+  /// Ends the channel at once. Called if the destination has other readers now.
   void close();
   bool closed();
 
@@ -108,7 +111,7 @@ class Channel {
   struct Care {
     std::optional<Heartbeat> heartbeat{};
     Time next_look{};
-    bool at_rest = false;  ///< true if there is nothing to do until the next sample is posted
+    bool at_rest = false;  ///< true if the channel needs no maintenance until the next sample is posted
   };
   Care look_after();
 

@@ -27,7 +27,8 @@ std::vector<std::shared_ptr<Channel>> ChannelRegistry::find_at(std::uint32_t wri
   return found;
 }
 
-/// New readers need another channel, because they must not get samples that were sent to former readers.
+/// If none of the former readers stays, a new channel is made, because the new readers must not get samples
+/// that were sent to the former ones.
 std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destination>& to,
                                                 const std::set<core::EndpointId>& readers) {
   Known& known = channels_[to.get()];
@@ -46,8 +47,8 @@ std::shared_ptr<Channel> ChannelDirectory::find(const std::shared_ptr<Destinatio
   return channel;
 }
 
-/// Returns an unused number. 0 means no channel, and numbers to different destinations can be equal by
-/// chance.
+/// Returns an unused number. 0 is not used, because it means no channel. Used numbers are skipped, because
+/// those of different destinations can be equal by chance.
 std::uint32_t ChannelDirectory::unused_number(const Destination& to) {
   for (;;) {
     const std::uint32_t number = to.name_of_channel(++last_number_);

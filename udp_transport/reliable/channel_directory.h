@@ -1,5 +1,5 @@
-// The channels of one writer, one for each process that it serves reliably; and a registry of the channels
-// of all writers of a transport, which finds the channel of an ack.
+// The channels of one writer: one channel for each process that the writer serves reliably. A registry has
+// the channels of all writers of a transport, and finds the channel that an ack names.
 #pragma once
 
 #include <cstdint>
@@ -20,9 +20,9 @@ namespace sft::udp {
 class ChannelRegistry {
  public:
   void add(const std::shared_ptr<Channel>& channel);
-  /// Returns the channel; null if it does not exist any more.
+  /// Returns the channel with that number; null if it does not exist any more.
   std::shared_ptr<Channel> find(std::uint32_t writer, std::uint32_t number);
-  /// Returns the channels of that writer to receivers at that address.
+  /// Returns the channels of that writer to destinations with that IP address.
   std::vector<std::shared_ptr<Channel>> find_at(std::uint32_t writer, const core::IpAddress& ip);
 
  private:
@@ -31,10 +31,10 @@ class ChannelRegistry {
   std::map<std::pair<std::uint32_t, std::uint32_t>, std::weak_ptr<Channel>> known_ SFT_GUARDED_BY(mutex_);
 };
 
-/// The readers at each destination that are served reliably, under any masks.
+/// By destination: the readers that are served reliably, with any masks.
 using ReliableReaders = std::map<const Destination*, std::set<core::EndpointId>>;
 
-/// Used by the agent's thread. The registry must outlive this object.
+/// Must be used by the agent's thread only. The registry must outlive this object.
 class ChannelDirectory {
  public:
   ChannelDirectory(std::uint32_t writer, std::shared_ptr<WriterTally> tally, ChannelRegistry& registry,
@@ -49,7 +49,7 @@ class ChannelDirectory {
   ChannelDirectory& operator=(const ChannelDirectory&) = delete;
 
   /// Returns the channel to these readers at that destination. A known channel continues if at least one of
-  /// its readers stays. Otherwise a new channel is made.
+  /// its readers is in `readers`. Otherwise a new channel is made.
   std::shared_ptr<Channel> find(const std::shared_ptr<Destination>& to,
                                 const std::set<core::EndpointId>& readers);
   /// Returns true if at least one channel is faulty. find() replaces such a channel.
@@ -67,9 +67,9 @@ class ChannelDirectory {
   ChannelRegistry& registry_;
   const std::uint16_t ack_port_;
   const std::shared_ptr<const KeptMemory> memory_;
-  std::uint32_t last_number_ = 0;  ///< counts the channels to all destinations
-  /// The channel to a destination, and its readers. Routes and the sending thread own the channel, which
-  /// keeps its destination alive.
+  std::uint32_t last_number_ = 0;  ///< the number of channels made so far, to all destinations
+  /// The channel to a destination, and its readers. Routes and the sending thread own the channel. The
+  /// channel keeps its destination alive.
   struct Known {
     std::weak_ptr<Channel> channel;
     std::set<core::EndpointId> readers;

@@ -34,7 +34,8 @@ ChannelMonitor::Verdict ChannelMonitor::evaluate(const Observed& observed, Time 
   const bool confirmed = observations_ >= enough && (follows_on || present_is_silent);
   const bool goes_on = !is_behind && ordinals_observed_ >= in_a_row;
   if (!begins && !confirmed && !goes_on) return Verdict::ignore;
-  if (is_behind) known->next = observed.first;  // the recorded ordinal was too high
+  // The next ordinal that was recorded when the channel was left was too high.
+  if (is_behind) known->next = observed.first;
   heard_at_ = now;
   return Verdict::turn;
 }

@@ -1,9 +1,9 @@
-// Decides which channel of a writer counts. One wrong channel number must not keep a reader from the
-// channel that the writer uses. Uses no clock, thread or I/O.
+// Decides which channel of a writer a reader's process follows. One wrong channel number, as by a flipped
+// bit, must not make it ignore the channel that the writer uses. Uses no clock, thread or I/O.
 //
-// A channel that begins is followed at once. A channel that was followed before, or whose ordinals do not
-// look like a beginning, needs several datagrams, because single datagrams of a former channel may only be
-// late.
+// A channel that begins is followed at once. A channel that was followed before, or whose ordinals are too
+// high for a beginning, is followed only after several datagrams. Single datagrams of a former channel may
+// only be late.
 #pragma once
 
 #include <chrono>
@@ -20,25 +20,26 @@ class ChannelMonitor {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// A channel with ordinals up to this one looks like a channel that begins.
+  /// A channel whose datagram has an ordinal of at most this value counts as a channel that begins.
   static constexpr std::uint64_t beginning_max = 64;
-  /// The number of ordinals in a row after which a former channel is followed again. (One large sample of
-  /// it may still be under way in many datagrams, which have one ordinal.)
+  /// The number of different ordinals in a row after which a former channel is followed again. Datagrams
+  /// with the same ordinal do not count, because a large sample of a former channel may still be under way
+  /// in many datagrams.
   static constexpr std::uint32_t in_a_row = 64;
-  /// Two datagrams of another channel are enough if they are this far apart and no datagram of the present
-  /// channel came between them.
+  /// Another channel is followed after only two datagrams if they came at least this time apart, and no
+  /// datagram of the present channel came between them.
   static constexpr std::chrono::milliseconds present_unconfirmed_after{250};
-  /// A channel whose number has the same low bits as the present one needs that silence and this many
-  /// datagrams. Whole datagrams have only low bits, so the reader would assign datagrams of the right
-  /// channel to a wrong one.
+  /// If the number of another channel has the same low bits as the present one, this number of datagrams is
+  /// needed, and the present channel must have been silent for `present_unconfirmed_after`. Whole datagrams
+  /// carry only the low bits, so the reader would assign datagrams of the right channel to a wrong one.
   static constexpr std::uint32_t alike_in_a_row = 4;
 
-  /// The number of datagrams of a former channel which, after that silence, show that the channel was
-  /// followed too far: their ordinals are before the one where it was left.
+  /// This number of datagrams of a former channel, after that silence, shows that the channel was followed
+  /// too far. Their ordinals are less than the next ordinal at the time when the channel was left.
   static constexpr std::uint32_t behind_in_a_row = 4;
 
-  /// The content of a datagram: the ordinal of a sample as both `first` and `last`, or the range of a
-  /// heartbeat.
+  /// The numbers in a datagram. `first` and `last` are both the ordinal of a sample, or the range of
+  /// ordinals in a heartbeat.
   struct Observed {
     std::uint32_t channel = 0;
     std::uint64_t first = 0;
@@ -51,13 +52,15 @@ class ChannelMonitor {
     ignore,
   };
   Verdict evaluate(const Observed& observed, Time now);
-  /// Follows that channel. `next` is the next ordinal of the channel that is left. Returns the next ordinal
-  /// of the new channel. It is 1, or for a former channel the ordinal where it was left.
+  /// Follows that channel from now on. `next` is the next ordinal of the channel that was followed until
+  /// now. Returns the next ordinal of the new channel: 1, or for a former channel its next ordinal when it
+  /// was left.
   std::uint64_t turn(std::uint32_t channel, std::uint64_t next);
 
   const std::optional<std::uint32_t>& present() const { return present_; }
-  /// Returns the channel number that is `low` modulo `end`, a power of two. This is a known channel, or
-  /// else the number nearest to the present one. Empty while no channel is known.
+  /// Returns the channel number that is `low` modulo `end`, a power of two. The result is a known channel,
+  /// or otherwise the number nearest to the present channel's number. It is empty if no channel is known
+  /// yet.
   std::optional<std::uint32_t> widen(std::uint32_t low, std::uint32_t end) const;
 
  private:
@@ -66,8 +69,8 @@ class ChannelMonitor {
     std::uint64_t next = 0;
   };
   static constexpr std::size_t former_max = 8;
-  /// Channel numbers count up. So numbers below the present one, by this much at most, belong to former
-  /// channels, too.
+  /// Channel numbers count up. So a number that is less than the present one by at most this difference
+  /// belongs to a former channel, too.
   static constexpr std::uint32_t just_before = 64;
 
   const Former* former(std::uint32_t channel) const;
@@ -79,8 +82,8 @@ class ChannelMonitor {
   std::optional<std::uint32_t> present_;
   Time heard_at_{};
   std::vector<Former> former_;     ///< former channels; the newest is last
-  std::uint32_t unconfirmed_ = 0;  ///< number of another channel, which may be the right one
-  /// Number of datagrams of that channel since the last one of the present channel.
+  std::uint32_t unconfirmed_ = 0;  ///< number of another channel that may have to be followed
+  /// The number of datagrams of that channel since the last datagram of the present channel.
   std::uint32_t observations_ = 0;
   Time unconfirmed_since_{};             ///< time when the first of these datagrams came
   std::uint32_t ordinals_observed_ = 0;  ///< number of consecutive ordinals in these datagrams

@@ -1,6 +1,6 @@
-// Assigns places to the ordinals of the present channel. Places count up over all channels of a writer, one
-// after the other. So ordinal and place differ by the number of samples in the former channels. Uses no
-// clock, thread or I/O.
+// Converts ordinals of the present channel to places. An ordinal is a sample's number in its channel. A
+// place is its number over all channels of the writer, one channel after the other. They differ by the
+// number of samples in the former channels. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -12,14 +12,14 @@ class ChannelPlaces {
  public:
   using Place = std::uint64_t;
 
-  /// Continues with a channel whose next ordinal has that place.
+  /// Continues with a channel whose next ordinal is `ordinal`, and gives that ordinal the place `place`.
   void begin(std::uint64_t ordinal, Place place) {
     base_ = place - ordinal;
     first_ordinal_ = ordinal;
   }
-  /// Returns true unless the ordinal is before the first one that is followed.
+  /// Returns true if the ordinal is not less than the first followed ordinal.
   bool follows(std::uint64_t ordinal) const { return ordinal >= first_ordinal_; }
-  /// Returns the place of that ordinal, or of the first followed ordinal if that is later.
+  /// Returns the place of that ordinal, or of the first followed ordinal if that is greater.
   Place place_of(std::uint64_t ordinal) const { return base_ + std::max(ordinal, first_ordinal_); }
   std::uint64_t ordinal_of(Place place) const { return place - base_; }
   /// Returns the place of the first ordinal that is followed.
@@ -27,7 +27,7 @@ class ChannelPlaces {
 
  private:
   Place base_ = 0;                   ///< place of ordinal 0, modulo 2^64
-  std::uint64_t first_ordinal_ = 1;  ///< first ordinal of the channel that is followed
+  std::uint64_t first_ordinal_ = 1;  ///< the first ordinal of the present channel that is followed
 };
 
 }  // namespace sft::udp

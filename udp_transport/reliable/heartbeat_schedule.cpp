@@ -10,9 +10,9 @@ void HeartbeatSchedule::sent(bool is_new, Kept kept, Time now) {
   if (unanswered_ == 0) plan(kept, now);
 }
 
-/// Updates the usual pause between samples. A much longer pause, as after a burst, hardly counts. The pause
-/// can be negative, because two threads that send at the same time may note their samples in the wrong
-/// order.
+/// Updates the usual pause between samples. A much longer pause, as after a burst, has only a small effect.
+/// The pause can be negative, because two threads that send at the same time may note their samples in the
+/// wrong order.
 void HeartbeatSchedule::learn_pause(Time::duration pause) {
   pause = std::max(pause, Time::duration{});
   if (usual_pause_ == Time::duration{}) {
@@ -35,8 +35,9 @@ void HeartbeatSchedule::way_changed(Kept kept, Time now) {
   next_ = now;
 }
 
-/// Returns when a heartbeat is useful. A loss is noticed with the next sample, so a heartbeat is needed
-/// only if no sample comes after the usual pause. It is sent then if the budget of heartbeats allows it.
+/// Returns the time from which a heartbeat is useful. The receiver notices a loss by the next sample, so a
+/// heartbeat is needed only if no sample comes after the usual pause. The budget of heartbeats may make the
+/// time later.
 HeartbeatSchedule::Time HeartbeatSchedule::end_of_usual_pause() const {
   const Time affordable = paid_until_ - limits_.heartbeats_saved * limits_.heartbeat_pause;
   return std::max(sample_at_ + 2 * usual_pause_, affordable);

@@ -50,16 +50,17 @@ bool KeptSamples::can_keep(std::size_t samples, std::size_t bytes) const {
          (memory_ == nullptr || !memory_->wants_some_of(in_all, bytes));
 }
 
-/// Returns the limit in bytes after `added` more bytes. If all channels together keep too much, this
-/// channel has to give up twice as many bytes as it adds.
+/// Returns the maximum number of kept bytes after `added` more bytes. If all channels together keep too many
+/// bytes, this channel has to give up twice as many bytes as it adds.
 std::size_t KeptSamples::bytes_max(std::size_t added) const {
   if (memory_ == nullptr || !memory_->wants_some_of(bytes_)) return bytes_max_;
   return std::min(bytes_max_, std::max(added, bytes_ - std::min(bytes_, 2 * added)));
 }
 
-/// Gives up the oldest samples until the limits are met. The newest sample stays, however large it is. If a
-/// large sample is given up while it is being sent, half of all kept samples are given up. Otherwise the
-/// next large sample would be given up in the same way, and none would ever arrive whole.
+/// Gives up the oldest samples until the others are within the limits. The newest sample stays, however
+/// large it is. If a large sample is given up while it is being sent, half of all kept samples are given up.
+/// Otherwise the next large sample would be given up in the same way, and no large sample would ever arrive
+/// whole.
 void KeptSamples::make_room(Kept& kept, std::size_t added) {
   const std::size_t bytes_max = this->bytes_max(added);
   bool cut_short = false;

@@ -8,9 +8,9 @@
 namespace sft::udp {
 
 namespace {
-// The number of jobs that may wait without a channel: in a late lane, and in any other lane until the first
-// report of its receiver. That report takes a round trip, in which a program may publish a burst of small
-// samples.
+// The maximum numbers of jobs that may wait in a lane without a channel: in a late lane, and in any other
+// lane until the first report of its receiver. The report takes a round trip, during which a program may
+// publish a burst of small samples.
 constexpr std::size_t late_jobs_max = 256, unproven_jobs_max = 4096;
 constexpr std::size_t late_bytes_max = std::size_t{1} << 20;
 // With a channel, as many jobs may wait as the channel may keep.
@@ -46,9 +46,9 @@ Lane::Posted Lane::post(JobHandle job) {
   return *posted;
 }
 
-/// Queues the job. A job that was not queued is left in `job`. A job that was given up for it is left in
-/// `oldest`, so that listeners are called without the lock. Returns nothing if another job has to be given
-/// up first.
+/// Queues the job, and drops the oldest one if the queue is full. A job that was not queued stays in `job`.
+/// The dropped job is returned in `oldest`, so that listeners are called without the lock. Returns nothing
+/// if one more job has to be dropped first.
 std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   const core::Lock lock(mutex_);
   if (closed()) return Posted{};
@@ -65,7 +65,7 @@ std::optional<Lane::Posted> Lane::queue_up(JobHandle& job, JobHandle& oldest) {
   return Posted{.wake = was_idle ? Wake::schedule : Wake::none};
 }
 
-/// Notes if the sending thread knows the lane. It does until next() finds no job.
+/// Notes whether the sending thread has the lane in its list. It removes the lane when next() finds no job.
 void Lane::set_scheduled(bool scheduled) {
   scheduled_ = scheduled;
   const auto note = [&](std::atomic<std::uint32_t>& busy) {
@@ -94,8 +94,8 @@ bool Lane::has_room_for(const Job& job) const {
          (channel_ == nullptr || !channel_->must_give_up_some_of(queue_.bytes_with(job)));
 }
 
-/// Returns true before the first report of the receiver, unless the receiver is mute, and for a moment
-/// after that report.
+/// Returns true if the receiver has not reported yet and is not mute, and for a short time after its first
+/// report.
 bool Lane::may_pile_up(Clock::time_point now) const {
   return burst_.awaits_report() ? !destination().window().is_mute(now) : burst_.is_just_reported(now);
 }

@@ -1,4 +1,4 @@
-// A queue whose items are found by their ordinals, which count up without a gap.
+// A queue whose items are found by their ordinals. The ordinals of consecutive items are consecutive.
 #pragma once
 
 #include <algorithm>
@@ -30,12 +30,12 @@ class OrdinalRing {
     return const_cast<OrdinalRing&>(*this)[ordinal];  // NOLINT: looks only
   }
 
-  /// Allocates room for `items` items in advance. REQUIRES: the ring is empty.
+  /// Allocates memory for `items` items in advance. REQUIRES: the ring is empty.
   void reserve(std::size_t items) {
     assert(empty());
     items_.resize(std::max(items_.size(), std::bit_ceil(items)));
   }
-  /// Adds an item. Allocates only if there were never as many items before.
+  /// Adds an item. Allocates only if the ring never had as many items before.
   T& push_back(T item) {
     if (size_ == items_.size()) grow();
     ++size_;
@@ -50,7 +50,7 @@ class OrdinalRing {
     (*this)[end() - 1] = T{};
     --size_;
   }
-  /// Makes that ordinal the one of the next item. REQUIRES: the ring is empty.
+  /// Sets the ordinal of the next item. REQUIRES: the ring is empty.
   void begin_at(std::uint64_t ordinal) {
     assert(empty());
     begin_ = ordinal;

@@ -1,5 +1,5 @@
-// Decides when an ack is due: if an ack was requested, or if enough data has come since the last one. Uses
-// no clock, thread or I/O.
+// Decides when an ack is due: if an ack was requested, or if a certain amount of data has come since the
+// last ack. Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -16,19 +16,21 @@ class PendingAck {
   explicit PendingAck(std::size_t bytes_max) : bytes_max_(bytes_max) {}
 
   void want() { wanted_ = true; }
-  /// Notes that a sample came, with `bytes` bytes of body, or with 0 if no reader here needs it.
+  /// Notes that a sample came. `bytes` is the length of its body, or 0 if no reader of this process needs
+  /// the sample.
   void came(std::size_t bytes) {
     bytes_ += bytes;
     ++samples_;
   }
-  /// Notes that readers have taken all samples before that place. An ack is due if the last ack stopped
-  /// earlier because readers had not taken their samples.
+  /// Notes that readers have taken all samples before that place. An ack is due if the last ack did not
+  /// cover these samples because readers had not taken them.
   void taken(Place place) {
     if (!acked_all_ && acked_ < place) wanted_ = true;
   }
   bool due() const { return wanted_ || bytes_ >= bytes_max_ || samples_ >= acked_at_once; }
 
-  /// Notes that an ack is sent that covers all samples before `place`. All samples before `next` have come.
+  /// Notes that an ack is sent for all samples before `place`. `next` is the place of the first sample that
+  /// has not come.
   void sent(Place place, Place next) {
     wanted_ = false;
     bytes_ = 0;

@@ -20,8 +20,8 @@ void ReaderCursors::heard(core::EndpointId reader, std::uint64_t request) {
   if (Cursor* cursor = find(reader)) cursor->heard = std::max(cursor->heard, request);
 }
 
-/// A reader's requests end one after the other: the end of the next request is set only when the previous
-/// end is reached.
+/// A reader's requests end one after the other: the end of a request is set only after the end of the
+/// previous request was reached.
 void ReaderCursors::end_requests(Place published) {
   for (Cursor& cursor : cursors_) {
     cursor.turn();

@@ -1,8 +1,8 @@
-// The positions of the reliable readers of a writer in this process: for each reader, the next sample and
-// the request in force. Uses no clock, thread or I/O.
+// The positions of a writer's reliable readers in this process. Each reader has the place of its next
+// sample, and the request in force. Uses no clock, thread or I/O.
 //
-// A reader's place and request only go up. A request ends at a place, because samples that were published
-// before the writer knew of the next request may still be under way.
+// A reader's place and request never decrease. A request ends at a certain place, because samples that were
+// published before the writer received the next request may still be under way.
 #pragma once
 
 #include <algorithm>
@@ -21,11 +21,11 @@ class ReaderCursors {
   struct Cursor {
     core::EndpointId id = 0;
     Place place = 0;                 ///< place of the next sample for the reader
-    std::uint64_t request = 0;       ///< the request in force; earlier ones are over
-    std::uint64_t heard = 0;         ///< the newest request that the writer knows
+    std::uint64_t request = 0;       ///< the request in force; earlier requests have ended
+    std::uint64_t heard = 0;         ///< the newest request that the writer has received
     std::uint64_t next_request = 0;  ///< the request that begins at `next_from`
     Place next_from = no_place;
-    /// Makes the next request the one in force if `place` has reached its beginning.
+    /// Puts the next request in force if `place` has reached its beginning.
     void turn() {
       if (place < next_from) return;
       request = next_request;
@@ -37,10 +37,10 @@ class ReaderCursors {
   void set(const std::vector<core::EndpointId>& readers, Place first);
   /// Makes all readers continue with that place.
   void begin_at(Place place);
-  /// Notes that the writer now serves that reader under that request or a later one.
+  /// Notes that the writer now serves that reader under `request` or a later request.
   void heard(core::EndpointId reader, std::uint64_t request);
-  /// Notes that the writer published all samples before `published` under requests that it knew of earlier.
-  /// So earlier requests of the readers end there.
+  /// Notes that the writer has published samples up to the place `published`, so that samples from there on
+  /// are published under the requests that it has received by now. So earlier requests end at that place.
   void end_requests(Place published);
 
   /// Returns the cursor of a reader; null if the reader is unknown.
@@ -48,7 +48,7 @@ class ReaderCursors {
     const auto cursor = std::ranges::find(cursors_, reader, &Cursor::id);
     return cursor == cursors_.end() ? nullptr : &*cursor;
   }
-  /// Returns the first place before `end` that some reader has not taken; `end` if there is none.
+  /// Returns the first place before `end` whose sample some reader has not taken; `end` if there is none.
   Place first_not_taken(Place end) const;
 
  private:

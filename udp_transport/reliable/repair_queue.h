@@ -1,8 +1,8 @@
-// The parts of samples that receivers request again, the oldest first, at a limited rate. Uses no clock,
-// thread or I/O.
+// The parts of samples that receivers have requested again (repairs), in the order of requests. They are
+// sent at a limited rate. Uses no clock, thread or I/O.
 //
-// A part waits at most once, however often it is requested, and is not sent again while it may still be
-// under way.
+// A part waits at most once, however often it is requested. It is not sent again while an earlier copy may
+// still be under way.
 #pragma once
 
 #include <chrono>
@@ -23,7 +23,7 @@ class RepairQueue {
   using Time = std::chrono::steady_clock::time_point;
   using Size = KeptSamples::Size;
 
-  /// The number of repairs that may wait. Further ones have to be requested again.
+  /// The maximum number of waiting repairs; further ones are dropped and have to be requested again.
   static constexpr std::size_t repairs_max = 512;
 
   explicit RepairQueue(std::uint64_t bytes_per_s);
@@ -33,18 +33,20 @@ class RepairQueue {
     BodyRange range;
   };
   void ask_for(const Repair& repair);
-  /// Discards the records of repairs that were sent at that time or earlier, because these have arrived by
-  /// now.
+  /// Discards the records of repairs that were sent at that time or earlier. Called when these repairs must
+  /// have arrived.
   void forget_sent_before(Time time);
-  /// Drops the repairs of samples before that ordinal, because these samples are not kept any more.
+  /// Drops the repairs of samples with lower ordinals. Called when these samples are not kept any more.
   void drop_before(std::uint64_t ordinal);
-  /// Takes the oldest waiting part whose length is in that class, if the rate allows a repair now.
+  /// Takes the oldest waiting repair whose length is in that size class, if the rate limit allows a repair
+  /// now.
   std::optional<Repair> next(Size size, Time now);
 
   bool empty() const { return waiting_.empty(); }
-  /// Returns when next() allows a repair; Time::max() if the last call returned one, or if none waited.
+  /// Returns the time at which next() will return a repair; Time::max() if the last call of next() was not
+  /// held up by the rate limit.
   Time next_ready(Time now) const { return is_paced_ ? pacer_.next_ready(now) : Time::max(); }
-  std::uint64_t sent() const { return sent_; }  ///< number of parts sent so far
+  std::uint64_t sent() const { return sent_; }  ///< number of repairs taken so far
 
  private:
   struct Sent {

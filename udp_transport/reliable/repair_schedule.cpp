@@ -20,7 +20,7 @@ void RepairSchedule::came_again(Entry& entry) {
 }
 
 void RepairSchedule::came_whole(const Entry& entry) {
-  if (entry.parts > 0)  // the sample was requested, and the request was not too early
+  if (entry.parts > 0)  // the sample was requested, and not all of its parts came twice
     delay_ = std::max<Time::duration>(limits_.ask_after, delay_ - delay_ / 8);
 }
 

@@ -1,8 +1,8 @@
-// Decides when a missing sample is requested, for the first time and again, and when the window has to be
-// checked for such samples. Uses no clock, thread or I/O.
+// Decides when a missing sample is requested, for the first time and again. Also decides when the window has
+// to be checked for missing samples. Uses no clock, thread or I/O.
 //
-// The delay before a request adapts. It doubles if samples come twice because the request was too early,
-// and shrinks while they come once. It is never less than ArrivalLimits::ask_after.
+// The delay before a request adapts. It doubles if requested samples come twice, since then the request was
+// too early. It shrinks while requested samples come once. It is never less than ArrivalLimits::ask_after.
 #pragma once
 
 #include <algorithm>
@@ -24,7 +24,7 @@ class RepairSchedule {
   /// A sample that is missing, or that has begun to arrive.
   struct Entry {
     std::uint8_t asked = 0;   ///< number of requests since the last part of the sample came
-    std::uint32_t parts = 0;  ///< parts of the last request that have not come twice
+    std::uint32_t parts = 0;  ///< number of parts of the last request that have not come twice
     Time asked_at{};
     Time ask_at{};
     Time::duration apart{};  ///< random extra delay of requests
@@ -39,34 +39,35 @@ class RepairSchedule {
   Time heard_at() const { return heard_at_; }
   bool is_forgotten(Time now) const { return now - heard_at_ > limits_.forget_after; }
 
-  /// From now on, requests are sent at random times. Other processes get the same samples, and may miss the
-  /// same ones at the same time.
+  /// From now on, adds random delays to requests. Called if other processes get the same samples, and may
+  /// request the same missing samples at the same time.
   void spread() { spread_ = limits_.spread; }
 
-  /// Returns the entry of a sample that is known from now on, and has not come.
+  /// Returns the entry of a sample that was noticed to be missing at `now`.
   Entry noticed(Time now);
-  /// Notes that the sample has to come again. It is not requested at once.
+  /// Notes that the sample has to come again. It is requested after the usual delay.
   void noticed_again(Entry& entry) const { entry.ask_at = heard_at_ + delay_ + entry.apart; }
-  /// Returns when the sample should be requested. `came` is the time when the last part of it came, or
-  /// Time{} if no part has come.
+  /// Returns the time at which the sample should be requested. `came` is the time when its last part came,
+  /// or Time{} if no part has come.
   Time due(Entry& entry, Time came) const;
-  /// Notes that the sample is requested now. Returns when it should be requested again.
+  /// Notes that the sample is requested now. Returns the time at which it should be requested again.
   Time ask(Entry& entry, Time now) const;
   /// Notes that `parts` parts of the sample were requested.
   static void asked_for(Entry& entry, std::uint32_t parts) { entry.parts = parts > 0 ? parts : 1; }
-  /// Notes that a part of the sample came once more. If all requested parts come again, the request was too
-  /// early. Repetitions by the network concern only a few parts.
+  /// Notes that a part of the sample came although it had come before. If that happens to all requested
+  /// parts, the request was too early. If the network repeats datagrams, that happens to only a few parts.
   void came_again(Entry& entry);
   /// Notes that the sample is whole.
   void came_whole(const Entry& entry);
-  /// Returns when a part that is found missing now may be requested.
+  /// Returns the time at which a part that is found missing now may be requested.
   Time soon(Time now) const { return now + delay_; }
 
-  /// Returns true if no sample that has begun makes progress although datagrams of the writer come: the
-  /// first missing sample, whose last part came at `first_came`, is still the one at `next`.
+  /// Returns true if incomplete samples make no progress although datagrams of the writer come. This is the
+  /// case if the first missing sample has stayed the one at the place `next`. `first_came` is the time when
+  /// its last part came.
   bool is_stuck(std::uint64_t next, Time first_came, Time now);
-  /// Returns true if a sample whose last part came at `came` has to begin anew. Called while is_stuck()
-  /// returns true, or while memory is short.
+  /// Returns true if a sample whose last part came at `came` has to be discarded and requested anew. Called
+  /// only if is_stuck() returned true or memory is short.
   bool has_timed_out(Time came, Time now) const { return now - came >= limits_.confirm_timeout; }
 
   /// Notes that a check for missing samples begins now.
@@ -74,7 +75,7 @@ class RepairSchedule {
     look_at_ = Time::max();
     looked_at_ = now;
   }
-  /// Schedules the next check. Checks are less frequent if the window holds more samples.
+  /// Schedules the next check at that time. If the window has many samples, checks are less frequent.
   void look_at(Time time, std::size_t samples);
   void nothing_is_missing() { look_at_ = Time::max(); }
   Time next_look() const { return look_at_; }

@@ -116,8 +116,8 @@ void ResendWindow::hear(const Ack& ack, Time now, Time::duration round_trip) {
   heartbeats_.answered(kept_.amount(), now);
 }
 
-/// Handles a request for a part. Nothing is done for a sample that is under way for the first time, since
-/// it comes anyway. If the sample is not kept any more, or was never published, a heartbeat names the
+/// Handles a request for a part of a sample. A request for a sample that is still being sent for the first
+/// time is ignored. If the sample is not kept any more, or was never published, a heartbeat names the
 /// samples that are kept.
 void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
   const std::uint64_t ordinal = widen_sequence(next, part.ordinal);
@@ -129,7 +129,8 @@ void ResendWindow::ask_for(const Missing& part, std::uint64_t next, Time now) {
 
 std::optional<Heartbeat> ResendWindow::heartbeat(Time now) {
   if (!heartbeats_.take(kept_.amount(), now)) return {};
-  // The receiver may take this channel for another one, so samples name it with its full number.
+  // The receiver may assign samples to a wrong channel, so from now on they carry the full number of this
+  // channel.
   if (heartbeats_.unanswered() > 1) heard_ = false;
   const std::uint64_t end = kept_.sent_end();
   return Heartbeat{.writer = writer_,

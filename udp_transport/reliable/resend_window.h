@@ -1,6 +1,6 @@
 // The writer's end of a channel (wire_format.md). It keeps samples that were sent to one process until that
-// process has acknowledged them, and decides what to send next: samples, repairs, heartbeats. Uses no
-// clock, thread or I/O: calls and times are passed in, decisions are returned.
+// process has acknowledged them, and decides if a sample, a repair or a heartbeat is sent next. Uses no
+// clock, thread or I/O: events and times are passed in, decisions are returned.
 #pragma once
 
 #include <chrono>
@@ -33,7 +33,7 @@ class ResendWindow {
     BodyRange range{};
     std::uint64_t ordinal = 0;
     bool is_repair = false;
-    std::uint32_t part = 0;  ///< index in its pack of the first sample to send
+    std::uint32_t part = 0;  ///< index of the first sample to send in its pack
     std::uint32_t samples = 1;
     EncodedBody body() const { return job->body(first, part, samples); }
   };
@@ -42,37 +42,37 @@ class ResendWindow {
   ResendWindow(std::uint32_t writer, std::uint32_t channel, const ResendLimits& limits,
                std::uint64_t first_ordinal = 1, std::shared_ptr<const KeptMemory> memory = {});
 
-  /// Gives a sample, or each sample of a pack, its place in the channel. `ordinal` of the result is that of
-  /// the first kept sample. The job must not change any more; `first` is its header. If `elsewhere` (never
-  /// for packs), a group sends the sample, and this channel only repairs it. If more than half of the limit
-  /// is kept, this channel sends the sample, too.
+  /// Keeps a sample, or each sample of a pack, and gives it the next ordinal of the channel. `ordinal` of
+  /// the result is that of the first kept sample. The job must not change any more; `first` is its header.
+  /// If `elsewhere` is true (never for packs), a multicast group sends the sample, and this channel only
+  /// repairs it. But if more than half of a limit is in use, this channel sends the sample, too.
   Kept keep(JobHandle job, FirstHeader first, bool elsewhere = false);
-  /// Notes that the group has sent the sample with this ordinal.
+  /// Notes that the multicast group has sent the sample with this ordinal.
   void departed(std::uint64_t ordinal, Time now);
 
-  /// Returns the piece that may be sent now. It counts as being sent until finished() or put_back() is
-  /// called.
+  /// Returns the piece that may be sent now. The piece counts as being sent until finished() or put_back()
+  /// is called.
   std::optional<Piece> next(Size size, Time now);
-  /// Takes the sample with this ordinal, if it is the next one to be sent.
+  /// Returns the sample with this ordinal as next() does, if it is the next sample to be sent.
   std::optional<Piece> take(std::uint64_t ordinal);
   void finished(const Piece& piece, Time now);
-  /// Puts the piece back: its rest, from the beginning of its range, is sent later.
+  /// Puts the piece back, so that its range is sent later.
   void put_back(const Piece& piece);
   /// Returns true if no sample waits to be sent or is under way for the first time.
   bool all_sent() const { return kept_.sent_end() == kept_.end(); }
   bool keeps(std::uint64_t ordinal) const { return kept_.contains(ordinal); }
 
-  /// Returns the job of a sample that was sent elsewhere; null for other samples. The header of the job is
-  /// the one that was used there.
+  /// Returns the job of a sample that a multicast group has sent; null for other samples. The job has the
+  /// header that the group used.
   JobHandle sent_elsewhere(std::uint64_t ordinal) const;
 
-  /// Takes an ack. An implausible ack is ignored. An ack of another channel of the writer shows that the
-  /// receiver may follow a wrong channel. Then samples name this channel with its full number, and a
-  /// heartbeat is due at once. A part that was sent again within `round_trip` is still under way, and is
-  /// not sent once more.
+  /// Processes an ack. An implausible ack is ignored. An ack of another channel of the writer shows that the
+  /// receiver may follow a wrong channel. Then samples carry the full number of this channel, and a
+  /// heartbeat is due at once. A part that was sent again less than `round_trip` ago is still under way, and
+  /// is not sent once more.
   void hear(const Ack& ack, Time now, Time::duration round_trip = {});
   /// Returns true if the receiver has acknowledged samples that were never sent. Only a fault can cause
-  /// that, so its acks of this channel are ignored.
+  /// that, so its acks for this channel are ignored from then on.
   bool gone_wrong() const { return impossible_ >= impossible_max; }
 
   /// Notes that the path has changed. A heartbeat is due at once, because it also gives the receiver the
@@ -81,23 +81,25 @@ class ResendWindow {
 
   /// Returns a heartbeat if one is due. The caller sets its port.
   std::optional<Heartbeat> heartbeat(Time now);
-  /// Returns the last heartbeat. It says that no sample is kept any more.
+  /// Returns the last heartbeat of a channel that ends. It reports an empty range of kept samples, so that
+  /// the receiver waits for no sample any more.
   Heartbeat parting() const;
 
-  /// Returns when the next check is due if nothing happens until then; Time::max() if there is none.
+  /// Returns the time of the next check if no event is noted before; Time::max() if no check is needed.
   Time next_look(Time now) const;
   /// Returns true if `samples` samples with `bytes` bytes can be kept without giving up older ones.
   bool can_keep(std::size_t samples, std::size_t bytes) const { return kept_.can_keep(samples, bytes); }
-  /// Returns true if nothing is left to be sent or acknowledged.
+  /// Returns true if no sample is kept, so that none has to be sent or acknowledged.
   bool settled() const { return kept_.size() == 0; }
 
-  /// Returns the bytes of the sample's body, if the sample was sent and is kept.
+  /// Returns the size of the sample's body in bytes. Returns nothing if the sample was not sent or is not
+  /// kept any more.
   std::optional<std::uint32_t> bytes_sent(std::uint64_t ordinal) const;
-  /// The samples in [begin(), end()) are kept.
+  /// The channel keeps the samples with ordinals in [begin(), end()).
   std::uint64_t begin() const { return kept_.begin(); }
   std::uint64_t end() const { return kept_.end(); }
 
-  /// Returns true if something is to be sent.
+  /// Returns true if a sample or a repair waits to be sent.
   bool has_work();
 
   std::size_t kept() const { return kept_.size(); }
@@ -111,8 +113,8 @@ class ResendWindow {
   Piece begin_sample(std::uint64_t ordinal);
   void ask_for(const Missing& part, std::uint64_t next, Time now);
 
-  /// The number of acks in a row of samples that were never sent after which the channel has gone wrong. A
-  /// single one can be a flipped bit.
+  /// If this number of acks in a row are about samples that were never sent, the channel has gone wrong. A
+  /// single such ack can be the result of a flipped bit.
   static constexpr int impossible_max = 2;
 
   const std::uint32_t writer_;

@@ -11,7 +11,8 @@ namespace {
 
 std::uint64_t distance(std::uint64_t a, std::uint64_t b) { return a > b ? a - b : b - a; }
 
-/// Returns the largest distance that a writer's sequence can advance during that silence.
+/// Returns the maximum number of samples that a writer can have published during that silence, plus
+/// SequenceMonitor::reach.
 std::uint64_t reach_after(SequenceMonitor::Time::duration silence) {
   using Seconds = std::chrono::duration<double>;
   constexpr double longest_s = 1e6;
@@ -39,8 +40,8 @@ bool SequenceMonitor::evaluate(const Observed& observed, Time now) {
   return true;
 }
 
-/// Returns true if a sequence far from the newest one counts. Wrong numbers are rarely near each other, and
-/// while the writer sends, correct ones come between them.
+/// Returns true if a sequence far from the newest one is believed. Wrong sequences are rarely near each
+/// other, and while the writer sends, correct sequences come between them.
 bool SequenceMonitor::evaluate_far(const Observed& observed, Time now) {
   if (std::exchange(last_unconfirmed_, observed.datagram) == observed.datagram) return false;
   if (distance(observed.sequence, far_.last) > reach) far_ = {};
@@ -70,8 +71,8 @@ void SequenceMonitor::advance(const Observed& observed, Time now) {
   far_ = late_ = later_ = {};
 }
 
-/// Counts small steps. The samples of one packed datagram are one step. Otherwise the stamp of a single
-/// datagram would be trusted at once.
+/// Counts small steps of the sequence. The samples of one packed datagram count as one step. Otherwise the
+/// stamp of a single datagram would be trusted at once.
 void SequenceMonitor::count_step(const Observed& observed, Time now) {
   const bool is_small = observed.sequence > newest() && observed.sequence - newest() <= small_step;
   small_steps_ = is_small ? small_steps_ + 1 : 0;

@@ -1,6 +1,6 @@
-// Decides if small samples may pile up in a lane beyond its depth. They may while its receiver has not
-// reported, and for a moment after the report. So a burst is sent before any of its samples is dropped for
-// newer ones. Uses no clock, thread or I/O.
+// Decides if more small samples may wait in a lane than its depth allows. They may until its receiver has
+// reported, and for a short time after the report. So a whole burst is sent, and none of its samples is
+// dropped in favour of newer ones. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -13,7 +13,7 @@ class UnprovenBurst {
  public:
   using Time = std::chrono::steady_clock::time_point;
 
-  /// Jobs may still pile up for this time after the report.
+  /// For this time after the report, more jobs than the depth may still wait.
   static constexpr std::chrono::milliseconds goes_on{250};
 
   /// Notes that a job is posted before the receiver has reported.

@@ -1,7 +1,7 @@
-// Sends farewells to the members of multicast groups that are over: messages that they are not in these
-// groups any more (multicast.md). A farewell is not urgent, and farewells to all members of a large group
-// at once would be as many bytes as some samples. So each call sends only a few. Uses no clock, thread or
-// I/O.
+// Sends farewells to the members of multicast groups that have ended. A farewell tells a member that it is
+// not in the group any more (multicast.md). Farewells are not urgent, and those to all members of a large
+// group would together have as many bytes as some samples. So each call sends only a few. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -18,14 +18,14 @@ class Farewells {
  public:
   using Time = MulticastGroup::Time;
 
-  /// The delay of a farewell. Samples that are under way arrive before.
+  /// The delay of a farewell, so that samples that are under way arrive first.
   static constexpr std::chrono::seconds farewell_after{1};
-  /// The number of farewells per call: `notified_at_once`, or one `part_notified_at_once`-th of those that
-  /// are due, if that is more.
+  /// The maximum number of farewells per call is `notified_at_once`, or the number of due farewells divided
+  /// by `part_notified_at_once` if that is more.
   static constexpr std::size_t notified_at_once = 8, part_notified_at_once = 8;
 
-  /// Notes that the group is over. A farewell to a member also ends its membership of all former groups, so
-  /// each destination is in the list once.
+  /// Notes that the group has ended. A farewell also ends the member's membership of all earlier groups, so
+  /// each destination is in the list only once.
   void note(const std::shared_ptr<MulticastGroup>& group, Time now) {
     for (std::size_t i = 0; i < group->members().size(); ++i) {
       const Destination* to = &group->members()[i].lane->destination();
@@ -50,7 +50,7 @@ class Farewells {
   }
 
  private:
-  /// A farewell to a member of the destination's latest group that is over.
+  /// A farewell to a destination as a member of its latest group that has ended.
   struct Farewell {
     std::shared_ptr<MulticastGroup> group;
     std::size_t member = 0;

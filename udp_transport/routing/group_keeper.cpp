@@ -13,10 +13,12 @@ namespace sft::udp {
 
 namespace {
 
-/// The limit of leaves. Masks of types with more leaves have no words on the wire, only hashes.
+/// The maximum number of leaves of a type that uses groups. For types with more leaves, only hashes of masks
+/// are sent.
 constexpr std::size_t leaves_in_groups_max = 64 * WireMask::words_max;
 
-/// A cost above all real costs, but small enough for exact sums of bytes.
+/// A size of a body that makes a group too expensive. It is greater than all real sizes, but small enough
+/// for exact sums.
 constexpr double too_much_body = 1e12;
 
 constexpr const char* unsettled = "it asks for that only since just now, or often for something else";
@@ -141,8 +143,8 @@ std::size_t GroupKeeper::possible(Time now) const {
       std::ranges::count_if(candidates_, [&](const auto& item) { return is_settled(item.second, now); }));
 }
 
-/// Starts or stops measuring the sizes of samples. They are also measured if only one destination may be in
-/// a group, so that the plan is ready when another one comes.
+/// Starts or stops measuring the sizes of samples. They are measured even if only one destination may be in
+/// a group, so that a plan can be made as soon as a second destination comes.
 void GroupKeeper::choose_sizes(Time now) {
   const bool measures = std::exchange(sizes_, nullptr) != nullptr;
   if (possible(Time::max()) == 0 && !sharing_.is_possible()) return;
@@ -156,7 +158,7 @@ void GroupKeeper::choose_sizes(Time now) {
 }
 
 /// Removes destinations from the plan if they cannot be in a group any more, or have changed their request.
-/// They are served alone from now on.
+/// From now on, these destinations get their own copies.
 void GroupKeeper::keep_possible(Time now) {
   const auto must_leave = [&](const Destination* to) {
     const auto known = candidates_.find(to);
@@ -176,7 +178,8 @@ void GroupKeeper::merge(const Planned& planned, std::vector<RouteBundle>& routes
 
 namespace {
 
-/// Returns the length of datagrams that arrive at each member, as far as is known, in bytes.
+/// Returns the maximum length of datagrams in bytes that the paths to all members carry, as far as it is
+/// known.
 std::size_t datagram_bytes_of(const std::vector<MulticastGroup::Member>& members) {
   std::size_t bytes = datagram_bytes_max;
   for (const MulticastGroup::Member& member : members)
@@ -184,7 +187,8 @@ std::size_t datagram_bytes_of(const std::vector<MulticastGroup::Member>& members
   return bytes;
 }
 
-/// Returns true if the path to a member has turned out to take less since the group was made.
+/// Returns true if the path to a member carries only shorter datagrams than were known when the group was
+/// made.
 bool is_too_long(const MulticastGroup& group) {
   return group.lane()->destination().path().datagram_bytes() > datagram_bytes_of(group.members());
 }
@@ -222,15 +226,15 @@ void GroupKeeper::merged(Time now) {
   reasons_.set_groups(groups_);
 }
 
-/// Returns true if the destination is in a group, and is sent the same samples as before.
+/// Returns true if the destination is in a group of the plan, and the same samples as before are for it.
 bool GroupKeeper::is_planned(const Destination* to, const Candidate& candidate) const {
   return std::ranges::any_of(planned_, [&](const Planned& planned) {
     return planned.some_samples == candidate.some_samples && holds(planned.members, to);
   });
 }
 
-/// Returns the destinations that can be planned. Destinations whose fields have never been sent are left
-/// out, since a sample with these fields is needed first.
+/// Returns the destinations that can be planned. Destinations with requested fields that no sample has had
+/// yet are omitted, since the sizes of these fields are not known.
 std::vector<PlanDestination> GroupKeeper::plan_destinations(std::vector<const Destination*>& places,
                                                             Time now) {
   std::vector<PlanDestination> destinations;
@@ -266,11 +270,11 @@ bool GroupKeeper::replan(Time now) {
   hasten(now);
   if (!may_plan(now)) return is_shared_otherwise;
   const bool is_better = plan(now) || is_shared_otherwise;
-  return is_better || (came && !member_came(now));  // then why() returns another text for the new members
+  return is_better || (came && !member_came(now));  // if a new member came, why() must return a new text
 }
 
-/// Returns true if a destination is new, or requests other fields than before. Destinations whose fields
-/// have never been sent do not count until a sample has them.
+/// Returns true if a destination is new, or requests other fields than before. Destinations with requested
+/// fields that no sample has had yet do not count.
 bool GroupKeeper::member_came(Time now) const {
   return sizes_ != nullptr && std::ranges::any_of(candidates_, [&](const auto& item) {
            const auto known = planned_for_.destinations.find(item.first);
@@ -285,8 +289,8 @@ void GroupKeeper::hasten(Time now) {
   if (member_came(now)) replan_at_ = std::min(replan_at_, std::max(now, planned_at_ + settling));
 }
 
-/// Returns true if a plan can be made now. That needs a published sample, because the sizes are not known
-/// before.
+/// Returns true if a plan can be made now. For a plan, at least one sample must have been published, so that
+/// sizes are known.
 bool GroupKeeper::may_plan(Time now) const {
   return sizes_ != nullptr && sizes_->samples() > 0 && now >= replan_at_ && possible(now) > 1;
 }
@@ -369,9 +373,9 @@ bool GroupKeeper::any_given_up(Time now) {
   return some;
 }
 
-/// Returns an address from 239.255.16.0 to 239.255.239.255, a range that leaves out addresses which other
-/// software is known to use. Two writers may share an address by chance. Receivers then ignore samples of
-/// the writer that they did not subscribe to.
+/// Returns an address from 239.255.16.0 to 239.255.239.255, a range without the addresses that other
+/// software is known to use. Two writers may share an address by chance. Then receivers ignore the samples
+/// of a writer that they do not read.
 std::uint32_t GroupKeeper::address(std::size_t place) const {
   const std::uint32_t mixed = (setup_.writer + static_cast<std::uint32_t>(place)) * 2654435769U >> 16;
   return private_groups | (16 + (mixed >> 8) % 224) << 8 | (mixed & 0xff);

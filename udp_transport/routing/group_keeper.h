@@ -1,5 +1,5 @@
-// Maintains the multicast groups of one writer. It decides by the cost model which groups there should be,
-// and makes them (multicast.md). Used by the agent's thread, except for why().
+// Maintains the multicast groups of one writer. It decides by a cost model which groups the writer should
+// have, and makes them (multicast.md). Must be used by the agent's thread only, except for why().
 #pragma once
 
 #include <chrono>
@@ -30,8 +30,8 @@ namespace sft::udp {
 class GroupKeeper {
  public:
   using Time = GroupMembership::Time;
-  /// Returns the destination for a group on the link where we have the address `own`, for datagrams of at
-  /// most `datagram_bytes`.
+  /// Makes the destination for a group on the link where this host has the address `own`. Datagrams have at
+  /// most `datagram_bytes` bytes.
   using Connect = std::function<std::shared_ptr<Destination>(std::uint32_t group, std::uint32_t own,
                                                              std::size_t datagram_bytes)>;
   struct Setup {
@@ -52,23 +52,28 @@ class GroupKeeper {
   // The following functions are called in this order when routes are made anew:
 
   /// Merges the bundles of each group's members into one bundle. A destination that is new, or has changed
-  /// its request, is served alone until it is calm. Readers of one process may share a copy, too.
+  /// its request, gets its own copies until it counts as calm (SettlingTimes). Readers of one process may
+  /// share a copy, too.
   void merge(std::vector<RouteBundle>& routes, Time now);
-  /// Returns the group at that place with these members, known or new.
+  /// Returns the group that is at `place` in the plan with these members. Makes it if it does not exist.
   std::shared_ptr<MulticastGroup> find(std::size_t place, std::vector<MulticastGroup::Member> members);
   void merged(Time now);
 
-  /// Returns the sizes that have to be measured; null if no destination can be in a group.
+  /// Returns the object that measures the sizes of samples; null if no sizes have to be measured, because no
+  /// destination can be in a group.
   const std::shared_ptr<BodySizes>& sizes() const { return sizes_; }
 
-  /// Returns true if other groups would be better. Then routes have to be made anew.
+  /// Makes a new plan if it is time. Returns true if other groups are better. Then routes have to be made
+  /// anew.
   bool replan(Time now);
   /// Sends the offers, probes and farewells that are due.
   void maintain(Time now);
-  /// Returns when replan() or maintain() has urgent work; Time::max() if there is none.
+  /// Returns the time at which replan() or maintain() should be called; Time::max() if they have no urgent
+  /// work.
   Time next_duty(Time now) const;
 
-  /// Returns a text that names the group of a reader, or says why it is in none. Any thread may call this.
+  /// Returns a text that names the multicast group of a reader, or the reason why the reader is in no group.
+  /// Any thread may call this.
   std::string why(core::EndpointId reader) const { return reasons_.of(reader); }
 
  private:
@@ -76,19 +81,20 @@ class GroupKeeper {
     std::shared_ptr<Destination> to;
     std::vector<Selection> asked{};
     Selection together{};  ///< one_copy() for all of `asked`
-    /// The union of the readers' requests, if only some samples are for the readers there.
+    /// The union of the requests of all readers at the destination; empty if every sample is for these
+    /// readers. The requests have a maximum rate or conditions.
     std::optional<core::Wanted> some_samples{};
-    /// The gate of these samples; null: every sample is for the readers.
+    /// The gate that selects the samples for these readers; null: every sample is for them.
     std::shared_ptr<const core::Gate> gate{};
     bool reliable = false;
     bool gets_more = false;             ///< true if the destination needs samples that the group does not get
-    Time settled_at{};                  ///< before this time the destination is in no group
+    Time settled_at{};                  ///< until this time, the destination is in no group
     std::optional<std::size_t> link{};  ///< index in `links_`; empty: the destination cannot be in a group
     std::string refusal{};              ///< why the destination cannot be in a group
     std::size_t division = 0;           ///< number of the destination's division (divide())
   };
   struct Planned {
-    std::size_t place = 0;                       ///< place of the group, which determines its address
+    std::size_t place = 0;                       ///< index of the group, which determines its address
     std::optional<core::Wanted> some_samples{};  ///< the members' requests, as in Candidate
     std::vector<const Destination*> members{};
   };
@@ -99,7 +105,7 @@ class GroupKeeper {
     bool member_left = false;  ///< true if a member has left since the plan was made
   };
 
-  /// Measured values of samples. They are kept even while they are not needed.
+  /// Measured values of samples. They are kept even if no group needs them at present.
   struct Measured {
     std::shared_ptr<BodySizes> sizes{};
     std::optional<SampleRate> rate{};  ///< the rate of samples; empty until samples are measured
@@ -130,16 +136,17 @@ class GroupKeeper {
   static void send(MulticastGroup& to, const GroupProbe& probe);
   void explain(const std::vector<RouteBundle>& routes, Time now);
 
-  /// The least time between two plans, because several readers often come at the same time.
+  /// The minimum time between two plans. Several readers often come at the same time, so one plan is made
+  /// for them.
   static constexpr std::chrono::milliseconds settling{50};
   static constexpr std::chrono::seconds replan_pause{1};
   static constexpr std::chrono::minutes unreached_pause{
       1};  ///< pause before the group is offered again to a member that received nothing
-  /// The time without groups after samples were published together.
+  /// The time without groups after several samples were published by one call.
   static constexpr std::chrono::seconds packed_pause{10};
 
   const Setup setup_;
-  /// True if the type has so many leaves that its masks have no words on the wire.
+  /// True if the type has so many leaves that only hashes of its masks are sent, and not their words.
   const bool too_many_leaves_;
   std::vector<MulticastLink> links_;
   std::map<const Destination*, Candidate> candidates_;

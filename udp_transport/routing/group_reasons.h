@@ -1,5 +1,5 @@
-// The information for programs about each reader: the multicast group that it is in and the costs of that,
-// or the reason why it is in none. Written by the agent's thread, read by any thread.
+// The information for programs about each reader: its multicast group and the costs of that group, or the
+// reason why the reader is in no group. The agent's thread writes it, and any thread may read it.
 #pragma once
 
 #include <map>
@@ -19,11 +19,11 @@ class GroupReasons {
  public:
   struct Reader {
     const Destination* to = nullptr;
-    std::string refusal{};  ///< why the destination cannot be in a group; empty: it can
+    std::string refusal{};  ///< the reason why the destination cannot be in a group; empty if it can
     Selection asked{};      ///< the reader's request
-    /// The size of the parts in `asked`; null if there are no parts, or none measured.
+    /// The size of the parts of fields in `asked`; null if `asked` has no parts, or no part was measured.
     std::shared_ptr<const PartSize> part{};
-    bool shares = false;       ///< true if the readers there share one copy while they are in no group
+    bool shares = false;  ///< true if the readers at the destination share one copy while it is in no group
     bool has_company = false;  ///< true if another destination could share a group with this one
   };
   using Readers = std::map<core::EndpointId, Reader>;

@@ -57,9 +57,9 @@ bool MaskSharing::is_undecided(const BodySizes& sizes) const {
   });
 }
 
-/// Returns true if one copy for all readers is better. It has no more bytes than all single copies
-/// together, unless some readers request parts of fields that it has whole. But with one copy a reader of
-/// few fields waits for many.
+/// Returns true if one copy for all readers is better than separate copies. The one copy usually has fewer
+/// bytes than the separate copies together, except if some readers request only parts of its fields. But
+/// with one copy, a reader of few fields waits for all fields.
 bool MaskSharing::is_better_shared(const Place& place, const BodySizes& sizes) const {
   const double body = sizes.bytes_of(place.together);
   const bool is_asked_for = std::ranges::find(place.asked, place.together) != place.asked.end();

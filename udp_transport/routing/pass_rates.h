@@ -1,4 +1,5 @@
-// The number of samples per second that pass each gate of a writer.
+// The number of samples per second that pass each gate of a writer. A gate withholds samples because of a
+// maximum rate or of conditions (core::Gate).
 #pragma once
 
 #include <map>
@@ -13,7 +14,7 @@ class PassRates {
  public:
   using Time = PassRate::Time;
 
-  /// From now on, counts the samples that pass the gate, unless they are counted already.
+  /// Begins to count the samples that pass the gate, unless they are counted already.
   void follow(const std::shared_ptr<const core::Gate>& gate, Time now) {
     rates_.try_emplace(gate, now, gate->passed());
   }

@@ -1,5 +1,5 @@
-// Groups routes into bundles. Readers with equal masks and limits share an encoding, and readers behind one
-// socket share a copy of it.
+// Groups routes into bundles. Readers with equal masks and limits share an encoding of each sample. Readers
+// of one socket share a copy of that encoding.
 #pragma once
 
 #include <cstddef>
@@ -25,26 +25,27 @@ struct RouteBundle {
   std::vector<std::shared_ptr<Destination>> destinations{};
   std::vector<std::pair<core::EndpointId, const Destination*>> readers{};
   ReliableReaders reliable{};  ///< the readers that are served reliably
-  /// The place of the multicast group that sends to all destinations; empty if no group does.
+  /// The index of the multicast group that sends to all destinations; empty if no group does.
   std::optional<std::size_t> multicast{};
   /// True if the readers may have different requests; then `wanted` is one_copy() for all of them.
   bool merged = false;
 
   void add(const std::shared_ptr<Destination>& to);
   void absorb(RouteBundle other);
-  /// Returns true if the readers do not get each sample as it is published: they have a gate, retained
-  /// samples, or a fallback route.
+  /// Returns true if the readers do not get exactly the published samples, because they have a gate,
+  /// retained samples, or a fallback route.
   bool is_for_some_samples() const {
     return gate != nullptr || late_reader != 0 || fallback || !wanted.selection.gate().is_open();
   }
 };
 
-/// Returns the bundles. Routes that do not lead to a UDP address are left out. Fallback bundles come last.
+/// Returns the bundles of the routes. Routes that do not lead to a UDP address are omitted. Fallback bundles
+/// come last.
 std::vector<RouteBundle> bundle_routes(std::span<const core::Route> routes, DestinationDirectory& directory);
 
-/// Takes the routes to the destinations for which `is_one` returns true out of all bundles that are not
-/// merged, and returns these routes as one merged bundle. Bundles may be left without destinations.
-/// REQUIRES: the same samples are for all readers there.
+/// Removes the destinations for which `is_one` returns true from all bundles that are not merged, and
+/// returns them as one merged bundle. Some bundles may have no destinations afterwards. REQUIRES: all
+/// readers at these destinations get the same samples.
 RouteBundle take_out(std::vector<RouteBundle>& routes, const std::function<bool(const Destination*)>& is_one);
 
 }  // namespace sft::udp

@@ -7,8 +7,9 @@ namespace sft::udp {
 
 namespace {
 
-/// Returns the words of the mask. There are none if the hash is enough, or if the selection has parts or
-/// conditions: only the readers that requested it know its hash.
+/// Returns the words of the mask that are sent on the wire. They are empty if the hash alone identifies the
+/// mask. They are also empty if the selection has parts or conditions, since readers then know the hash of
+/// their own request only.
 std::vector<std::uint64_t> words_to_send(const Selection& selection) {
   std::vector<std::uint64_t> words;
   const FieldMask& mask = selection.mask();
@@ -21,8 +22,8 @@ std::shared_ptr<const WireMask> make_wire_mask(const Selection& selection, std::
   return std::make_shared<WireMask>(WireMask{number, selection.hash(), words_to_send(selection)});
 }
 
-/// Enters the readers into the table's page. For fallback routes, samples that a gate withholds are not
-/// counted here: the other transport, which serves these readers, counts them.
+/// Adds the readers to the table's page of delivery counts. For fallback routes, samples that a gate
+/// withholds are not counted here, because the other transport that serves these readers counts them.
 void write_page(const RouteBundle& bundle, const Audience& audience, RouteTable& table) {
   for (const auto& [reader, destination] : bundle.readers) {
     const auto leads_there = [to = destination](const auto& lane) { return &lane->destination() == to; };
@@ -52,8 +53,8 @@ ReliableReaders reliable_readers(const std::vector<RouteBundle>& bundles) {
   return all;
 }
 
-/// Returns true if a lane of another audience carries the same samples there, because readers in one
-/// process share a socket.
+/// Returns true if a lane of another audience sends the same samples to the same destination. That happens
+/// because readers in one process share a socket.
 bool is_reached_anyway(const RouteTable& table, const Audience& fallback, std::size_t lane) {
   return std::any_of(table.audiences.begin(), table.audiences.end(), [&](const Audience& audience) {
     if (&audience == &fallback || audience.wire != fallback.wire) return false;
@@ -106,8 +107,9 @@ std::shared_ptr<Lane> VariantDirectory::lane(Variant& variant, const std::shared
   return variant.lanes.emplace_back(std::make_shared<Lane>(to, queue_depth_, tally_));
 }
 
-/// Returns the lane of a late reader. A new lane is held until the history of its reader is known. If the
-/// reader has moved, it gets a new lane, because jobs in the old queue do not reach it any more.
+/// Returns the lane of a late reader. A new lane is held until begin() adds the retained samples. If the
+/// reader has moved to another destination, it gets a new lane, because jobs in the old lane do not reach it
+/// any more.
 std::shared_ptr<Lane> VariantDirectory::late_lane(core::EndpointId reader,
                                                   const std::shared_ptr<Destination>& to,
                                                   const std::shared_ptr<Channel>& channel) {
@@ -164,8 +166,8 @@ void VariantDirectory::next_round() {
   }
 }
 
-/// Allows packs. A sample that passes a gate, is for one late reader, or has parts of fields is never
-/// packed.
+/// Sets Audience::packs. An audience with a gate, with a late reader or with parts of fields never gets
+/// packs. The others get packs if each of their destinations gets only one mask.
 static void allow_packs(RouteTable& table) {
   const auto may_pack = [](const Audience& audience) {
     return audience.gate == nullptr && audience.late_reader == 0 && !audience.plan.has_parts();

@@ -20,43 +20,46 @@
 
 namespace sft::udp {
 
-/// Readers with equal masks and limits. They share an encoding, and there is a lane for each destination. A
-/// late reader is an audience of its own, so that its samples can begin with the retained ones.
+/// Readers with equal masks and limits. They share an encoding of each sample, and have one lane for each
+/// destination. A late reader is a separate audience, so that its samples can begin with the retained
+/// samples.
 struct Audience {
   detail::ProjectionPlan plan;
-  /// The gate of the audience; null: every sample is for the audience.
+  /// The gate that selects the samples for the audience by rate or conditions; null: every sample is for the
+  /// audience.
   std::shared_ptr<const core::Gate> gate;
-  core::EndpointId late_reader = 0;  ///< the late reader that is the audience; 0: there is none
+  core::EndpointId late_reader = 0;  ///< the late reader of the audience; 0: it has none
   bool fallback = false;  ///< true if the audience also gets samples that are only for fallback routes
   std::shared_ptr<const WireMask> wire;
   std::vector<std::shared_ptr<Lane>> lanes;
-  /// The channel for each lane; null if no reader there is served reliably.
+  /// The channel for each lane; null if no reader of that lane is served reliably.
   std::vector<std::shared_ptr<Channel>> channels{};
-  /// If not null, this group sends to the whole audience, and lanes send only to members that do not
-  /// receive the group. A member has the same index as its lane.
+  /// If not null, this group sends to the whole audience. Then lanes send only to members that do not
+  /// receive the group's datagrams. A member has the same index as its lane.
   std::shared_ptr<MulticastGroup> multicast{};
   std::shared_ptr<core::DeliveryTally> tally = std::make_shared<core::DeliveryTally>();
-  /// True if small samples that are published together may share datagrams. In that case all samples of one
-  /// mask leave before the first sample of another mask. So no destination may be sent several masks: a
-  /// reader that changes its mask would miss some samples.
+  /// True if small samples that are published together may share datagrams. In that case, all samples with
+  /// one mask are sent before the first sample with another mask. So each destination must get only one
+  /// mask. Otherwise a reader that changes its mask would miss some samples.
   bool packs = false;
-  /// True if readers of the audience may have different requests. Then `wire` is a mask that contains all
-  /// of them.
+  /// True if readers of the audience may have different requests. Then `wire` is a mask that contains the
+  /// masks of all requests.
   bool merged = false;
 
-  /// Returns true if the present sample is for the audience. Used by the publisher's thread.
+  /// Returns true if the sample that is being published is for the audience. Must be called by the
+  /// publisher's thread.
   bool wants_sample() const { return gate == nullptr || gate->passes(); }
 };
 
-/// An immutable table: a change of routes makes another table.
+/// The audiences of a writer. A table is immutable: each change of routes makes a new table.
 struct RouteTable {
   std::vector<Audience> audiences;  ///< audiences of fallback routes come last
-  core::DeliveryBook::Page page;    ///< assigns the tallies to readers
+  core::DeliveryBook::Page page;    ///< assigns the tallies of deliveries to readers
   /// The lane to each reader, except fallback lanes.
   std::map<core::EndpointId, std::shared_ptr<Lane>> lanes_of;
 
   std::size_t usual = 0;               ///< number of audiences that are not fallback audiences
-  std::shared_ptr<BodySizes> sizes{};  ///< sizes that have to be measured; null: none
+  std::shared_ptr<BodySizes> sizes{};  ///< measures the sizes of samples; null: no sizes have to be measured
 
   /// Returns the audiences that the sample may be for.
   std::span<const Audience> reached(core::Reach reach) const {
@@ -66,14 +69,14 @@ struct RouteTable {
   const Audience* of_late_reader(core::EndpointId reader) const;
 };
 
-/// The variants: the present and former requests of readers to a writer. Each variant has its number and
-/// its lanes, so that its samples stay in order while routes change. A late reader has one lane, whatever
-/// it requests. A number is reused only after all other numbers have been used in between.
+/// The variants of a writer's samples: one for each present or former request of its readers. Each variant
+/// has its number and its lanes, so that its samples stay in order while routes change. A late reader has
+/// one lane, whatever it requests. A number is reused only after all other numbers have been used.
 class VariantDirectory {
  public:
   struct Variant {
     core::Wanted wanted;
-    core::EndpointId late_reader;  ///< the late reader of the variant; 0: there is none
+    core::EndpointId late_reader;  ///< the late reader of the variant; 0: it has none
     std::shared_ptr<const WireMask> wire;
     std::vector<std::shared_ptr<Lane>> lanes;
     std::uint64_t last_use;
@@ -83,17 +86,18 @@ class VariantDirectory {
     }
   };
 
-  /// `channels` must outlive the directory. Null: no reader is served reliably.
+  /// `channels` must outlive the directory; null: no reader is served reliably.
   VariantDirectory(std::size_t queue_depth, std::shared_ptr<WriterTally> tally,
                    ChannelDirectory* channels = nullptr);
 
-  /// Returns the variant for readers with that request, known or new. The reference is valid until the next
-  /// call.
+  /// Returns the variant for readers with that request, and makes it if necessary. The reference is valid
+  /// until the next call.
   Variant& find(const core::Wanted& wanted, core::EndpointId late_reader = 0);
-  /// Returns the lane of the variant to that destination, known or new.
+  /// Returns the lane of the variant to that destination, and makes it if necessary.
   std::shared_ptr<Lane> lane(Variant& variant, const std::shared_ptr<Destination>& to,
                              const std::shared_ptr<Channel>& channel = {});
-  /// Returns the channel of all readers there that are served reliably; null if there are no channels.
+  /// Returns the channel to `readers`, which are the reliable readers at that destination; null if the
+  /// directory has no channels.
   std::shared_ptr<Channel> channel(const std::shared_ptr<Destination>& to,
                                    const std::set<core::EndpointId>& readers) {
     return channels_ == nullptr ? nullptr : channels_->find(to, readers);
@@ -102,24 +106,25 @@ class VariantDirectory {
     if (channels_ != nullptr) channels_->keep_to(readers);
   }
 
-  /// Closes and removes all lanes except those to these destinations. Lanes of late readers that are not in
-  /// `late_readers` are removed, too, but their queued samples are still sent.
+  /// Closes and removes all lanes to destinations that are not in `served`. Lanes of late readers that are
+  /// not in `late_readers` are removed, too, but their queued samples are still sent.
   void keep_lanes_to(const std::set<const Destination*>& served,
                      const std::set<core::EndpointId>& late_readers);
 
   /// Returns true if the sending thread should check its lanes, because lanes or channels were closed or a
-  /// destination has moved since the last call. Other changes of requests do not matter to that thread.
+  /// destination has moved since the last call. Other changes of requests do not concern the sending thread.
   bool concern_sender() {
     const bool closed_channels = channels_ != nullptr && channels_->take_closed();
     const bool some_moved = std::exchange(known_moves_, moves_) != moves_;
     return std::exchange(closed_, false) || closed_channels || some_moved;
   }
 
-  /// Returns true if the history of that late reader has departed, and no sample waits in its lane.
+  /// Returns true if the retained samples for that late reader have been sent, and no sample waits in its
+  /// lane.
   bool late_lane_idle(core::EndpointId reader) const;
 
-  /// Removes those variants that have been unused for the longest time, except a few. Called between rounds
-  /// of find().
+  /// Removes the variants that have been unused for the longest time, and keeps a limited number of unused
+  /// ones. Called between two rounds of find(), one for each change of routes.
   void next_round();
 
  private:
@@ -142,7 +147,7 @@ class VariantDirectory {
 };
 
 /// Returns the table of a writer of `type`, which must outlive the table. Routes that do not lead to a UDP
-/// address are left out. Lanes to destinations without a route are closed. Without a keeper there are no
+/// address are omitted. Lanes to destinations without a route are closed. If `keeper` is null, there are no
 /// multicast groups.
 std::shared_ptr<const RouteTable> make_route_table(const TypeSupport& type,
                                                    std::span<const core::Route> routes,

@@ -1,4 +1,4 @@
-// Computes the part of a sample that may be sent now.
+// Computes how many bytes of a sample may be sent now.
 #pragma once
 
 #include <cstddef>
@@ -9,8 +9,9 @@
 
 namespace sft::udp {
 
-/// Returns the number of socket bytes of one sample that may be sent to the destination now. Its window,
-/// the limit of the writer, and the limit of all writers together determine it. Any thread may call this.
+/// Returns the number of socket bytes of one sample that may be sent to the destination now. The window of
+/// the destination, the rate limit of the writer, and the rate limit of all writers together determine that
+/// number. Any thread may call this.
 std::size_t allowance(Destination& to, RateLimit& of_writer, RateLimit& of_all, ResendWindow::Size size,
                       Destination::Time now);
 

@@ -7,7 +7,7 @@
 namespace sft::udp {
 
 namespace {
-// A limit, because attackers may send more datagrams than can be handled.
+// The number per call is limited, because attackers may send more datagrams than can be handled.
 constexpr std::size_t answers_at_once = 64;
 }  // namespace
 

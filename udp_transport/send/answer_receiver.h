@@ -1,4 +1,4 @@
-// Takes the datagrams from the socket for answers, on the sending thread.
+// Reads the datagrams from the socket for answers (acks and reports), on the sending thread.
 #pragma once
 
 #include <chrono>
@@ -20,12 +20,12 @@ class AnswerReceiver {
   /// Both arguments must outlive this object.
   AnswerReceiver(DatagramSender& io, NextRound& round) : io_(io), round_(round) {}
 
-  /// Sets the function that handles answers. With an empty function, answers are ignored. Called before the
+  /// Sets the function that handles answers. If it is empty, answers are ignored. Must be called before the
   /// sending thread begins.
   void tell(Hear hear) { hear_ = std::move(hear); }
-  /// Takes the answers that have come, without waiting. The sending thread also calls this between the
-  /// system calls for a large sample. So that sample is sent without a pause as long as answers come in
-  /// time.
+  /// Reads and handles the answers that have come, without waiting. The sending thread also calls this
+  /// function between the system calls for a large sample. So the sample is sent without a pause if answers
+  /// come in time.
   void listen();
 
  private:

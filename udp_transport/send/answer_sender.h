@@ -1,6 +1,6 @@
 // Sends answers: acks to the writers that are read reliably, and reports to all senders that request them.
-// All answers leave through the receiving socket, so a sender that requests many costs neither a descriptor
-// nor memory.
+// All answers leave through the receiving socket. So a sender that requests many answers uses up neither
+// descriptors nor memory.
 #pragma once
 
 #include <memory>
@@ -11,12 +11,13 @@
 
 namespace sft::udp {
 
-/// All functions are called by the receiving thread.
+/// All functions must be called by the receiving thread.
 class AnswerSender {
  public:
   explicit AnswerSender(std::shared_ptr<SendSide> side) : side_(std::move(side)) {}
 
-  /// Sends the answer either at once or not at all. If it cannot be sent, a later answer replaces it.
+  /// Sends the answer if it can be sent at once, and otherwise drops it. A later answer replaces a dropped
+  /// one.
   void send(const SocketAddress& to, const Ack& ack);
   void send(const SocketAddress& to, const FlowReport& report);
   void send(const SocketAddress& to, const GroupReport& report);

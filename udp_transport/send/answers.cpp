@@ -12,8 +12,8 @@ namespace {
 
 using Time = std::chrono::steady_clock::time_point;
 
-/// If several members of the channel's group request the same parts, removes these from the ack, and lets
-/// the group repair them.
+/// If several members of the channel's multicast group request the same sample, removes its parts from the
+/// ack, and sends the sample to the group again.
 void hand_repairs_to_group(SendSide& side, Ack& ack, Time now) {
   const GroupRegistry::OfChannel in = side.groups.of_channel(ack.writer, ack.channel);
   if (in.group == nullptr) return;
@@ -26,8 +26,9 @@ Wake reject(SendSide& side) {
   return Wake::none;
 }
 
-/// Rejects the ack: the receiver may follow a channel that the writer does not have. From now on, samples
-/// of the writer's channels to that receiver name their channel with its full number.
+/// Rejects an ack of a channel that the writer does not have, which the receiver may have followed by
+/// mistake. Passes the ack to the writer's channels to that address, so that their samples carry the full
+/// channel number from now on.
 Wake hear_of_unknown_channel(SendSide& side, const Ack& ack, const SocketAddress& from) {
   Wake wake = reject(side);
   for (const std::shared_ptr<Channel>& channel : side.channels.find_at(ack.writer, from.ip))
@@ -68,7 +69,7 @@ Wake hear(SendSide& side, const GroupReport& report, const SocketAddress& from, 
 
 Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from, Time now) noexcept try {
   return std::visit([&](const auto& one) { return hear(side, one, from, now); }, answer);
-} catch (const std::bad_alloc&) {  // the answer is dropped, since a later one will come
+} catch (const std::bad_alloc&) {  // the answer is dropped; a later answer will replace it
   return Wake::none;
 }
 

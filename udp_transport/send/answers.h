@@ -1,4 +1,4 @@
-// Handles the answers of receivers: acks, reports, and reports of members of groups.
+// Handles the answers of receivers: acks, reports, and reports of members of multicast groups.
 #pragma once
 
 #include <chrono>
@@ -10,9 +10,10 @@
 
 namespace sft::udp {
 
-/// Handles an answer. Returns Wake::look if a lane or channel that waited may go on. An answer is rejected
-/// and counted if it belongs to nothing that was sent, or comes from an address that nothing was sent to.
-/// Used by one thread: the sending thread, or the receiving thread if there is no port for answers.
+/// Handles an answer. Returns Wake::look if a lane or channel that waited may continue. An answer is
+/// rejected and counted if it does not belong to any sent data, or comes from an address to which no data
+/// was sent. Must be called by only one thread: the sending thread, or the receiving thread if there is no
+/// port for answers.
 [[nodiscard]] Wake hear_answer(SendSide& side, const Answer& answer, const SocketAddress& from,
                                std::chrono::steady_clock::time_point now) noexcept;
 

@@ -1,4 +1,4 @@
-// Sends the present sample to one destination by best effort: at once, or through its lane.
+// Sends the sample that is being published to one destination by best effort: at once, or through a lane.
 #pragma once
 
 #include <cstddef>
@@ -13,14 +13,14 @@ namespace sft::udp {
 
 class BestEffortDelivery {
  public:
-  /// The draft and the direct path must outlive this object.
+  /// `draft` and `direct` must outlive this object.
   BestEffortDelivery(std::shared_ptr<SendSide> side, Draft& draft, DirectPath& direct)
       : side_(std::move(side)), draft_(draft), direct_(direct) {}
 
-  /// Returns the number of samples that do not get to the destination: the present ones, or older ones that
-  /// were given up.
+  /// Sends the sample of the draft. Returns the number of samples that are not sent to the destination: the
+  /// new ones, or older ones that were dropped for them.
   std::size_t send(const std::shared_ptr<Lane>& lane, const core::SampleHandle& sample);
-  /// Queues the job in the lane. Returns 1 if older jobs were given up for it.
+  /// Queues the job of the draft in the lane. Returns 1 if older jobs were dropped for it, else 0.
   std::size_t enqueue(const std::shared_ptr<Lane>& lane);
 
  private:

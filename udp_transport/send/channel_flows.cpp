@@ -34,7 +34,8 @@ void ChannelFlows::forget_resting() {
   std::erase_if(attended_, [](const Attended& attended) { return attended.channel == nullptr; });
 }
 
-/// Sends small samples until none is left, or there is no room. Large samples take turns.
+/// Sends samples of the flow. For small samples, continues until none is left, no more may be sent, or the
+/// maximum number per turn is reached. For large samples, ends after one sample.
 void ChannelFlows::advance(SendFlow& flow) {
   for (std::size_t samples = 0; samples < small_samples_per_turn; ++samples) {
     if (!flow.piece) {
@@ -45,7 +46,7 @@ void ChannelFlows::advance(SendFlow& flow) {
                              flow.piece->range);
     }
     if (FlowSender::is_under_way(sender_.send_some(flow))) return;
-    // A datagram that was not sent counts as sent, too: it was lost, and will be requested again.
+    // A datagram that could not be sent counts as sent, too, because the receiver will request it again.
     static_cast<void>(flow.channel->finished(*flow.piece, Clock::now()));
     flow.piece.reset();
     flow.fragments.reset();

@@ -1,4 +1,4 @@
-// The channels that the sending thread handles. Sends their samples, repairs and heartbeats.
+// The channels that the sending thread maintains. The class sends their samples, repairs and heartbeats.
 #pragma once
 
 #include <cstddef>
@@ -11,7 +11,7 @@
 
 namespace sft::udp {
 
-/// All functions are called by the sending thread.
+/// All functions must be called by the sending thread.
 class ChannelFlows {
  public:
   /// Both arguments must outlive this object.
@@ -20,10 +20,10 @@ class ChannelFlows {
   void add(std::shared_ptr<Channel> channel);
   /// Sends the small samples and the heartbeats that are due.
   void send_small();
-  /// Gives one channel its turn with a large sample. `which` is an index below count().
+  /// Sends a part of a large sample of one channel. `which` is the index of the channel, less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return attended_.size(); }
-  /// Removes the channels that the sending thread need not attend to any more.
+  /// Removes the channels that need no maintenance until their next sample.
   void forget_resting();
   void clear() { attended_.clear(); }
 

@@ -1,4 +1,4 @@
-// Work that a publisher's thread hands over to the sending thread.
+// Work that a publisher's thread passes to the sending thread.
 #pragma once
 
 #include <memory>
@@ -8,13 +8,13 @@ namespace sft::udp {
 class DeferredWork {
  public:
   virtual ~DeferredWork() = default;
-  /// Does a part of the work that takes some milliseconds at most. Returns true if something is left. The
-  /// function is then called again after other work has had its turn.
+  /// Does a part of the work, for a few milliseconds at most. Returns true if a part is left. Then the
+  /// function is called again after other work has had its turn.
   virtual bool carry_out() noexcept = 0;
 
  private:
   friend class ScheduledWork;
-  /// The work that was scheduled before this one, while both are scheduled.
+  /// The work that was scheduled before this work, while both are scheduled.
   std::shared_ptr<DeferredWork> next_;
 };
 

@@ -27,7 +27,8 @@ SendOutcome DirectPath::send(Lane& lane, Job& job) {
   if (job.first.total > direct_bytes_max) return SendOutcome::would_wait;
   if ((job.first.flags & history_follows) != 0) lane.mark(job);
   if (!may_send(to, job, now)) return SendOutcome::would_wait;
-  // Most destinations take datagrams of the same length, so the sample is cut only once for all of them.
+  // Most destinations accept datagrams of the same length, so the sample is usually cut only once for all of
+  // them.
   if (const std::size_t datagram_bytes = to.path().datagram_bytes(); datagram_bytes != cut_for_) {
     Fragmenter fragments(job.body(), datagram_bytes);
     fragments.next(batch_);
@@ -64,8 +65,8 @@ std::uint32_t DirectPath::send_some(const EncodedBody& body, Destination& to) {
   return fragments.offset();
 }
 
-/// Sends a small body in one call, and a pack in one or more calls. Returns `would_wait` if the sending
-/// thread has to send it.
+/// Sends a small body by one system call, and a pack by one or more calls. Returns `would_wait` if the
+/// sending thread has to send the body.
 SendOutcome DirectPath::send_whole(const EncodedBody& body, Destination& to, Connection& by, Time now) {
   const std::size_t datagram_bytes = to.path().datagram_bytes();
   Fragmenter fragments(body, datagram_bytes);
@@ -79,7 +80,7 @@ SendOutcome DirectPath::send_whole(const EncodedBody& body, Destination& to, Con
   return SendOutcome::sent;
 }
 
-/// Sends the batch. Also returns `would_wait` if the sample has to be cut again.
+/// Sends the batch. Returns `would_wait` if the send buffer is full, or if the sample has to be cut again.
 SendOutcome DirectPath::send_batch(Destination& to, Connection& by, std::size_t cut_for, Time now) {
   const OutgoingBatch batch{batch_.parts(), batch_.segment_bytes()};
   const auto [batches, outcome, refused] = by.try_send({&batch, 1});

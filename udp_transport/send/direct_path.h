@@ -1,5 +1,5 @@
-// Sends samples at once, on the thread that publishes: small samples, and large ones from the program's
-// memory.
+// Sends samples at once, on the publisher's thread. These are small samples, and large samples from the
+// program's memory.
 #pragma once
 
 #include <chrono>
@@ -15,7 +15,7 @@
 
 namespace sft::udp {
 
-/// An object is used by one thread only.
+/// An object must be used by only one thread.
 class DirectPath {
  public:
   using Time = std::chrono::steady_clock::time_point;
@@ -23,19 +23,20 @@ class DirectPath {
   DirectPath(std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally)
       : side_(std::move(side)), tally_(std::move(tally)) {}
 
-  /// Called before another sample is sent. That sample has to be cut first.
+  /// Must be called before a new sample is sent. The sample is then cut into datagrams by the next send.
   void begin_sample() { cut_for_ = 0; }
 
-  /// Returns true if there is room for more at the destination. Otherwise the sending thread continues once
-  /// there is room. Before the first report of the destination the whole job has to fit.
+  /// Returns true if the rate limits and the window of the destination allow more bytes now. If they do not,
+  /// the sending thread has to send the job later. Before the first report of the destination, the window
+  /// has to allow the whole job.
   bool may_send(Destination& to, const Job& job, Time now);
-  /// Sends a job of that lane. Returns `would_wait` if the sending thread has to send it, because the body
-  /// is not small or the send buffer is full.
+  /// Sends a job of that lane. Returns `would_wait` if the sending thread has to send the job, because the
+  /// body is not small or the send buffer is full.
   SendOutcome send(Lane& lane, Job& job);
-  /// Sends a piece of that channel. If it cannot leave at once, the result wakes the sending thread, which
-  /// sends it.
+  /// Sends a piece of that channel. If it cannot be sent at once, the piece is put back into the channel.
+  /// The caller must wake the sending thread as the result says.
   Wake send(Channel& channel, const Channel::Piece& piece, Time now);
-  /// Sends as much of a large body as may be sent now. Returns the number of bytes that were sent.
+  /// Sends as much of a large body as may be sent now. Returns the number of sent bytes of the body.
   std::uint32_t send_some(const EncodedBody& body, Destination& to);
 
  private:
@@ -44,8 +45,9 @@ class DirectPath {
 
   const std::shared_ptr<SendSide> side_;
   const std::shared_ptr<WriterTally> tally_;
-  Batch batch_;  ///< the datagrams of the present sample
-  /// The datagram length for which the batch was cut; 0: the batch has no datagrams of the present sample.
+  Batch batch_;  ///< the datagrams of the sample that is being sent
+  /// The datagram length for which the batch was cut; 0: the batch does not have the datagrams of the whole
+  /// sample.
   std::size_t cut_for_ = 0;
 };
 

@@ -8,7 +8,8 @@ void Draft::keep_in_channels(const core::SampleHandle& sample,
                              const std::shared_ptr<core::BufferPool>& pool) {
   if (pool == nullptr || sample->owner == pool) return keep(sample);
   const std::size_t copy_bytes = std::max(handle_->projection.bytes(), sizeof(detail::SampleHeader));
-  if (jobs_->has_borrowed()) pool->expect(copy_bytes);  // some reader lags, or may lag soon
+  // If samples are borrowed, some reader may lag and need copies soon.
+  if (jobs_->has_borrowed()) pool->expect(copy_bytes);
   if (jobs_->may_borrow(sample->capacity)) {
     keep(sample);
     return handle_->borrow();

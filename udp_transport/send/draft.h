@@ -1,4 +1,4 @@
-// The job of the present sample, until it is given to a lane or a channel.
+// The job of the sample that is being published, until it is given to a lane or a channel.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace sft::udp {
 
-/// An object is used by one thread only.
+/// An object must be used by only one thread.
 class Draft {
  public:
   explicit Draft(std::shared_ptr<JobPool> jobs) : jobs_(std::move(jobs)) {}
@@ -22,27 +22,28 @@ class Draft {
   Job& job() const { return *handle_; }
   const JobHandle& handle() const { return handle_; }
 
-  /// Makes the job keep the sample, because the job is sent later. If a channel has the job, the job holds
-  /// a copy of the body instead. A pack has no sample, since it holds copies.
+  /// Makes the job keep the sample, so that it can be sent later. Does nothing for a pack, or for a job that
+  /// a channel keeps with a copy of the body.
   void keep(const core::SampleHandle& sample) {
     if (!handle_->sample && !is_kept_) handle_->sample = sample;
     is_kept_ = is_kept_ || handle_->is_pack();
   }
-  /// Copies the body of a small job that a channel will keep. The body of a pack is a copy already.
+  /// Copies the body of a small job. Called before a channel keeps the job. The body of a pack is a copy
+  /// already.
   void copy_for_channel() {
     if (!std::exchange(is_kept_, true) && !handle_->is_pack()) handle_->copy_body();
   }
-  /// Prepares a large job for channels. They keep samples in borrowed memory only in the number that is
-  /// needed while readers keep up, so that enough of this memory is left to other readers. Further samples
+  /// Prepares a large job for channels. Channels keep only a limited number of samples in borrowed memory,
+  /// so that this memory suffices for other readers. The number suffices if readers keep up. Further samples
   /// are copied into `pool`, which may be null.
   void keep_in_channels(const core::SampleHandle& sample, const std::shared_ptr<core::BufferPool>& pool);
 
-  /// Ends the sample, after it has been sent to the whole audience. The job is used again unless a lane or
-  /// a channel has it.
+  /// Must be called after the sample has been sent to the whole audience. The job is used again unless a
+  /// lane or a channel has it.
   void release() {
     if (std::exchange(is_kept_, false) || handle_->sample) handle_ = {};
   }
-  /// Gives up the job, even if it could be used again.
+  /// Releases the job, even if it could be used again.
   void reset() {
     handle_ = {};
     is_kept_ = false;

@@ -10,16 +10,16 @@
 namespace sft::udp {
 
 namespace {
-/// The limit of best-effort samples. Large samples among them are limited to the depth of a lane, because
-/// they hold much memory.
+/// The maximum number of deferred best-effort samples. Large samples of these are limited to the depth of a
+/// lane, because they hold much memory.
 constexpr std::size_t samples_max = 64;
-// The limit of reliable samples. It is as high as the limit of a channel, because a sample that never got
-// into a channel cannot be repaired.
+// The limits of deferred reliable samples. They are as high as those of a channel, because a sample that was
+// dropped before it came into a channel cannot be repaired.
 constexpr std::size_t reliable_samples_max = ResendLimits{}.samples;
 constexpr std::size_t reliable_bytes_max = ResendLimits{}.bytes;
 
 using Clock = std::chrono::steady_clock;
-/// The limit of samples that are sent for one writer before other writers have their turn.
+/// The maximum number of samples that are sent for one writer before other writers have their turn.
 constexpr std::size_t samples_per_turn = 16;
 constexpr std::chrono::milliseconds turn{1};
 }  // namespace
@@ -50,8 +50,8 @@ FanOut::Posted FanOut::post(DeferredSample deferred) noexcept {
   return posted;
 }
 
-/// Takes out a sample that has to be given up for `newcomer`: the oldest one, or the oldest large one if
-/// there are too many large ones.
+/// If a limit is reached, removes and returns a sample that has to be dropped for `newcomer`: the oldest
+/// sample, or the oldest large sample if too many large samples wait.
 std::optional<FanOut::DeferredSample> FanOut::take_surplus_before(const DeferredSample& newcomer) noexcept {
   const core::Lock lock(mutex_);
   if (queue_.empty()) return {};
@@ -101,8 +101,8 @@ std::optional<FanOut::DeferredSample> FanOut::take() noexcept {
   return pop_oldest();
 }
 
-/// The number of samples per call is limited. Otherwise a publisher that hands over samples as fast as they
-/// are sent would keep the sending thread here for ever.
+/// The number of samples per call is limited. Otherwise a publisher that defers samples as fast as they are
+/// sent would keep the sending thread in this function.
 bool FanOut::carry_out() noexcept {
   const auto until = Clock::now() + turn;
   for (std::size_t samples = 0; samples < samples_per_turn; ++samples) {

@@ -1,5 +1,5 @@
-// The samples of one writer under all masks except the first few. The publisher's thread hands these
-// samples over to the sending thread, so that many masks do not delay the publisher.
+// Sends the samples of one writer on the sending thread, for all masks except the first few. So many masks
+// do not delay the publisher's thread.
 #pragma once
 
 #include <atomic>
@@ -24,7 +24,8 @@ class FanOut final : public DeferredWork {
   FanOut(const core::WriterSpec& spec, std::shared_ptr<SendSide> side, std::shared_ptr<WriterTally> tally,
          std::shared_ptr<JobPool> jobs);
 
-  /// A sample, and the audiences to which it still has to be sent: those in [first, end) that have no gate.
+  /// A sample, and the audiences to which it still has to be sent: the audiences without a gate whose
+  /// indices are in [first, end).
   struct DeferredSample {
     core::SampleHandle sample;
     std::shared_ptr<const RouteTable> routes;
@@ -34,19 +35,19 @@ class FanOut final : public DeferredWork {
 
   // The following functions are for the publisher's thread.
 
-  /// Returns true if no sample remains, so that a sample that is sent now overtakes nothing.
+  /// Returns true if no deferred sample is left, so that a sample that is sent now overtakes no other.
   bool done() const { return done_.load(std::memory_order_acquire); }
-  /// Returns true if large samples are handed over for all masks (PublisherOptions::asynchronous).
+  /// Returns true if the sending thread sends large samples with all masks (PublisherOptions::asynchronous).
   bool takes_large() const { return takes_large_; }
 
   struct Posted {
     Wake wake = Wake::none;
-    std::size_t dropped = 0;  ///< number of older samples that were given up because there were too many
+    std::size_t dropped = 0;  ///< number of older samples that were dropped because too many waited
   };
   Posted post(DeferredSample deferred) noexcept;
 
-  /// Waits until no sample remains, or the sending thread has stopped. After that, the writer's type may be
-  /// destroyed.
+  /// Waits until no deferred sample is left, or the sending thread has stopped. After that, the writer's
+  /// type may be destroyed.
   void finish() noexcept;
 
   /// Sends a part of the deferred samples. Called by the sending thread.
@@ -57,7 +58,7 @@ class FanOut final : public DeferredWork {
     return deferred.sample->capacity > direct_bytes_max;
   }
   std::optional<DeferredSample> take_surplus_before(const DeferredSample& newcomer) noexcept;
-  /// Takes out the oldest sample. REQUIRES: the queue is not empty.
+  /// Removes and returns the oldest sample. REQUIRES: the queue is not empty.
   DeferredSample pop_oldest() noexcept SFT_REQUIRES(mutex_);
   std::optional<DeferredSample> take() noexcept;
   static std::span<const Audience> audiences_of(const DeferredSample& deferred) {
@@ -72,7 +73,7 @@ class FanOut final : public DeferredWork {
   std::atomic<bool> done_{true};
   core::Mutex mutex_;
   OrdinalRing<DeferredSample> queue_ SFT_GUARDED_BY(mutex_){1};  ///< the oldest sample is first
-  std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;          ///< memory that the queued samples hold
+  std::size_t queued_bytes_ SFT_GUARDED_BY(mutex_) = 0;          ///< memory of the queued samples, in bytes
   VariantSender sender_;                                         ///< used by the sending thread
 };
 

@@ -59,7 +59,8 @@ void FlowSender::account_for(SendFlow& flow, Connection& by, std::size_t batches
   if (flow.size == SendFlow::Size::large) flow.behind = flow.destination().window().position();
 }
 
-/// Called if the flow has no allowance. Schedules the next round for the time when it has some.
+/// Schedules the next round for the time at which data of the flow may be sent again. Called if no byte of
+/// the flow may be sent now.
 void FlowSender::wait_for_allowance(SendFlow& flow, Time now) {
   const bool small = flow.size == SendFlow::Size::small;
   for (RateLimit* limit : {&flow.tally().limit, &limit_}) {
@@ -71,7 +72,7 @@ void FlowSender::wait_for_allowance(SendFlow& flow, Time now) {
   round_.by(flow.destination().window().next_ready(now));
 }
 
-/// Cuts as many batches as may be sent now. Returns the number of batches.
+/// Cuts as many batches of the flow as may be sent by one system call now. Returns the number of batches.
 std::size_t FlowSender::cut_batches(SendFlow& flow, Time now) {
   Destination& to = flow.destination();
   Fragmenter fragments = *flow.fragments;
@@ -82,7 +83,8 @@ std::size_t FlowSender::cut_batches(SendFlow& flow, Time now) {
   std::size_t n = 0;
   for (std::size_t cut = 0; n < batches_per_call && !fragments.done() && cut < call_bytes; ++n) {
     fragments.next(batches_[n], bytes_max, to.datagrams_per_call());
-    if (batches_[n].bytes() > allowed && !to.window().answers()) {  // not even a single datagram is allowed
+    // The receiver has not answered, and not even one datagram is allowed.
+    if (batches_[n].bytes() > allowed && !to.window().answers()) {
       wait_for_allowance(flow, now);
       break;
     }

@@ -1,5 +1,5 @@
-// Sends as much of a flow as its destination and the rate limits allow, and schedules when the sending
-// thread continues with it.
+// Sends as much of a flow (the sample that a lane or channel is sending) as its destination and the rate
+// limits allow. Schedules the time at which the sending thread continues with the flow.
 #pragma once
 
 #include <array>
@@ -17,31 +17,31 @@
 
 namespace sft::udp {
 
-/// All functions are called by the sending thread.
+/// All functions must be called by the sending thread.
 class FlowSender {
  public:
   using Time = SendFlow::Time;
   enum class Progress : std::uint8_t {
-    none,   ///< nothing was sent: the flow has to wait
-    some,   ///< a part was sent, and the rest has to follow
-    whole,  ///< the whole sample has left
+    none,   ///< no data was sent: the flow has to wait
+    some,   ///< a part of the sample was sent, and the rest has to be sent later
+    whole,  ///< the whole sample was sent
     lost,
   };
   static bool is_under_way(Progress progress) {
     return progress == Progress::none || progress == Progress::some;
   }
-  /// A flow whose connection is full for longer than this is given up. Other samples need its memory more,
-  /// and a receiver that had a part of the sample has given that up.
+  /// If the connection of a flow is full for longer than this, the sample is given up. The memory is needed
+  /// for other samples, and a receiver of a part of the sample has given it up by then.
   static constexpr std::chrono::seconds timeout{2};
 
-  /// `limit` is the rate limit of all writers together. All arguments must outlive this object.
+  /// `limit` is the common rate limit of all writers. All arguments must outlive this object.
   FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerReceiver& answers, NextRound& round)
       : limit_(limit), local_turns_(local_turns), answers_(answers), round_(round) {}
 
-  /// Sends the data that may be sent in one turn. Takes answers meanwhile, and yields to readers on this
-  /// host.
+  /// Sends the data that may be sent in one turn, by several system calls. Meanwhile handles answers, and
+  /// yields to readers on this host.
   Progress send_some(SendFlow& flow);
-  /// Sends the data that may be sent in one call.
+  /// Sends the data that may be sent by one system call.
   Progress send_a_few(SendFlow& flow, Time now);
 
  private:
@@ -52,18 +52,18 @@ class FlowSender {
 
   static constexpr int calls_per_turn = 8;  ///< number of system calls before the next flow has its turn
   static constexpr std::size_t batches_per_call = 8;
-  /// The limit of one call, in socket bytes. Data of this size is still in the nearest caches when the
-  /// kernel copies it, and the first call of several wakes a receiver that sleeps.
+  /// The maximum size of one system call, in socket bytes. Data of this size is still in the nearest caches
+  /// when the kernel copies it. The first of several such calls wakes a sleeping receiver early.
   static constexpr std::size_t bytes_per_call = batch_bytes_max;
 
   RateLimit& limit_;
   LocalTurns& local_turns_;
   AnswerReceiver& answers_;
   NextRound& round_;
-  // The batches of the present call.
+  // The batches of the present system call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;
-  /// For each batch, the state of the fragmenter after it.
+  /// For each batch, the state of the fragmenter after that batch was cut.
   std::array<std::optional<Fragmenter>, batches_per_call> rest_;
 };
 

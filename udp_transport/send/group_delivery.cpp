@@ -5,9 +5,10 @@
 
 namespace sft::udp {
 
-/// Sends to all members. Each reliable member keeps the job in its channel. The channel repairs the sample,
-/// or sends it if the member does not receive the group or the group has no room. Copies for best-effort
-/// members that do not receive the group have no mark of the group.
+/// Sends the sample to all members of the group. The channel of each reliable member keeps the job, so that
+/// lost parts can be sent again. The channel sends the whole sample if the member does not receive the
+/// group, or if nothing can be sent to the group now. Best-effort members that do not receive the group get
+/// separate copies without the fields of the group.
 std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHandle& sample,
                                 const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
@@ -27,7 +28,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   }
   const MulticastGroup::BestEffort others = group.best_effort();
   if (has_room || others.some_hear) {
-    // Channels share the job by now, and have headers of their own. So only the group uses the job's
+    // The channels already share the job, and have their own headers. So only the group uses the job's
     // header.
     job.first.flags |= group_follows;
     job.first.group = {group.name().number, static_cast<std::uint32_t>(sample->sequence >> 32), ordinal};
@@ -37,8 +38,8 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
   return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
 }
 
-/// If the publisher waits for its readers, waits for room in the channel of each reliable member before any
-/// part of the sample is sent.
+/// If the publisher waits for its readers, waits before any part of the sample is sent. It waits until the
+/// channel of each reliable member can keep the sample without giving up an older one.
 void GroupDelivery::await_room(const Audience& audience) {
   std::chrono::nanoseconds* const timeout = unicast_.reliable.timeout();
   if (timeout == nullptr) return;
@@ -47,7 +48,7 @@ void GroupDelivery::await_room(const Audience& audience) {
   }
 }
 
-/// Sends to the best-effort members that do not receive the group.
+/// Sends the sample separately to the best-effort members that do not receive the group.
 std::size_t GroupDelivery::send_to_unconfirmed_members(const Audience& audience,
                                                        const core::SampleHandle& sample) {
   Job& job = draft_.begin();
@@ -74,18 +75,19 @@ std::size_t GroupDelivery::keep_for(const Audience& audience, std::size_t member
   return unicast_.reliable.settle(posted, channel, *audience.lanes[member], 1);
 }
 
-/// Returns false if the group does not get the sample, or loses an older one for it.
+/// Sends the sample to the group. Returns false if the group does not get the sample, or loses an older one
+/// for it.
 bool GroupDelivery::send_to_group(const Audience& audience, const core::SampleHandle& body) {
   MulticastGroup& group = *audience.multicast;
   const std::shared_ptr<Lane>& lane = group.lane();
   Job& job = draft_.job();
   Sender& sender = side_->sender;
-  if (!group.is_answered()) {  // all members that received the group are silent
+  if (!group.is_answered()) {  // no member has answered, or all of them are silent now
     sender.wake(group.note_departed(job, true));
     return false;
   }
   if (group.broken()) {
-    // The members that should have received the sample will request it.
+    // The sample is not sent now. The members that should have received it will request it.
     sender.wake(group.note_departed(job, false));
     return true;
   }

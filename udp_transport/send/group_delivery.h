@@ -1,5 +1,5 @@
-// Sends the present sample to a multicast group, and separately to the members that do not receive the
-// group.
+// Sends the sample that is being published to a multicast group, and separately to the members that do not
+// receive the group.
 #pragma once
 
 #include <cstddef>
@@ -22,9 +22,9 @@ class GroupDelivery {
                 DirectPath& direct, UnicastDelivery& unicast)
       : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// REQUIRES: the audience has a multicast group. `body` holds the bytes of the job: it is the sample, or
-  /// memory with the parts that were taken from the sample. Returns the number of destinations that do not
-  /// get the sample.
+  /// REQUIRES: the audience has a multicast group. `body` has the bytes of the job's body: it is the sample
+  /// itself, or memory with the requested parts of the sample. Returns the number of destinations that do
+  /// not get the sample.
   std::size_t send(const Audience& audience, const core::SampleHandle& sample,
                    const core::SampleHandle& body);
 

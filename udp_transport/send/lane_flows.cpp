@@ -9,7 +9,8 @@ namespace {
 using Progress = FlowSender::Progress;
 using Size = SendFlow::Size;
 
-/// The longest time for which a group waits for an older sample to one of its members alone.
+/// The maximum time for which the flow of a multicast group waits until an older sample to one of its
+/// members alone was sent.
 constexpr std::chrono::milliseconds member_stalls_max{10};
 
 /// Returns true if the job of `one` is older. REQUIRES: both flows have a job of the same writer.
@@ -38,7 +39,7 @@ void LaneFlows::forget_idle() {
   std::erase_if(flows_, [](const SendFlow& flow) { return flow.lane == nullptr; });
 }
 
-/// Takes the next job of the flow's lane. Returns false if there is none.
+/// Takes the next job of the flow's lane. Returns false if the lane has no job.
 bool LaneFlows::begin(SendFlow& flow) {
   flow.fragments.reset();
   flow.full_since.reset();
@@ -52,8 +53,9 @@ bool LaneFlows::begin(SendFlow& flow) {
   return true;
 }
 
-/// Hands the history of a late reader, and the jobs behind it, to the channel while there is room. The
-/// channel need not give up samples for jobs that can wait here. Returns false if no job remains.
+/// Passes the history of a late reader, and then the later jobs of the lane, to the lane's channel. Stops
+/// while the channel is full, so that it does not give up samples for jobs that can wait in the lane.
+/// Returns false if no job is left.
 bool LaneFlows::pass_on(SendFlow& flow) {
   Lane& lane = *flow.lane;
   if (lane.closed()) flow.waits_for_room = false;
@@ -70,7 +72,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
   return false;
 }
 
-/// Sends as much as the flow may send now, and takes its next job when the present one is done.
+/// Sends as much of the flow as may be sent now, and takes its next job when the present job is done.
 void LaneFlows::advance(SendFlow& flow) {
   if (const SendFlow* other = holder_of(flow)) return note_stall(flow, other->stalled_since);
   const Progress progress = sender_.send_some(flow);
@@ -86,17 +88,19 @@ void LaneFlows::advance(SendFlow& flow) {
   if (!begin(flow)) flow.lane.reset();
 }
 
-/// Schedules when groups that wait for the flow may pass it. A flow that waits for another flow counts as
-/// stalled since the other one stalled.
+/// Notes that the flow has stalled at `since`, if it has. Schedules a round for the time at which flows of
+/// multicast groups that wait for this flow may overtake it. If the flow waits for another flow, `since` is
+/// the time when that other flow stalled.
 void LaneFlows::note_stall(SendFlow& flow, std::optional<SendFlow::Time> since) {
   if (since && !flow.stalled_since) round_.by(*since + member_stalls_max);
   flow.stalled_since = since;
 }
 
-/// Returns a flow that has to be sent before this one; null if there is none. Large samples of one writer
-/// go to a destination one after another, under any masks. So the first one is whole sooner, and a receiver
-/// assembles only a few at a time. Small samples may pass between them. If a receiver gets one sample by a
-/// group or in a shared copy, and another one by another lane, the older sample goes first.
+/// Returns a flow whose sample has to be sent before that of `flow`; null if there is none. Large samples of
+/// one writer, with any masks, are sent to a destination one after another. So the first sample is whole
+/// sooner, and a receiver assembles only a few samples at a time. Small samples may be sent between them. If
+/// a receiver gets one sample by a group or in a shared copy, and another sample by another lane, the older
+/// sample is sent first.
 const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   if (flow.fragments->begun()) return nullptr;
   const Destination& to = flow.lane->destination();
@@ -111,8 +115,8 @@ const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   return holder == flows_.end() ? nullptr : &*holder;
 }
 
-/// Returns true if the group's flow `flow` may pass `other`, a flow to one of its members that has stalled
-/// for long enough.
+/// Returns true if `flow`, which is the flow of a group, may overtake `other`. That is allowed if `other` is
+/// a flow to one member that has stalled for member_stalls_max.
 bool LaneFlows::may_pass(const SendFlow& flow, const SendFlow& other) {
   if (!flow.lane->end().is_group() || other.lane->end().is_group() || !other.stalled_since) return false;
   const SendFlow::Time at = *other.stalled_since + member_stalls_max;

@@ -1,5 +1,5 @@
-// The lanes that the sending thread handles. Sends their jobs, one after another in each lane, or hands
-// them to the channel of the lane.
+// The lanes that the sending thread handles. The class sends the jobs of each lane one after another, or
+// passes them to the channel of the lane.
 #pragma once
 
 #include <cstddef>
@@ -15,17 +15,17 @@
 
 namespace sft::udp {
 
-/// All functions are called by the sending thread.
+/// All functions must be called by the sending thread.
 class LaneFlows {
  public:
-  /// `scheduled` takes channels that need attention again. All three arguments must outlive this object.
+  /// Channels that got jobs are added to `scheduled`. All three arguments must outlive this object.
   LaneFlows(FlowSender& sender, ScheduledWork& scheduled, NextRound& round)
       : sender_(sender), scheduled_(scheduled), round_(round) {}
 
   void add(std::shared_ptr<Lane> lane) { flows_.emplace_back().lane = std::move(lane); }
-  /// Takes the next job in each lane that has no job in progress, and sends the small jobs.
+  /// Takes the next job of each lane that has no job in progress, and sends the small jobs.
   void send_small();
-  /// Gives one lane its turn with a large job. `which` is an index below count().
+  /// Sends a part of a large job of one lane. `which` is the index of the lane, less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return flows_.size(); }
   /// Removes the lanes that have become idle.

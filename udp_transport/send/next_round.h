@@ -1,4 +1,5 @@
-// The time of the sending thread's next round. The thread sleeps until then. Uses no clock, thread or I/O.
+// The time of the sending thread's next round of sending. The thread sleeps until then. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <algorithm>

@@ -6,15 +6,15 @@
 namespace sft::udp {
 
 namespace {
-/// The limit of a pack's length in bytes. One system call takes such a pack, whatever the lengths of its
+/// The maximum length of a pack in bytes. One system call can send such a pack, whatever the lengths of its
 /// samples are.
 constexpr std::size_t pack_bytes_most = 44'000;
 constexpr std::size_t pack_datagrams = 30;
-/// The limit of samples in a pack: a quarter of those that are acknowledged at a time or kept. So the next
-/// pack can be filled meanwhile.
+/// The maximum number of samples in a pack. It is a quarter of the number of samples that a channel keeps.
+/// So the next pack can be filled while a pack is not acknowledged.
 constexpr std::size_t pack_samples_max = 1024;
-/// The number of samples for which a datagram must have room. Sharing a datagram among fewer would gain
-/// little.
+/// A sample is packed only if at least this number of such samples fits into a datagram. With fewer samples
+/// per datagram, packing would gain little.
 constexpr std::size_t samples_per_datagram_min = 4;
 }  // namespace
 
@@ -32,7 +32,8 @@ Packer::Pack& Packer::pack_for(const Audience& audience) {
     datagram_bytes = std::min(datagram_bytes, lane->destination().path().datagram_bytes());
   const std::size_t header =
       first_header_bytes + channel_bytes + length_bytes + audience.wire->words.size() * sizeof(std::uint64_t);
-  // A sample of this length fits into one datagram on every path, so that no packed sample has to be cut.
+  // A sample of at most this length fits into one datagram on every path, so that no packed sample has to be
+  // cut.
   const std::size_t sample_bytes = std::min({datagram_bytes_min - header, side_->max_sample_bytes,
                                              (datagram_bytes - header) / samples_per_datagram_min});
   return packs_.emplace_back(Pack{&audience, jobs_->take(), sample_bytes,

@@ -1,4 +1,4 @@
-// Packs small samples that are published together, so that they share datagrams.
+// Packs small samples that are published together into common datagrams.
 #pragma once
 
 #include <cstddef>
@@ -13,17 +13,17 @@
 
 namespace sft::udp {
 
-/// An object is used by one thread only.
+/// An object must be used by only one thread.
 class Packer {
  public:
-  /// The encoder must outlive the packer. No sample is longer than SendSide::max_sample_bytes.
+  /// `encoder` must outlive this object. Samples longer than SendSide::max_sample_bytes are not packed.
   Packer(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, std::shared_ptr<JobPool> jobs)
       : side_(std::move(side)), encoder_(encoder), jobs_(std::move(jobs)) {}
 
   enum class Hold : std::uint8_t {
     held,
-    full,   ///< the sample has to wait until the packs are sent
-    unfit,  ///< the sample is not small, or must not be packed; it is sent alone, after the packs
+    full,   ///< the packs have to be sent before the sample can be held
+    unfit,  ///< the sample is too large or must not be packed; the caller sends it alone, after the packs
   };
   /// Copies a small sample into the pack of the audience. The audience must live until the packs are taken.
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept;
@@ -51,7 +51,7 @@ class Packer {
   const std::shared_ptr<SendSide> side_;
   const SampleEncoder& encoder_;
   const std::shared_ptr<JobPool> jobs_;
-  JobHandle projected_;  ///< the body of the present sample, as it was projected
+  JobHandle projected_;  ///< job for the projection of the sample that is being packed
   std::vector<Pack> packs_;
 };
 

@@ -5,7 +5,8 @@
 namespace sft::udp {
 
 namespace {
-/// The length of a copy after which the channel is asked if the rest is still needed.
+/// The number of bytes that are copied at a time. After each such copy, it is checked if the channel still
+/// needs the rest.
 constexpr std::size_t copied_at_a_time = 128 * 1024;
 }  // namespace
 
@@ -24,7 +25,7 @@ std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,
   return channel == nullptr ? send_once(lane, sample) : send_reliably(*lane, channel, sample);
 }
 
-/// Sends by best effort. The body is copied only if the sending thread has to send the rest.
+/// Sends by best effort. The sample is completed by copying only if the sending thread has to send the rest.
 std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
                                          const core::SampleHandle& sample) {
   Job& job = draft_.job();
@@ -37,8 +38,8 @@ std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
   return unicast_.best_effort.enqueue(lane);
 }
 
-/// Sends reliably. Copies the parts that may have to be sent again, except those that have been
-/// acknowledged by then.
+/// Sends reliably. Then copies the parts that may have to be sent again. Copying stops when the sample is
+/// acknowledged.
 std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
                                                             const std::shared_ptr<Channel>& channel,
                                                             const core::SampleHandle& sample) {

@@ -1,4 +1,5 @@
-// Sends a large sample from the program's memory, before its body is copied.
+// Sends a large sample directly from the program's memory. Only the rest that cannot be sent at once is
+// copied.
 #pragma once
 
 #include <cstddef>
@@ -15,14 +16,14 @@ namespace sft::udp {
 
 class PostponedDelivery {
  public:
-  /// The draft, the direct path and the unicast delivery must outlive this object.
+  /// All arguments must outlive this object.
   PostponedDelivery(Draft& draft, DirectPath& direct, UnicastDelivery& unicast)
       : draft_(draft), direct_(direct), unicast_(unicast) {}
 
-  /// Returns true if no other sample has to be sent before this one, and there is a connection for it.
+  /// Returns true if no older sample has to be sent first, and there is a connection for large samples.
   static bool is_possible(const Audience& audience);
-  /// Sends through the only lane of the audience. Returns the number of samples that do not get to the
-  /// destination. Empty if another sample has to be sent first; in that case nothing was sent.
+  /// Sends to the only destination of the audience. Returns the number of samples that are not sent to the
+  /// destination. Returns nothing, and has sent no data, if another sample has to be sent first.
   std::optional<std::size_t> send(const Audience& audience, const core::SampleHandle& sample);
 
  private:
@@ -36,7 +37,7 @@ class PostponedDelivery {
   Draft& draft_;
   DirectPath& direct_;
   UnicastDelivery& unicast_;
-  std::vector<detail::Segment> located_;  ///< segments of the present body in the program's memory
+  std::vector<detail::Segment> located_;  ///< segments of the sample's body in the program's memory
 };
 
 }  // namespace sft::udp

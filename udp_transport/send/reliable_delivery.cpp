@@ -7,7 +7,7 @@ using Clock = std::chrono::steady_clock;
 }
 
 /// Queues the job in the lane of a late reader. The history of that reader has to be sent first, and no
-/// part of it may be given up for the job.
+/// sample of the history must be given up for the job.
 std::size_t ReliableDelivery::send_after_history(const std::shared_ptr<Lane>& lane) {
   if (draft_.job().is_small()) draft_.copy_for_channel();
   if (timeout_.count() > 0) lane->await_room(draft_.job(), timeout_);
@@ -37,8 +37,8 @@ std::size_t ReliableDelivery::settle(const Channel::Posted& posted, const std::s
   const ResendWindow::Kept& kept = posted.kept;
   lane.losses()->lost(kept.dropped_bytes, kept.dropped_whole_bytes, kept.dropped);
   side_->over_limit.fetch_add(kept.dropped, std::memory_order_relaxed);
-  // If a publisher waited for room in vain, samples that may have arrived count as lost, too, because no
-  // reader acknowledged them in all that time.
+  // If the publisher waits for its readers, sent samples that were given up without an ack count as lost,
+  // too. They may have arrived, but they were not acknowledged while the publisher waited.
   const std::size_t gone = kept.dropped + (waits_for_readers_ ? kept.unacknowledged : 0);
   return std::min(gone, job_samples);
 }

@@ -19,8 +19,8 @@ bool SampleEncoder::encode(const Audience& audience, const core::SampleBuffer& s
   return true;
 }
 
-/// Puts large parts into memory of the node's pool. There are many jobs, and each would keep memory of its
-/// own otherwise.
+/// Encodes a selection with parts of fields. Large parts are stored in memory of the node's pool. Otherwise
+/// each of many jobs would keep a large memory of its own.
 bool SampleEncoder::gather(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
   const detail::SampleState state = core::state_of(sample, type_.index_slots());
   const std::size_t bytes = job.projection.bytes_most(state, audience.plan);

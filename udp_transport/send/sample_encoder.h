@@ -1,5 +1,5 @@
-// Encodes a writer's samples for an audience: the body under its mask, and the header of the first
-// datagram.
+// Encodes a writer's samples for an audience: the body with the mask of the audience, and the header of the
+// first datagram.
 #pragma once
 
 #include <cstdint>
@@ -18,14 +18,14 @@ class SampleEncoder {
   SampleEncoder(const core::WriterSpec& spec, std::shared_ptr<SendSide> side)
       : writer_(static_cast<std::uint32_t>(spec.id)), type_(*spec.type), side_(std::move(side)) {}
 
-  /// Returns false if there is nothing to send, because the sample is malformed or too large. If large
-  /// parts of fields were requested, the body is in memory of the node itself, and the job has that memory
-  /// as its sample.
+  /// Encodes the sample into the job. Returns false if the sample cannot be sent, because it is malformed or
+  /// too large. If large parts of fields were requested, the body is in the node's own memory, and the
+  /// sample of the job is that memory.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
-  /// Writes the number of the sample among those that passed the gate of the audience, if there is a gate.
-  /// Called by the publisher's thread if the sample has passed. Retained samples pass no gate.
+  /// If the audience has a gate, writes the number of the sample among those that passed the gate. Must be
+  /// called by the publisher's thread, and only if the sample has passed. Retained samples pass no gate.
   static void number(const Audience& audience, Job& job);
-  /// Writes all fields of the header, except the length of the body.
+  /// Writes all fields of the job's header, except the length of the body.
   void describe(const Audience& audience, const core::SampleBuffer& sample, Job& job) const;
   /// Projects the sample to the mask of the audience. Returns false if the sample is malformed.
   bool project(const Audience& audience, const core::SampleBuffer& sample, detail::Projection& body) const {

@@ -5,8 +5,8 @@
 namespace sft::udp {
 
 namespace {
-/// Adds to one of two lists that change places with each take(). A list is given the capacity that the
-/// other one has reached at once, instead of growing step by step.
+/// Adds to one of two lists, which take() exchanges. The list at once gets the greatest capacity that either
+/// list has had, instead of growing step by step.
 template <class One>
 void add_to(std::vector<One>& list, One one, std::size_t& room) {
   list.reserve(room);
@@ -53,8 +53,8 @@ void ScheduledWork::close() {
   deferred_.reset();
 }
 
-/// If nothing was added, the lists are not exchanged. So the publisher's thread needs no allocation once
-/// lists with work have been taken twice, however often the sending thread found nothing.
+/// Lists are exchanged only if work was added. So after two exchanges, the publisher's thread does not
+/// allocate any more, however often the sending thread has found no work.
 void ScheduledWork::take(Taken& taken) {
   const core::Lock lock(mutex_);
   if (!added_.lanes.empty()) taken.lanes.swap(added_.lanes);
@@ -69,7 +69,7 @@ void ScheduledWork::carry_out_all_deferred() {
     any_deferred_.store(false, std::memory_order_relaxed);
   }
   while (work != nullptr) {
-    // Copied first, because the work may be scheduled again at once.
+    // This is moved first, because the work may be scheduled again at once.
     std::shared_ptr<DeferredWork> next = std::move(work->next_);
     if (work->carry_out()) add(work);
     work = std::move(next);

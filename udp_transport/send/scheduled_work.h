@@ -1,4 +1,4 @@
-// Hands lanes, channels and deferred work over to the sending thread, and wakes that thread.
+// Passes lanes, channels and deferred work to the sending thread, and wakes that thread.
 #pragma once
 
 #include <atomic>
@@ -24,10 +24,11 @@ class ScheduledWork {
 
   void add(std::shared_ptr<Lane> lane);
   void add(std::shared_ptr<Channel> channel);
-  /// Adds work. Work that was added before must have been carried out. Allocates nothing.
+  /// Adds work. If the same work was added before, it must have been carried out meanwhile. Allocates
+  /// nothing.
   void add(std::shared_ptr<DeferredWork> work) noexcept;
-  /// Releases all work that was not taken, and ignores work that is added later, because deferred work
-  /// shares ownership of the sending thread.
+  /// Releases all work that was not taken, and ignores work that is added later. Otherwise deferred work,
+  /// which shares ownership of the sending thread, would keep that thread alive.
   void close();
 
   // The following functions are for the sending thread.
@@ -40,18 +41,18 @@ class ScheduledWork {
     std::vector<std::shared_ptr<Lane>> lanes;
     std::vector<std::shared_ptr<Channel>> channels;
 
-    /// Up to this number of lanes or channels, nothing is allocated later.
+    /// Memory for this number of lanes and of channels is allocated in advance.
     static constexpr std::size_t few = 16;
   };
-  /// Takes the lanes and channels that were added since the last call. `taken` must be empty. If something
-  /// is taken, the former memory of `taken` is used for later additions.
+  /// Takes the lanes and channels that were added since the last call. `taken` must be empty. If any were
+  /// added, the former memory of `taken` is used for later additions.
   void take(Taken& taken);
   void carry_out_deferred() {
     if (any_deferred_.load(std::memory_order_acquire)) carry_out_all_deferred();
   }
 
  private:
-  /// The capacities that the lists of added lanes and channels have reached.
+  /// The greatest capacities of the lists of added lanes and channels so far.
   struct Room {
     std::size_t lanes = 0, channels = 0;
   };
@@ -65,7 +66,7 @@ class ScheduledWork {
   Taken added_ SFT_GUARDED_BY(mutex_);
   Room room_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<DeferredWork> deferred_
-      SFT_GUARDED_BY(mutex_);  ///< the work that was added last; each work refers to the previous one
+      SFT_GUARDED_BY(mutex_);  ///< the work that was added last; each refers to the previous one
   std::atomic<bool> any_deferred_{false};
 };
 

@@ -1,4 +1,4 @@
-// The present job of one lane, or of one of a channel's two queues, and the progress of sending it.
+// The job that one lane, or one of a channel's two queues, is sending, and the progress of that.
 #pragma once
 
 #include <chrono>
@@ -21,17 +21,18 @@ struct SendFlow {
   std::shared_ptr<Channel> channel{};
   Size size{};
   std::optional<Fragmenter> fragments{};
-  /// Time when the flow's connection became full, if nothing was sent since.
+  /// The time when the flow's connection became full, if no data was sent since then.
   std::optional<Time> full_since{};
-  std::optional<Time> stalled_since{};  ///< time when the flow stalled, if nothing was sent since
-  bool waits_for_room = false;          ///< true if the lane's current job has no room in the lane's channel
-  std::uint64_t behind = 0;  ///< the destination's position after the latest part of a large sample
-  std::optional<Channel::Piece> piece{};  ///< the piece, which keeps the memory that the fragments refer to
+  std::optional<Time> stalled_since{};  ///< time when the flow stalled, if no data was sent since then
+  bool waits_for_room = false;          ///< true if the lane's job waits because the lane's channel is full
+  std::uint64_t behind = 0;  ///< the destination's position after the last sent part of a large sample
+  /// The channel's piece; keeps the memory that `fragments` refers to.
+  std::optional<Channel::Piece> piece{};
 
   Destination& destination() const { return lane ? lane->destination() : channel->destination(); }
   WriterTally& tally() const { return lane ? lane->tally() : channel->tally(); }
-  /// Returns the connection for the flow. A small sample overtakes large samples, unless it has to arrive
-  /// behind one of them.
+  /// Returns the connection for the flow. A small sample may overtake large samples, unless it has to arrive
+  /// after one of them.
   Connection& connection() const {
     if (size == Size::large) return destination().bulk();
     return lane ? destination().connection_after(lane->behind()) : destination().connection();

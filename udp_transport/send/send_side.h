@@ -24,11 +24,12 @@
 
 namespace sft::udp {
 
-/// A task that the agent's thread has to perform now and then.
+/// A task that the agent's thread has to perform from time to time.
 class Periodic {
  public:
   using Time = std::chrono::steady_clock::time_point;
-  /// Performs the task. Returns when it has to be called again; Time::max() if that is not urgent.
+  /// Performs the task. Returns the time at which it has to be called again; Time::max() if that is not
+  /// urgent.
   virtual Time maintain(Time now) = 0;
 
  protected:
@@ -45,7 +46,7 @@ class PeriodicTasks {
     const auto maintain = [&one](Time now, Time& next) { next = std::min(next, one.maintain(now)); };
     all_.push_back({&one, std::make_shared<Maintain>(maintain)});
   }
-  /// Removes a task. When this returns, the task is not called any more, and no call of it is in progress.
+  /// Removes a task. After the return, the task is not called any more, and no call of it is in progress.
   void remove(const Periodic& one) {
     core::Lock lock(mutex_);
     const auto found = std::ranges::find(all_, &one, &Entry::one);
@@ -54,8 +55,8 @@ class PeriodicTasks {
     lock.unlock();
     removed->clear();
   }
-  /// Calls each task in turn, without holding the mutex meanwhile. Allocates nothing while there are no
-  /// more tasks than before. Called by the agent's thread.
+  /// Calls each task in turn, without holding the mutex meanwhile. Allocates only if there are more tasks
+  /// than ever before. Must be called by the agent's thread.
   void maintain(Time now) {
     {
       const core::Lock lock(mutex_);
@@ -65,10 +66,11 @@ class PeriodicTasks {
     for (const Entry& entry : round_) (*entry.maintain)(now, next_);
     round_.clear();
   }
-  /// Schedules the next call of maintain() for that time at the latest. Called by the agent's thread.
+  /// Schedules the next call of maintain() for the time `next` at the latest. Must be called by the agent's
+  /// thread.
   void maintain_by(Time next) { next_ = std::min(next_, next); }
-  /// Returns when maintain() has to be called again; Time::max() if that is not urgent. Called by the
-  /// agent's thread.
+  /// Returns the time at which maintain() has to be called again; Time::max() if that is not urgent. Must be
+  /// called by the agent's thread.
   Time next() const { return next_; }
 
  private:
@@ -84,7 +86,7 @@ class PeriodicTasks {
   Time next_ = Time::max();
 };
 
-/// The shared state. It lives as long as the transport, or any of its writers.
+/// The shared state. It lives until the transport and all of its writers are destroyed.
 struct SendSide {
   SendSide(std::unique_ptr<DatagramSender> io, const DestinationLimits& to_each,
            std::uint64_t max_bytes_per_s = 0)
@@ -97,15 +99,15 @@ struct SendSide {
   ChannelRegistry channels;
   GroupRegistry groups;
   PeriodicTasks writers;
-  DestinationLimits limits;  ///< limits of each destination; each multicast group gets a copy
+  DestinationLimits limits;  ///< limits of each destination and of each multicast group
   Multicast multicast = Multicast::automatic;
   // The next two members are used by the agent's thread.
   core::NetworkMonitor network_watch;
   KnownMulticastLinks links{network_watch};
-  std::uint16_t answer_port = 0;     ///< port that acks and reports come to
-  std::size_t max_sample_bytes = 0;  ///< the largest body that is sent
+  std::uint16_t answer_port = 0;     ///< our port to which acks and reports are sent
+  std::size_t max_sample_bytes = 0;  ///< the maximum size in bytes of a sent body
   std::size_t queue_depth = 0;
-  /// The node's own memory. Samples in any other memory are borrowed. May be null.
+  /// The node's own memory; may be null. Samples in any other memory count as borrowed.
   std::shared_ptr<core::BufferPool> pool;
   std::shared_ptr<KeptMemory> kept = std::make_shared<KeptMemory>();
   std::atomic<std::uint64_t> over_limit{0}, malformed_answers{0}, answers_rejected{0};

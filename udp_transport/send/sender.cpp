@@ -45,7 +45,7 @@ void Sender::run() {
     channels_.send_small();
     send_large();
     io_->await(round_.time());
-    // Flows are removed only now, because await() may have waited for their connections.
+    // Flows are removed only here, because await() may have waited for their connections.
     lanes_.forget_idle();
     channels_.forget_resting();
   }
@@ -61,9 +61,9 @@ void Sender::take_over_scheduled() {
   taken_.channels.clear();
 }
 
-/// Gives each large flow its turn. Each call begins with another flow, so that all get their turn even if
-/// there is room for only a few. Deferred work is carried out between the turns: a deferred sample is
-/// small, or becomes a flow itself.
+/// Sends a part of the large sample of each flow. Each call begins with a different flow, so that all flows
+/// get a first turn even if only a few can send. Deferred work is carried out between the turns. It takes
+/// little time, since a deferred sample is small, or becomes a flow itself.
 void Sender::send_large() {
   const std::size_t count = lanes_.count() + channels_.count();
   if (count == 0) return;

@@ -1,6 +1,6 @@
-// The sending thread sends the samples that publishers have queued, as fast as each destination takes them.
-// No destination waits for another: if a send buffer is full, the others continue. Small samples go before
-// large ones, and large ones take turns.
+// The sending thread sends the samples that publishers have queued, as fast as each destination accepts
+// them. No destination waits for another: if the send buffer of one connection is full, the thread continues
+// with the other ones. Small samples are sent before large ones, and large samples take turns.
 #pragma once
 
 #include <atomic>
@@ -33,7 +33,8 @@ class Sender {
   Sender(const Sender&) = delete;
   Sender& operator=(const Sender&) = delete;
 
-  /// The function that handles an answer from answer_port(), on the sending thread, like hear_answer().
+  /// The function, like hear_answer(), that handles an answer which came to answer_port(). It is called on
+  /// the sending thread.
   using Hear = AnswerReceiver::Hear;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
   /// Ends the thread. Queued samples are not sent any more. Must not be called by the sending thread.
@@ -43,11 +44,11 @@ class Sender {
   // Any thread may call the following functions.
 
   std::unique_ptr<Connection> connect(const SocketAddress& to) { return io_->connect(to); }
-  /// Sends one datagram without a connection, either at once or not at all.
+  /// Sends one datagram without a connection. The datagram is dropped if it cannot be sent at once.
   void send_to(const SocketAddress& to, std::span<const std::byte> datagram) noexcept {
     io_->send_to(to, datagram);
   }
-  /// Returns the rate limit of all writers together.
+  /// Returns the common rate limit of all writers.
   RateLimit& limit() { return limit_; }
   LocalTurns& local_turns() { return local_turns_; }
   /// Returns the port to which answers come; 0: there is no separate port for answers.
@@ -55,22 +56,22 @@ class Sender {
   std::unique_ptr<Connection> connect_group(const SocketAddress& group, const SocketAddress& own) {
     return io_->connect_group(group, own);
   }
-  /// Called if an idle lane has something to send, a channel at rest needs attention, or there is deferred
-  /// work (ScheduledWork).
+  /// Adds a lane, a channel or deferred work, and wakes the sending thread (ScheduledWork). Called when an
+  /// idle lane gets a job, a channel at rest gets data to send, or work is deferred.
   template <class One>
   void schedule(std::shared_ptr<One> one) {
     scheduled_.add(std::move(one));
   }
-  /// Makes the thread check all lanes and channels at once. Called when lanes were closed, or channels have
-  /// something to send.
+  /// Makes the sending thread check all lanes and channels at once. Called when lanes were closed, or
+  /// channels have data to send.
   void look_again() noexcept { io_->wake(); }
-  /// Wakes the sending thread for a lane, a channel or work, if `wake` requires that.
+  /// Wakes the sending thread for a lane, a channel or deferred work, if `wake` requires that.
   template <class One>
   void wake(Wake wake, const std::shared_ptr<One>& one) {
     if (wake == Wake::schedule) return schedule(one);
     if (wake == Wake::look) look_again();
   }
-  /// Wakes the sending thread if `wake` requires that. Used if there is no lane, channel or work to
+  /// Wakes the sending thread if `wake` requires that. Used if there is no lane, channel or deferred work to
   /// schedule.
   void wake(Wake wake) noexcept {
     if (wake != Wake::none) look_again();

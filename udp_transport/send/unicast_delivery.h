@@ -1,4 +1,5 @@
-// Sends the present sample to each destination separately, reliably if a reader there requests that.
+// Sends the sample that is being published to each destination separately: reliably if a reader at the
+// destination requests that.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +16,8 @@ struct UnicastDelivery {
                   bool waits_for_readers)
       : best_effort(side, draft, direct), reliable(side, draft, direct, best_effort, waits_for_readers) {}
 
-  /// Returns the number of samples that do not get to the destination of that lane.
+  /// Sends to the destination of the lane with the index `lane`. Returns the number of samples that are not
+  /// sent there.
   std::size_t send(const Audience& audience, std::size_t lane, const core::SampleHandle& sample) {
     const std::shared_ptr<Channel>& channel = audience.channels[lane];
     return channel != nullptr ? reliable.send(audience.lanes[lane], channel)

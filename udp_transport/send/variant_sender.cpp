@@ -30,15 +30,15 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
     sample->complete();
   }
   return send_body(audience, sample, sample);
-  // Allocation is possible, because buffers grow with the samples that they hold.
+  // An allocation can fail here, because buffers grow with the samples that they hold.
 } catch (const std::bad_alloc&) {
   audience.tally->dropped();
   draft_.reset();
   return audience.lanes.size();
 }
 
-/// Sends a sample. `body` holds the bytes of the job: it is the sample, or memory with the parts that were
-/// taken from the sample.
+/// Sends a sample. `body` has the bytes of the job's body: it is the sample itself, or memory with the
+/// requested parts of the sample.
 std::size_t VariantSender::send_body(const Audience& audience, const core::SampleHandle& sample,
                                      const core::SampleHandle& body) {
   return audience.multicast == nullptr ? distribute(audience, body) : group_.send(audience, sample, body);
@@ -55,8 +55,10 @@ std::size_t VariantSender::send_postponed(const Audience& audience, const core::
   return *missed;
 }
 
-/// Sends the job to each destination separately. Usually all destinations miss the same samples of a pack.
-/// The data that channels keep is copied before the sending thread gets the job from any lane.
+/// Sends the job to each destination separately. Returns the number of missed samples of all destinations
+/// together; for a pack the greatest number of one destination, since usually all destinations miss the same
+/// samples. Data that channels keep is copied first, because the sending thread may read the job as soon as
+/// a lane has it.
 std::size_t VariantSender::distribute(const Audience& audience, const core::SampleHandle& sample) {
   Job& job = draft_.job();
   direct_.begin_sample();

@@ -1,4 +1,5 @@
-// Sends a writer's samples under one mask after another, in the way that suits each sample and audience.
+// Sends a writer's samples to one audience after another. Each sample is sent in the way that suits it and
+// the audience.
 #pragma once
 
 #include <chrono>
@@ -19,7 +20,7 @@
 
 namespace sft::udp {
 
-/// An object is used by one thread only, except for encode().
+/// An object must be used by only one thread, except for encode().
 class VariantSender {
  public:
   VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
@@ -27,26 +28,28 @@ class VariantSender {
   VariantSender(const VariantSender&) = delete;
   VariantSender& operator=(const VariantSender&) = delete;
 
-  /// Returns the number of destinations that do not get the sample, or lose an older one for it.
+  /// Sends the sample. Returns the number of destinations that do not get the sample, or lose an older one
+  /// for it.
   std::size_t send(const Audience& audience, const core::SampleHandle& sample) noexcept;
 
   using Hold = Packer::Hold;
-  /// Copies a small sample. flush() sends it in datagrams that it shares with other samples. The audience
+  /// Copies a small sample, so that flush() sends it in common datagrams with other samples. The audience
   /// must live until flush().
   Hold hold(const Audience& audience, const core::SampleHandle& sample) noexcept {
     return packer_.hold(audience, sample);
   }
-  /// Sends the held samples. Returns the number of samples that do not get to some destination, or made it
-  /// lose an older one. Each sample counts once, since the packs of all audiences have the same samples.
+  /// Sends the held samples. Returns the number of samples that some destination does not get, or for which
+  /// it loses an older sample. Each sample counts only once, since the packs of all audiences have the same
+  /// samples.
   std::size_t flush() noexcept;
 
-  /// Sets the time that the publisher may wait in all for room, so that a reliable sample makes no reader
-  /// lose an older one.
+  /// Sets the total time that the publisher may wait for acks, so that no reliable reader loses an older
+  /// sample for a new one.
   void set_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.set_timeout(timeout); }
   void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.cap_timeout(timeout); }
 
-  /// Returns false if there is nothing to send, because the sample is malformed or too large. Any thread
-  /// may call this.
+  /// Encodes the sample into the job. Returns false if the sample cannot be sent, because it is malformed or
+  /// too large. Any thread may call this.
   bool encode(const Audience& audience, const core::SampleBuffer& sample, Job& job) const {
     return encoder_.encode(audience, sample, job);
   }

@@ -8,7 +8,8 @@ namespace sft::udp {
 
 namespace {
 
-// The offsets of header fields: first those in all kinds of samples, then those in single kinds.
+// The offsets of header fields. The first ones are common to several kinds of datagrams, the later ones are
+// those of particular kinds.
 constexpr std::size_t at_kind = 0, at_flags = 1, at_variant = 2, at_writer = 4, at_sequence = 8;
 constexpr std::size_t at_total = 12, at_stamp = 16, at_mask = 24;
 constexpr std::size_t at_near_variant = 1, at_near_writer = 2, at_near_sequence = 6, at_near_offset = 10;
@@ -47,7 +48,7 @@ void store_common(DatagramKind kind, std::uint8_t flags, const SampleLabel& labe
   store(label.sequence, out + at_sequence);
 }
 
-/// Returns the kind that the bytes name; empty if the bytes are no datagram of this version.
+/// Returns the kind of the datagram; empty if the bytes are no datagram of this version.
 std::optional<DatagramKind> kind_of_bytes(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() < following_header_bytes || bytes.size() > datagram_bytes_max) return {};
   const auto version_and_kind = load<std::uint8_t>(&bytes[at_kind]);
@@ -71,8 +72,8 @@ void store_mask(std::uint64_t mask, std::byte* out) noexcept {
 
 std::uint8_t width_flag(std::uint64_t mask) noexcept { return is_narrow(mask) ? narrow_mask : 0; }
 
-/// Returns the mask; empty if the datagram ends before the mask does, or if a mask that needs two bytes has
-/// eight.
+/// Returns the mask; empty if the datagram ends before the mask does, or if a mask that needs only two bytes
+/// is stored in eight.
 std::optional<std::uint64_t> load_mask(std::span<const std::byte> bytes, std::size_t at,
                                        bool narrow) noexcept {
   if (bytes.size() < at + (narrow ? narrow_mask_bytes : wide_mask_bytes)) return {};
@@ -81,8 +82,8 @@ std::optional<std::uint64_t> load_mask(std::span<const std::byte> bytes, std::si
   return is_narrow(mask) ? std::nullopt : std::optional(mask);
 }
 
-/// Reads the header of a first or packed datagram, with the marks behind it. `allowed` are the flags that
-/// this kind may have.
+/// Reads the header of a first or packed datagram, with the optional fields that follow it. `allowed` are
+/// the flags that this kind may have.
 std::optional<Datagram> read_described(DatagramKind kind, std::uint8_t allowed,
                                        std::span<const std::byte> bytes) noexcept {
   const auto sent_flags = load<std::uint8_t>(&bytes[at_flags]);
@@ -143,8 +144,8 @@ std::optional<Datagram> read_packed(std::span<const std::byte> bytes) noexcept {
   return d;
 }
 
-/// Reads the short header of a whole datagram. Fields that this header leaves out are 0. The total follows
-/// from the length of the datagram.
+/// Reads the short header of a whole datagram. Fields that this header does not contain become 0. The total
+/// is computed from the length of the datagram.
 std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   const auto bits = load<std::uint32_t>(bytes.data());
   const auto mask = load_mask(bytes, at_mask, (bits >> narrow_bit & 1) != 0);
@@ -166,8 +167,8 @@ std::optional<Datagram> read_whole(std::span<const std::byte> bytes) noexcept {
   return d.first.channel.ordinal == 0 ? std::nullopt : std::optional(d);
 }
 
-/// Reads a single datagram, as if it were the first datagram of a sample without further ones. The total
-/// follows from its length.
+/// Reads a single datagram as the first and only datagram of a sample. The total is computed from the length
+/// of the datagram.
 std::optional<Datagram> read_single(std::span<const std::byte> bytes) noexcept {
   const auto flags = load<std::uint8_t>(&bytes[at_flags]);
   const auto mask = load_mask(bytes, at_single_mask, (flags & narrow_mask) != 0);
@@ -367,7 +368,7 @@ void encode(DatagramKind kind, const T& from, std::size_t bytes, std::byte* out)
   each_field(from, Store{out});
 }
 
-/// Reads a datagram of `length` bytes. Returns empty if the datagram has another length, or any flag.
+/// Reads a datagram of `length` bytes. Returns nothing if the datagram has a different length, or any flag.
 template <class T>
 std::optional<T> read(std::span<const std::byte> bytes, std::size_t length) noexcept {
   if (bytes.size() != length || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
@@ -458,7 +459,7 @@ void encode(const GroupProbe& probe, std::byte* out) noexcept {
   encode(DatagramKind::group_probe, probe, group_probe_bytes, out);
 }
 
-/// Reads a following datagram. Refuses one without payload, since it has no content.
+/// Reads a following datagram. Refuses a datagram without payload.
 static std::optional<Following> read_following(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= following_header_bytes) return {};
   const auto offset = load<std::uint16_t>(&bytes[at_near_offset]) |
@@ -470,7 +471,7 @@ static std::optional<Following> read_following(std::span<const std::byte> bytes)
                    .payload = bytes.subspan(following_header_bytes)};
 }
 
-/// Reads a far datagram. Refuses one without payload, or one that ends beyond the greatest total.
+/// Reads a far datagram. Refuses a datagram without payload, or one whose end exceeds the maximum total.
 static std::optional<Following> read_far(std::span<const std::byte> bytes) noexcept {
   if (bytes.size() <= far_header_bytes || load<std::uint8_t>(&bytes[at_flags]) != 0) return {};
   const Following far{.label = load_label(bytes.data()),
@@ -529,7 +530,7 @@ bool PackedBodies::sound() const noexcept {
     if (rest_.size() - at < bytes) return false;
     at += bytes;
   }
-  return true;  // the rest is padding
+  return true;  // any further bytes are padding
 }
 
 std::span<const std::byte> PackedBodies::next() noexcept {

@@ -9,7 +9,7 @@ namespace sft::udp {
 
 void Batch::clear() { part_count_ = staged_ = bytes_ = datagrams_ = 0; }
 
-/// Returns memory for `bytes` bytes, which are sent right behind everything in the batch so far.
+/// Returns memory for `bytes` bytes, which are sent directly after the present content of the batch.
 std::byte* Batch::stage(std::size_t bytes) {
   std::byte* place = staging_.get() + staged_;
   const bool extends =
@@ -26,7 +26,7 @@ std::byte* Batch::stage(std::size_t bytes) {
   return place;
 }
 
-/// Pads the last datagram to full length, since another one follows.
+/// Pads the last datagram of the batch to full length. Called before a further datagram is appended.
 void Batch::pad() {
   const std::size_t missing = datagrams_ * segment_bytes_ - bytes_;
   if (missing > 0) std::memset(stage(missing), 0, missing);
@@ -34,7 +34,7 @@ void Batch::pad() {
 
 void Batch::refer(const std::byte* data, std::size_t bytes) {
   assert(part_count_ < parts_max);
-  // The data are only read, but iovec has no const.
+  // The cast is safe, because the data is only read.
   parts_[part_count_++] = {const_cast<std::byte*>(data), bytes};
   bytes_ += bytes;
 }
@@ -107,7 +107,7 @@ void Fragmenter::append_mask_words(Batch& batch) const {
   for (const std::uint64_t word : body_.mask_words) store_word(word, batch.stage(sizeof word));
 }
 
-/// Returns the next pack: as many samples as fit, at least one.
+/// Returns the next pack: as many samples as fit into a datagram, but at least one.
 Fragmenter::Pack Fragmenter::next_pack() const {
   const std::size_t header = body_.first.bytes() + body_.mask_words.size_bytes();
   const std::size_t most = std::min(packed_samples_max, body_.segments.size() - segment_);
@@ -126,8 +126,8 @@ Fragmenter::Pack Fragmenter::next_pack() const {
   return pack;
 }
 
-/// Appends a packed datagram. All datagrams of a batch except the last must be equally long, so zeros fill
-/// up shorter ones.
+/// Appends a packed datagram. All datagrams of a batch except the last must have the same length, so shorter
+/// datagrams are padded with zeros.
 void Fragmenter::append_packed(Batch& batch) {
   if (batch.datagrams_ > 0) batch.pad();
   const Pack pack = next_pack();

@@ -1,5 +1,5 @@
-// Cuts one encoded body into datagrams and lays these end to end, as one system call sends them (GSO). Uses
-// no clock, thread or I/O.
+// Cuts one encoded body into datagrams, and arranges them without gaps, so that one system call can send
+// them (GSO). Uses no clock, thread or I/O.
 #pragma once
 
 #include <sys/uio.h>
@@ -16,26 +16,26 @@
 
 namespace sft::udp {
 
-/// The limits of one system call, which hold for older kernels, too.
+/// The limits of one system call, also for older kernels.
 inline constexpr std::size_t batch_bytes_max = datagram_bytes_max;
 inline constexpr std::size_t batch_datagrams_max = 64;
 
-/// The length in bytes below which runs of a body are copied behind the header before them. Copying such a
-/// run costs less than an iovec of its own.
+/// If a contiguous run of a body is shorter than this number of bytes, it is copied after the header that
+/// precedes it. Copying costs less than a separate iovec.
 inline constexpr std::size_t copy_bytes_max = 2048;
 
-/// Datagrams for one system call. A batch refers to the body from which its datagrams were cut. The batch
-/// itself holds headers and short runs.
+/// Datagrams for one system call. The batch contains the headers and short runs of the body. For longer
+/// runs, it refers to the body.
 class Batch {
  public:
-  Batch() : staging_(new std::byte[batch_bytes_max]) {}  // its pages are not touched before they are needed
+  Batch() : staging_(new std::byte[batch_bytes_max]) {}  // its pages are only touched when they are needed
 
   std::span<const iovec> parts() const { return {parts_.data(), part_count_}; }
   std::size_t bytes() const { return bytes_; }
   std::size_t datagrams() const { return datagrams_; }
   /// Returns the length of the longest datagram.
   std::size_t longest() const { return datagrams_ > 1 ? segment_bytes_ : bytes_; }
-  /// Returns the length of all datagrams but the last one; 0 if there is only one.
+  /// Returns the length of all datagrams but the last one; 0 if there is only one datagram.
   std::uint16_t segment_bytes() const { return datagrams_ > 1 ? segment_bytes_ : std::uint16_t{0}; }
 
  private:
@@ -45,7 +45,8 @@ class Batch {
   std::byte* stage(std::size_t bytes);
   void refer(const std::byte* data, std::size_t bytes);
 
-  // Each part is staged bytes or a run of at least copy_bytes_max; no two staged parts are neighbours.
+  // A part is either staged bytes or a run of at least copy_bytes_max bytes. Two consecutive parts are never
+  // both staged.
   static constexpr std::size_t parts_max = 2 * (batch_bytes_max / copy_bytes_max) + 1;
   std::array<iovec, parts_max> parts_;
   std::size_t part_count_ = 0;
@@ -56,17 +57,18 @@ class Batch {
   std::uint16_t segment_bytes_ = 0;
 };
 
-/// A body, and how datagrams name it. The spans must outlive the fragmenter.
+/// A body, and the header that its datagrams get. The spans must outlive the fragmenter.
 struct EncodedBody {
-  FirstHeader first;                          ///< its total is the number of bytes of the body
+  FirstHeader first;                          ///< the header; its `total` is the length of the body in bytes
   std::span<const std::uint64_t> mask_words;  ///< sent only if the header has the flag mask_words_follow
   std::span<const detail::Segment> segments;
-  /// True if each segment is a small sample, and the samples follow one another. Such samples are cut into
+  /// True if each segment is a small sample, and the samples have consecutive sequences. They are sent in
   /// packed datagrams.
   bool packed = false;
 };
 
-/// A part of a body, [begin, end). If it begins at 0, it includes the whole first datagram.
+/// The range [begin, end) of bytes of a body. If `begin` is 0, the range always includes the whole first
+/// datagram.
 struct BodyRange {
   std::uint32_t begin = 0;
   std::uint32_t end = UINT32_MAX;
@@ -83,11 +85,11 @@ class Fragmenter {
   std::uint32_t offset() const { return offset_; }
   bool done() const { return body_.packed ? segment_ == body_.segments.size() : begun_ && offset_ >= end_; }
 
-  /// Cuts the rest of the body into datagrams of that length.
+  /// Sets the maximum length of further datagrams.
   void set_datagram_bytes(std::size_t bytes) { datagram_bytes_ = std::min(bytes, datagram_bytes_max); }
 
-  /// Replaces the content of `batch` by the next datagrams: at least one, even if the limits leave no room
-  /// for it.
+  /// Replaces the content of `batch` by the next datagrams. The batch gets at least one datagram, even if
+  /// that exceeds `bytes_max`.
   void next(Batch& batch, std::size_t bytes_max = batch_bytes_max,
             std::size_t datagrams_max = batch_datagrams_max);
 

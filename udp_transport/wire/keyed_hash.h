@@ -1,5 +1,5 @@
-// SipHash-2-4, a hash with a key. Its values look random to anyone who does not know the key. Equal words
-// have equal hashes.
+// SipHash-2-4, a hash function with a key. Its values cannot be predicted without the key. With the same
+// key, equal words have equal hashes.
 #pragma once
 
 #include <array>

@@ -9,8 +9,8 @@
 
 namespace sft::udp::test {
 
-/// Returns the arrival that the datagram causes. Marks and answers are not for readers, so the arrival is
-/// empty.
+/// Returns the arrival that the datagram causes. Flow marks and answers contain no samples, so the arrival
+/// is empty for them.
 inline Arrival accept(Reassembly& reassembly, std::span<const std::byte> bytes, ArrivalTime now,
                       const SocketAddress& from = {}) {
   AnyDatagram datagram = decode(bytes);

@@ -30,7 +30,7 @@ class Connections {
   const std::vector<SocketAddress>& redirected() const { return redirected_; }
   /// Returns the datagrams that were sent.
   const std::vector<Bytes>& sent() const { return sent_; }
-  /// Returns the answer of a receiver to the last mark that was sent.
+  /// Returns the answer of a receiver to the last flow mark that was sent.
   FlowReport answer_to_mark(std::uint32_t window_bytes = 1'000'000) const {
     std::optional<FlowMark> last;
     for (const Bytes& bytes : sent_) {
@@ -44,7 +44,8 @@ class Connections {
             .came = last->datagrams,
             .sent_at_ns = last->sent_at_ns};
   }
-  /// Accepts the next `count` batches. Later batches have the outcome `then`, by default a full send buffer.
+  /// Makes connections send the next `count` batches. Later batches get the outcome `then`, by default that
+  /// the send buffer is full.
   void take_batches(std::size_t count, SendOutcome then = SendOutcome::would_wait) {
     batches_left_ = count;
     then_ = then;
@@ -86,7 +87,7 @@ class Connections {
   std::vector<SocketAddress> redirected_;
 };
 
-/// A sender that makes connections of `Connections` and does nothing else.
+/// A sender that only makes connections of a `Connections` object. Its other functions do nothing.
 class NoSender : public DatagramSender {
  public:
   explicit NoSender(Connections& connections) : connections_(connections) {}
@@ -102,8 +103,8 @@ class NoSender : public DatagramSender {
   Connections& connections_;
 };
 
-/// Sends a datagram of the length that the path is taken to carry. The receiver then reports `longest` as the
-/// length of the longest datagram that arrived.
+/// Sends a datagram of the present maximum length of the path. The receiver then reports `longest` as the
+/// length of the longest datagram that has arrived.
 inline void report_longest(Destination& to, const Connections& sent, std::size_t longest,
                            Destination::Time now) {
   to.asked_again();
@@ -114,15 +115,17 @@ inline void report_longest(Destination& to, const Connections& sent, std::size_t
   static_cast<void>(to.hear(report, to.path().address().ip, now));
 }
 
-/// Sends a datagram of the path's length. The receiver reports that the datagram arrived.
+/// Sends a datagram of the present maximum length of the path. The receiver reports that the datagram has
+/// arrived.
 inline void report_all(Destination& to, const Connections& sent, Destination::Time now) {
   report_longest(to, sent, to.path().datagram_bytes(), now);
 }
 
-/// Simulates a path that loses all datagrams longer than a mark. The receiver reports again and again that
-/// the longest one has the length of a mark, until the sender limits the path. Returns the time then.
+/// Simulates a path that loses all datagrams longer than a flow mark. The receiver keeps reporting that the
+/// longest arrived datagram has the length of a flow mark, until the sender limits the length of datagrams.
+/// Returns the time of that.
 inline Destination::Time lose_long_ones(Destination& to, const Connections& sent, Destination::Time now) {
-  report_longest(to, sent, 0, now);  // the first report, of no datagram
+  report_longest(to, sent, 0, now);  // the first report; no datagram has arrived before it
   for (int i = 0; i <= 2 * PathMtu::losses_max && to.path().limited_to() == 0; ++i)
     report_longest(to, sent, mark_bytes, now += PathMtu::timeout);
   return now;

@@ -1,4 +1,4 @@
-// Single datagrams with the bytes that a sender would send.
+// Functions that make datagrams with the bytes that a sender would send.
 #pragma once
 
 #include <cstddef>
@@ -43,7 +43,7 @@ inline std::vector<Bytes> cut(const EncodedBody& body, std::size_t datagram_byte
   return datagrams;
 }
 
-/// Returns all datagrams of one sample of `value` under `mask`.
+/// Returns all datagrams of one sample of `value`, encoded with `mask`.
 template <class T>
 std::vector<Bytes> datagrams_of(const T& value, const FieldMask& mask, SampleLabel label,
                                 std::size_t datagram_bytes = 1472) {

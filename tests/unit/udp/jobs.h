@@ -8,7 +8,7 @@
 
 namespace sft::udp::test {
 
-/// Returns a job with an image, independent of the memory that the image was encoded from.
+/// Returns a job with an encoded image. The job does not refer to the memory of the image.
 inline JobHandle make_job(JobPool& jobs, std::uint64_t sequence, std::size_t data_bytes = 100) {
   const auto memory = core::BufferPool::make(std::size_t{1} << 20);
   const Image image = make_image(data_bytes);

@@ -1,5 +1,5 @@
-// Streams of every kind between honest writers and one process that reads them, in simulated time, with the
-// real protocol code of both ends. A test can insert further datagrams.
+// Streams of every kind between honest writers and one process that reads them, in simulated time. Both ends
+// run the real protocol code. A test can insert additional datagrams.
 #pragma once
 
 #include <chrono>
@@ -82,7 +82,7 @@ class LiveStreams {
     answer();
   }
 
-  /// Returns the latest honest datagrams of all kinds.
+  /// Returns the latest honest datagrams, of all kinds.
   const std::vector<Bytes>& captured() const { return captured_; }
 
   /// Returns the number of samples of the stream that were published at `time` or later and arrived
@@ -94,7 +94,7 @@ class LiveStreams {
       came += published.came && published.at >= time ? 1 : 0;
     return came;
   }
-  /// Returns the number of samples of the stream that arrived with other bytes than were published.
+  /// Returns the number of samples of the stream that arrived with different bytes than were published.
   std::size_t harmed(StreamKind kind) const { return streams_[static_cast<std::size_t>(kind)]->harmed; }
   /// Describes the state of both ends of the stream, for the message of a failure.
   std::string describe(StreamKind kind) {
@@ -127,7 +127,8 @@ class LiveStreams {
     std::uint64_t sequence = 0;
     Time publish_at{};
     std::map<std::uint64_t, Published> published{};
-    std::vector<JobHandle> unsent{};  ///< jobs of best-effort streams and of the group that are not sent yet
+    /// Jobs of best-effort streams and of the multicast group that are not sent yet.
+    std::vector<JobHandle> unsent{};
     ResendWindow window{static_cast<std::uint32_t>(writer), 1, ResendLimits{}};
     GroupMembership membership{};
     std::uint64_t group_ordinal = 0;
@@ -231,7 +232,7 @@ class LiveStreams {
            datagrams.emplace_back(group_offer_bytes).data());
   }
 
-  /// Delivers samples to best-effort readers at once, and to reliable ones in order.
+  /// Delivers samples to best-effort readers at once, and to reliable readers in order.
   void deliver(const Arrival& arrival) {
     One& one = *streams_[arrival.stream];
     const bool at_once = !is_reliable(one.kind);
@@ -253,7 +254,7 @@ class LiveStreams {
     window.release();
   }
 
-  /// Takes samples as a subscriber does.
+  /// Takes the available samples like a subscriber, and compares them with the published ones.
   void take(One& one) {
     while (const core::SampleHandle sample = one.inbox.take()) {
       const core::SampleOrigin origin{.sequence = sample->sequence, .numbering = sample->numbering};

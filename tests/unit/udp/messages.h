@@ -1,4 +1,5 @@
-// Message types of the tests of UDP, and samples of these types, encoded as a publisher does.
+// Message types for the tests of the UDP transport, and functions that encode samples of these types like a
+// publisher.
 #pragma once
 
 #include <algorithm>
@@ -101,7 +102,7 @@ const TypeSupport& type_support() {
   return type;
 }
 
-/// Returns the mask of the fields of T that the text names, such as "stamp, data"; "*" for all.
+/// Returns the mask of the fields of T that the text names, such as "stamp, data"; "*" names all fields.
 template <class T>
 FieldMask fields(std::string_view text) {
   return type_support<T>().closed(type_support<T>().parse_mask(text).value());
@@ -150,7 +151,7 @@ void fill(core::SampleBuffer& buffer, const T& value, const FieldMask& mask, std
                  {buffer.index(), type.index_slots()}, {}, postponed);
 }
 
-/// Compares the bytes with memcmp, which is fast even in builds without optimisation.
+/// Returns true if the bytes are equal. Uses memcmp, which is fast even in builds without optimisation.
 inline bool same_bytes(std::span<const std::byte> a, std::span<const std::byte> b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size()) == 0);
 }
@@ -175,7 +176,7 @@ inline void fill_with_distances(std::vector<std::uint8_t>& data, std::uint32_t s
     std::memcpy(&data[at], &multiples[step * (at / row + seed) % row], std::min(data.size() - at, row));
 }
 
-/// Returns an image whose data fill_with_distances() makes.
+/// Returns an image whose data is filled by fill_with_distances().
 inline Image make_image(std::size_t data_bytes, std::uint32_t seed = 1) {
   Image image{.stamp = {static_cast<std::int32_t>(seed), 7},
               .name = "camera",

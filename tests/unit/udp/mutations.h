@@ -1,4 +1,4 @@
-// Functions that damage honest datagrams, as a bad network or an attacker may.
+// Functions that damage honest datagrams, like a bad network or an attacker.
 #pragma once
 
 #include <algorithm>

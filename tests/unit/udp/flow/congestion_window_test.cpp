@@ -9,8 +9,8 @@ using namespace std::chrono_literals;
 
 class CongestionWindowTest : public testing::Test {
  protected:
-  /// Handles a report of `position`, whose datagram waited in a queue for `queueing`. The sender is 1000
-  /// bytes ahead of that position.
+  /// Handles a report of `position`, whose datagram waited in queues for `queueing`. The sender has sent
+  /// 1000 bytes after that position.
   void hear(std::uint64_t position, std::chrono::milliseconds queueing, std::uint64_t reported = 0,
             std::size_t taken = 0) {
     FlowReport report{};

@@ -18,7 +18,7 @@ class ConnectionPairTest : public testing::Test {
   RemotePath path_{there_, ethernet};
   test::Connections connections_;
   Addresses connected_to_;
-  bool moves_meanwhile_ = false;  ///< true: the socket moves while a connection to it is made
+  bool moves_meanwhile_ = false;  ///< true: the remote socket moves while a connection is made
   ConnectionPair pair_{[this](const SocketAddress& to) {
                          connected_to_.push_back(to);
                          if (moves_meanwhile_) path_.move_to(elsewhere_);

@@ -1,4 +1,5 @@
-// A flow window, a sender that always has more to send, and a receiver that answers the sender's marks.
+// A flow window, a sender that always has more data to send, and a receiver that answers the sender's flow
+// marks.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -21,7 +22,8 @@ inline constexpr std::size_t batch_datagrams = 10, batch_bytes = 14'720;
 
 class FlowWindowTest : public testing::Test {
  protected:
-  /// Sends as the sending thread does while there is room. Returns the bytes that were sent to the socket.
+  /// Sends like the sending thread while the window allows it, up to `at_most` bytes. Returns the number of
+  /// sent socket bytes.
   std::size_t send_while_there_is_room(Size size = Size::large, std::size_t at_most = SIZE_MAX) {
     const std::uint64_t before = window.position();
     while (window.position() - before < at_most && window.room(size, now) > 0) {
@@ -34,12 +36,13 @@ class FlowWindowTest : public testing::Test {
   void take_mark() {
     if (const auto mark = window.mark(now)) marks.push_back(*mark);
   }
-  /// Sends, and has the receiver answer for the first time, with that share.
+  /// Sends. Then the receiver answers for the first time, with that share of its receive buffer.
   void get_to_know(std::size_t share) {
     send_while_there_is_room();
     ASSERT_TRUE(answer(share));
   }
-  /// Sends whenever there is room, until `end`. No mark is answered. Returns the bytes that were sent.
+  /// Sends until `end`, whenever the window allows it. No flow mark is answered. Returns the number of sent
+  /// bytes.
   std::size_t send_until(FlowWindow::Time end, Size size = Size::large) {
     std::size_t sent = 0;
     for (; now < end; now = window.next_ready(now) + 1us) sent += send_while_there_is_room(size);
@@ -53,7 +56,7 @@ class FlowWindowTest : public testing::Test {
             .came = mark.datagrams,
             .sent_at_ns = mark.sent_at_ns};
   }
-  /// Answers all marks, after the time `after`. Returns true if a sender that waited for room may continue.
+  /// Answers all flow marks after the time `after`. Returns true if a sender that waited may continue.
   bool answer(std::size_t share, std::chrono::microseconds after = 100us) {
     now += after;
     bool goes_on = false;
@@ -62,8 +65,8 @@ class FlowWindowTest : public testing::Test {
     return goes_on;
   }
 
-  /// Sends for that time. The receiver takes `bytes_per_ms`, and answers each mark when it has taken all
-  /// bytes before the mark.
+  /// Sends for the time `time`. The receiver takes `bytes_per_ms`, and answers each flow mark when it has
+  /// taken all bytes that were sent before the mark.
   void take_for(FlowWindow::Time::duration time, std::uint64_t bytes_per_ms, std::size_t share = 32 << 20) {
     for (const auto end = now + time; now < end;) {
       send_while_there_is_room();

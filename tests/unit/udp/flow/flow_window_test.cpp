@@ -224,7 +224,7 @@ TEST_F(FlowWindowTest, MarksAgainWhereReportsGetLost) {
 
 class MarkPauseTest : public FlowWindowTest {
  protected:
-  /// Returns the longest pause before one of eight unanswered marks, in milliseconds.
+  /// Returns the longest of the pauses before eight unanswered flow marks, in milliseconds.
   std::chrono::milliseconds::rep longest_pause(std::chrono::microseconds there_and_back) {
     send_while_there_is_room();
     answer(200'000, there_and_back);
@@ -285,8 +285,8 @@ TEST_F(FlowWindowTest, DoesNotMarkASlowFlowWhoseAcksComeEveryFourSeconds) {
   EXPECT_EQ(marked, 0U);
 }
 
-/// A stream of less than a megabyte per second is not held back, but its receiver has to answer a mark now
-/// and then.
+/// A stream of less than a megabyte per second need not wait for reports. But its receiver has to answer a
+/// flow mark from time to time.
 TEST_F(FlowWindowTest, NoticesThatTheReceiverOfASlowStreamIsGone) {
   get_to_know(200'000);
   std::size_t sent = 0;

@@ -10,7 +10,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A sender, and a receiver behind a path that carries datagrams up to the length `takes_`.
+/// A sender, and a receiver to which the path carries datagrams of at most the length `takes_`.
 class LengthMonitorTest : public testing::Test {
  protected:
   void send(std::size_t length) {
@@ -18,7 +18,7 @@ class LengthMonitorTest : public testing::Test {
     monitor_.sent(length, now_);
     if (length <= takes_) longest_ = std::max(longest_, length);
   }
-  /// The fields of a report that answers a mark which is sent now.
+  /// The fields of the report that answers a flow mark which is sent now.
   struct Mark {
     std::uint64_t position;
     std::size_t longest;

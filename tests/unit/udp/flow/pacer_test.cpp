@@ -7,7 +7,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Sends as the sending thread does, in simulated time.
+/// Sends like the sending thread, in simulated time.
 class PacerTest : public testing::Test {
  protected:
   static constexpr std::size_t batch_bytes = 64'000;

@@ -13,7 +13,7 @@ using namespace std::chrono_literals;
 constexpr std::size_t headers = 28, shortest = 548;
 constexpr std::size_t payload(std::size_t mtu) { return mtu - headers; }
 
-/// A path that carries datagrams up to `takes` bytes, and its writer, which gets a report every 50 ms.
+/// A path that carries datagrams of at most `takes` bytes, and a writer that gets a report every 50 ms.
 class Path {
  public:
   explicit Path(std::size_t kernel_says, std::size_t takes)
@@ -99,7 +99,8 @@ TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {
   EXPECT_EQ(mtu.datagram_bytes(), payload(1500));
 }
 
-/// With a long round trip, a reader reports one loss several times before a repeated datagram can arrive.
+/// If the round trip is long, a reader reports the same loss several times before a repeated datagram can
+/// arrive.
 TEST(PathMtuTest, WaitsForAtLeastARoundTrip) {
   PathMtu mtu(headers, shortest, payload(1500));
   const PathMtu::Time now{1h};

@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 class ReceiverMonitorTest : public testing::Test {
  protected:
-  /// Returns the time from a mark to the next one, given the marks that were not answered so far.
+  /// Returns the time from a flow mark to the next one. It depends on the number of unanswered marks so far.
   ReceiverMonitor::Time::duration pause() { return monitor.next_retry(round_trips) - now; }
 
   const ReceiverMonitor::Time now{1h};

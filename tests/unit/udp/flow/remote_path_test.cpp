@@ -9,7 +9,7 @@ using namespace std::chrono_literals;
 
 class RemotePathTest : public testing::Test {
  protected:
-  /// Loses long datagrams until the path counts as too short for their length.
+  /// Reports the loss of long datagrams until the path counts as unable to carry their length.
   void lose_long_ones() {
     for (int i = 0; i < PathMtu::losses_max; ++i, now_ += PathMtu::timeout) path_.were_lost(ethernet, now_);
   }

@@ -20,7 +20,7 @@ class SharedFlowWindowTest : public testing::Test {
             .came = mark.datagrams,
             .sent_at_ns = mark.sent_at_ns};
   }
-  /// Sends the first mark, and has the receiver answer it.
+  /// Sends the first flow mark. The receiver answers it.
   void get_to_know() {
     const std::optional<FlowMark> mark = window_.sent(100, 1, 100, now_, false);
     ASSERT_TRUE(mark);

@@ -1,5 +1,5 @@
-// The budget of datagrams to a host that has not answered. All destinations on the host share it, so that
-// forged destinations cannot make SFT flood the host.
+// These tests check the budget of datagrams to a host that has not answered. All destinations on the host
+// share the budget, so that forged destinations cannot make SFT flood the host.
 #include "udp_transport/flow/unproven_budget.h"
 
 #include <gtest/gtest.h>

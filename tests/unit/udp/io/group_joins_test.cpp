@@ -24,7 +24,7 @@ class GroupJoinsTest : public testing::Test {
     return private_groups | 16U << 8 | static_cast<std::uint32_t>(number);
   }
   void join(std::size_t number) { joins_.join(group(number), {core::loopback_ipv4, 7}, false); }
-  /// Leaves the group. Returns true if the process was a member; otherwise the system refuses.
+  /// Leaves the group. Returns true if the process was a member; if not, the system refuses the call.
   bool was_in(std::size_t number) const {
     const ip_mreq request{.imr_multiaddr = {htonl(group(number))}, .imr_interface = {htonl(INADDR_LOOPBACK)}};
     return ::setsockopt(socket_->groups.group_fd.get(), IPPROTO_IP, IP_DROP_MEMBERSHIP, &request,
@@ -38,7 +38,8 @@ class GroupJoinsTest : public testing::Test {
   GroupJoins joins_{socket_};
 };
 
-/// Otherwise two writers whose groups replace each other would make the process join and leave without end.
+/// If a new group replaced an old one, two writers could make the process join and leave their groups
+/// without end.
 TEST_F(GroupJoinsTest, AProcessThatIsInTooManyGroupsStaysInThemAndJoinsNoOther) {
   for (std::size_t i = 0; i <= GroupJoins::joins_max; ++i) join(i);
   EXPECT_FALSE(was_in(GroupJoins::joins_max));

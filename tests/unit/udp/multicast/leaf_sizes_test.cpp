@@ -84,7 +84,7 @@ using test::Image;
 using test::Scene;
 using test::Wide;
 
-/// A sample with an encoded value, in memory of its own.
+/// A sample with an encoded value, in its own memory.
 template <class T>
 class Sample {
  public:
@@ -162,9 +162,9 @@ TEST_F(LeafSizesTest, AreExactWhereElementsHaveOneLength) {
   for (const std::size_t points : {0U, 1U, 2U, 7U, 100U, 5001U}) expect_close(scene(0, points, 0), 0);
 }
 
-/// Up to 7 bytes of padding precede a member that follows a field of variable length, with a standard
-/// deviation of up to 2.3 bytes. An element has at most three such members, and one more follows each word.
-/// The padding of these members is not quite independent.
+/// After a field of variable length, up to 7 bytes of padding precede the next member. Their standard
+/// deviation is up to 2.3 bytes. An element has at most three such members, and one more follows each word.
+/// The paddings of these members are not quite independent.
 TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) {
   for (int i = 0; i < 200; ++i) {
     const std::size_t things = random() % 33, words = random() % 33;
@@ -174,8 +174,8 @@ TEST_F(LeafSizesTest, AreOffByThePaddingBetweenThingsThatVaryAndRightOnAverage) 
   EXPECT_NEAR(computed, projected, 0.02 * projected);
 }
 
-/// The estimates use only the first 32 elements. So the average length of names of up to 20 bytes is off by
-/// about a byte, and so is the average length of the sequences of numbers.
+/// The estimates use only the first 32 elements. So the average length of names of up to 20 bytes has an
+/// error of about a byte, and so has the average length of the sequences of numbers.
 TEST_F(LeafSizesTest, FollowFromTheFirstElementsOfALongSequence) {
   for (int i = 0; i < 6; ++i) expect_close(scene(2000, 10'000, 3000), 2000 * 10 + 3000 * 3);
   EXPECT_NEAR(computed, projected, 0.05 * projected);

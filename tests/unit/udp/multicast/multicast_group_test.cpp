@@ -52,8 +52,7 @@ class MulticastGroupTest : public testing::Test {
   static std::uint64_t keep(Channel& channel, const JobHandle& job, bool elsewhere) {
     return channel.post_shared(job, job->first, elsewhere).kept.ordinal;
   }
-  /// Makes a job for the group, and gives the job its places in the members' channels. The job is not sent
-  /// yet.
+  /// Makes a job for the group, and notes its ordinals in the members' channels. The job is not sent yet.
   JobHandle place(std::size_t bytes = 8) {
     const JobHandle sent = job(bytes);
     const std::uint64_t ordinal = group->next_ordinal(now);
@@ -150,8 +149,8 @@ TEST_F(MulticastGroupTest, AcceptsNoReportOfWhatWasNotSent) {
   EXPECT_FALSE(group->hears(1));
 }
 
-/// Best-effort members are offered the group at once, so that the first sample need not be sent to each of
-/// them alone.
+/// The group is offered to best-effort members at once, so that the first sample need not be sent to each of
+/// them separately.
 TEST_F(MulticastGroupTest, IsHeardBeforeItsFirstSample) {
   EXPECT_EQ(group->next_probe(), GroupMembership::Time::max()) << "nobody was offered the group";
   ASSERT_EQ(group->offers(now).size(), 1U);
@@ -261,7 +260,8 @@ TEST_F(MulticastGroupTest, TakesWhatIsAskedForWithinATenthOfASecondForLostTogeth
   EXPECT_EQ(sent_again(), 1U);
 }
 
-/// The sample has a different place in each channel, because each channel carried other samples before.
+/// The sample has a different ordinal in each channel, because the channels have carried different numbers
+/// of samples.
 TEST_F(MulticastGroupTest, AnswersEachAloneOfASampleThatAnotherGroupWasSent) {
   all_report();
   JobHandle sent = job(8);

@@ -15,7 +15,7 @@
 namespace sft::udp {
 namespace {
 
-constexpr double often = 1e6;  // samples per second, enough that every saving pays
+constexpr double often = 1e6;  // samples per second; so many that every saving of bytes is worth a group
 constexpr std::size_t datagram_bytes = 1472;
 
 FieldMask some(std::uint64_t bits) { return FieldMask::from_words(64, std::array{bits}); }
@@ -23,7 +23,8 @@ const FieldMask A = some(1), B = some(2);
 /// The masks that the readers in one process ask for.
 using Masks = std::vector<FieldMask>;
 
-/// Returns a function that adds up the sizes of a body's fields; `bytes` has the size of each field.
+/// Returns a function that computes the size of a body as the sum of its fields; `bytes` has the size of
+/// each field.
 BodyBytes apart(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;
@@ -68,8 +69,8 @@ PlanCost plan_cost(const std::vector<PlanDestination>& destinations, const BodyB
   return all;
 }
 
-/// Returns the most bytes that a plan may put on the link. This is PlanLimits::wire_max times the bytes of
-/// one group of all destinations, or times the bytes without groups, whichever is less.
+/// Returns the maximum number of bytes that a plan may put on the link. It is the bytes of one group of all
+/// destinations, or the bytes without groups if that is less, times PlanLimits::wire_max.
 double wire_bytes_max(const std::vector<PlanDestination>& destinations, const BodyBytes& body_bytes) {
   PlannedGroup all{FieldMask(64), {}};
   for (std::size_t i = 0; i < destinations.size(); ++i) {
@@ -174,7 +175,7 @@ TEST(MulticastPlan, FollowsAMaskThatChanges) {
 }
 
 TEST(MulticastPlan, StaysAsItIsForASmallGain) {
-  // In the first case below a change would save 16 * 100 bytes, which is too small a part of the cost.
+  // In the first case below, a change would save 16 * 100 bytes, which is too small relative to the cost.
   const std::vector<FieldMask> masks{A, A, A, A, B, B};
   const MulticastPlan present{{A, {0, 1, 2, 3}}};
   EXPECT_EQ(plan(masks, apart({100'000, 100}), present), present);
@@ -185,7 +186,7 @@ TEST(MulticastPlan, DoesNotFlapWhileSizesVary) {
   std::mt19937 random(1);
   MulticastPlan present;
   int changes = 0;
-  // The sizes are close to the size from which one group for both destinations pays.
+  // The sizes are close to the size at which one group for both destinations becomes cheaper.
   for (int i = 0; i < 1000; ++i) {
     const double b = 28 + static_cast<double>(random() % 9);
     MulticastPlan next = plan({A, B}, apart({30, b}), present);
@@ -226,8 +227,8 @@ TEST(MulticastPlan, HasNoGroupForATopicThatIsSeldomSent) {
 }
 
 TEST(MulticastPlan, LeavesAGroupOfAllForTheBytesThatMembersGetAndHaveNotAskedFor) {
-  // A group of all saves 20 % of the bytes of two groups, but sends two members fields that they did not ask
-  // for.
+  // One group of all destinations saves 20 % of the bytes of two groups, but two members get fields that
+  // they did not request.
   PlanLimits indifferent;
   indifferent.unwanted_weight = 0;
   indifferent.wire_max = 2;

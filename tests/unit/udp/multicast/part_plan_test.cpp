@@ -31,8 +31,8 @@ Selection each(std::uint32_t step, const FieldMask& mask) {
 const Selection whole_cloud = leaf(0);
 const Selection scalars = leaf(1) | leaf(2);
 
-/// Returns a function that adds up the sizes of a body's fields. A part with step n has the size of its field
-/// divided by n.
+/// Returns a function that computes the size of a body as the sum of its fields. A part with step n has the
+/// size of its field divided by n.
 BodyBytes sized(std::vector<double> bytes) {
   return [bytes](const Selection& sent) {
     double all = 0;

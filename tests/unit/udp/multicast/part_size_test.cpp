@@ -49,7 +49,8 @@ class PartSizeTest : public sft::test::RandomTest {
   }
 };
 
-/// The estimate ignores padding and the names of the channels that are not selected. Both take few bytes.
+/// The estimate ignores padding and the names of the channels of clouds that are not selected. Both take
+/// only a few bytes.
 TEST_F(PartSizeTest, IsThatOfTheProjectionButForAFewBytesOfACloud) {
   const PointCloud2 cloud = sft::test::random_cloud(random, 20, 100);
   for (const char* text :

@@ -1,5 +1,5 @@
-// The pool of jobs. A job that comes back keeps its memory, which any mask may use next. Jobs also borrow
-// memory.
+// These tests check the pool of jobs. A job that returns to the pool keeps its memory, which may be used for
+// any mask next. They also check the limits of borrowed memory.
 #include <gtest/gtest.h>
 
 #include <algorithm>

@@ -1,4 +1,5 @@
-// Small samples that share datagrams. A pack is cut into datagrams, and the samples are read from them again.
+// These tests check packs of small samples that share datagrams. A pack is cut into datagrams, and its
+// samples are read from the datagrams again.
 #include <gtest/gtest.h>
 
 #include <random>
@@ -33,7 +34,7 @@ class PackTest : public testing::Test {
     job_->seal();
   }
 
-  /// Takes the samples from a datagram. Expects consecutive sequences.
+  /// Reads the samples from a datagram. Expects consecutive sequences.
   void take(const Bytes& bytes) {
     auto d = parse(bytes);
     ASSERT_TRUE(d);

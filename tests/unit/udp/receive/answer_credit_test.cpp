@@ -1,4 +1,4 @@
-// The number of bytes that may be sent as answers to an unconfirmed address.
+// These tests check the number of bytes that may be sent as answers to an unconfirmed address.
 #include "udp_transport/receive/answer_credit.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// Each datagram is decoded once and handed to the component that handles its kind, even if it is forged.
+// These tests check that each datagram is decoded once and passed to the component that handles its kind,
+// even if the datagram is forged.
 #include "udp_transport/receive/demultiplexer.h"
 
 #include <gtest/gtest.h>
@@ -95,7 +96,7 @@ class DemultiplexerTest : public sft::test::RandomTest {
     return {};
   }
 
-  /// Returns the number of bytes before the payload in a datagram of a sample.
+  /// Returns the length of the header in a datagram of a sample.
   static std::size_t header_bytes(const Bytes& datagram) {
     return static_cast<std::size_t>(parse(datagram)->payload.data() - datagram.data());
   }
@@ -248,7 +249,7 @@ TEST_F(DemultiplexerTest, ReportsHowManyDatagramsOfSamplesAndHeartbeatsCame) {
   for (const DatagramKind kind : all_kinds) {
     if (kind != DatagramKind::mark) receive(datagram_of(kind));
   }
-  receive(Bytes(20));  // counts as a datagram of a sample, because it might be a damaged one
+  receive(Bytes(20));  // counts as a datagram of a sample, because it might be a damaged datagram of a sample
   for (const DatagramKind kind : all_kinds) {
     Bytes malformed = datagram_of(kind);
     malformed.resize(following_header_bytes);  // shorter than any kind of datagram

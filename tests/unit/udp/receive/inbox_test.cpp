@@ -82,8 +82,8 @@ TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   EXPECT_EQ(inbox_.room(7), 3U);
 }
 
-/// A subscriber counts the gaps in a writer's sequences. Gaps do not show losses behind the last sample or
-/// before the first one.
+/// A subscriber counts the gaps in a writer's sequences. Gaps do not show losses after the last sample or
+/// before the first sample.
 TEST_F(InboxTest, CountsLossesThatNoSequenceShows) {
   inbox_.connect({1});
   deliver(1, 1, 3);

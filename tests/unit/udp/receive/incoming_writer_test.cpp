@@ -1,5 +1,5 @@
-// The datagrams that arrive from one writer: the samples that are made of them, and the requests for missing
-// parts.
+// These tests check the datagrams that arrive from one writer: the samples that are made from the datagrams,
+// and the requests for missing parts.
 #include "udp_transport/receive/incoming_writer.h"
 
 #include <gtest/gtest.h>
@@ -29,8 +29,8 @@ using test::short_id;
 constexpr std::size_t stream_index = 3;
 const SocketAddress home{core::IpAddress(0x0A630102), 4000}, other_home{core::IpAddress(0x0A630103), 4000};
 
-/// Samples have equal sequences and ordinals. sent() makes the datagrams of a sample, receive() delivers
-/// datagrams, and ask() returns the parts that the writer is asked for.
+/// The sequence of each sample equals its ordinal. sent() makes the datagrams of a sample, receive()
+/// delivers datagrams, and ask() returns the parts that are requested from the writer.
 class IncomingWriterTest : public sft::test::RandomTest {
  protected:
   IncomingWriterTest() { restart({}); }
@@ -95,7 +95,7 @@ class IncomingWriterTest : public sft::test::RandomTest {
     writer_->accept(heartbeat, answers_to, {home, {now_, 77}, heartbeat_bytes});
   }
 
-  /// Advances the time by `after`. Returns the parts that the writer is asked for then.
+  /// Advances the time by `after`. Returns the parts that are requested from the writer then.
   std::vector<Missing> ask(std::chrono::milliseconds after) {
     now_ += after;
     std::vector<Missing> asked;
@@ -225,7 +225,7 @@ TEST_F(IncomingWriterTest, AsksForExactlyThoseBytesOfASampleThatHaveNotCome) {
     read_reliably();
     const std::vector<Bytes> datagrams = sent(1, 30'000, true);
     receive(datagrams.front());
-    // The gaps: the offset of each gap's first byte, and that of its end.
+    // The gaps in the body: the offset of the first byte of each gap, and the offset of its end.
     std::map<std::uint32_t, std::uint32_t> missing;
     for (std::size_t i = 1; i < datagrams.size(); ++i) {
       const Following part = std::get<Following>(decode(datagrams[i]));
@@ -276,7 +276,7 @@ TEST_F(IncomingWriterTest, GetsAllSamplesWhateverIsLostIfItIsSentWhatItAsksFor) 
   EXPECT_TRUE(std::ranges::adjacent_find(sequences) == sequences.end()) << "a sample came twice";
 }
 
-/// Each request covers six samples at most. More than six samples are missing whenever a heartbeat arrives.
+/// Each request covers at most six samples. More than six samples are missing when each heartbeat arrives.
 TEST_F(IncomingWriterTest, AsksForTheFirstMissingSampleWhateverElseIsMissing) {
   for (int apart_ms = 0; apart_ms < 250; apart_ms += 10) {
     restart({});

@@ -295,7 +295,7 @@ TEST_F(ReassemblyTest, FreesWhatWasParkedWithItsSample) {
   EXPECT_EQ(counted().over_limit, 0U);
 }
 
-// In each way of ending, many more samples end than memory and parked bytes could hold at the same time.
+// For each way of ending, more samples end than memory and parked bytes could hold at the same time.
 TEST_F(ReassemblyTest, GivesBackAllThatASampleHasTakenHoweverItEnds) {
   constexpr std::size_t bytes = 6'000;
   std::uint32_t sequence = 0;

@@ -1,5 +1,5 @@
-// These tests check which thread receives. A waiting thread and the transport's own thread call `role`
-// alternately, at times that the test sets.
+// These tests check which thread has the receiving role. The tests call `role` for a waiting thread and for
+// the transport's own thread in turn, in simulated time.
 #include "udp_transport/receive/receiving_role.h"
 
 #include <gtest/gtest.h>
@@ -17,7 +17,8 @@ using Time = ReceivingRole::Time;
 class ReceivingRoleTest : public testing::Test {
  protected:
   Duty duty(bool readable = false) { return role.next(now, readable).duty; }
-  /// Makes the transport's own thread sleep in the kernel, wake up, and give the role to the waiting thread.
+  /// Makes the transport's own thread sleep in the kernel, wake up, and pass the receiving role to the
+  /// waiting thread.
   void pass_to_waiter() {
     ASSERT_EQ(duty(), Duty::receive);
     ASSERT_EQ(role.enter(now), Entry::promised);

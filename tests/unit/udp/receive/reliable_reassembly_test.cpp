@@ -182,7 +182,7 @@ TEST_F(ReliableReassemblyTest, HasMemoryForTheFirstMissingSampleWhenLaterOnesToo
   EXPECT_EQ(taken_, all) << "the one that there was no memory for comes later, and is not lost";
 }
 
-/// A single sample of which every second datagram is lost has more gaps than one answer may ask for.
+/// A large sample of which every second datagram is lost has more gaps than may be requested at a time.
 TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   constexpr std::size_t parts_max = 8 * missing_max;
   const std::vector<Bytes> datagrams = sent(1, 3 * parts_max * 1456);
@@ -198,8 +198,8 @@ TEST_F(ReliableReassemblyTest, AsksForAtMostAsManyPartsAsEightAcksHold) {
   EXPECT_EQ(acks, 8U);
 }
 
-/// The reader asks for three parts. One of them comes several times, so the reader asked too early. After
-/// that the reader waits longer before it asks.
+/// The reader requests three parts. One of them comes several times, so the request was too early. After
+/// that, the reader waits longer before it requests parts.
 TEST_F(ReliableReassemblyTest, WaitsLongerIfPartsThatItAskedForComeTwice) {
   const std::vector<Bytes> datagrams = sent(1, 20'000);
   hear(1, 2);

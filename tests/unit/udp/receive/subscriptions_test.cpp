@@ -1,4 +1,4 @@
-// The writers that the readers of a transport may receive from at the same time.
+// These tests check from which writers the readers of a transport may receive at the same time.
 #include "udp_transport/receive/subscriptions.h"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ TEST_F(SubscriptionsTest, AReaderIsRemovedOnceTheReceivingThreadDoesNotUseItsTyp
     const auto subscriptions = directory_.enter();
     entered = true;
     entered.notify_all();
-    // Gives remove() time to return too early, if it has this error.
+    // Gives remove() enough time to return too early, in case it has this error.
     for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     EXPECT_FALSE(subscriptions->streams[0].type->name().empty());
     has_left = true;
@@ -104,7 +104,7 @@ TEST_F(SubscriptionsTest, WhatManyReadersAskedForInTurnIsWantedOfTheirWriterOnce
   EXPECT_EQ(wanted->subscribers[0].back().accepted->size(), requests);
 }
 
-/// Returns a subscriber that asked for these selections one after the other.
+/// Returns a subscriber that has requested these selections one after the other.
 Subscriber subscriber_of(const std::vector<const char*>& asked) {
   std::vector<core::Accepted> accepted;
   for (const char* text : asked) accepted.push_back({.wanted = {test::selection_of<test::Image>(text)}});

@@ -1,4 +1,5 @@
-// The mask that a datagram names, and the masks that the readers in this process want.
+// These tests check the mask that is found for a datagram, given the masks that the readers of this process
+// request.
 #include "udp_transport/receive/wanted_masks.h"
 
 #include <gtest/gtest.h>
@@ -50,7 +51,7 @@ class WantedMasksTest : public testing::Test {
     wanted_.set(test::type_support<Wide>(), {&all, 1});
   }
 
-  /// Makes a datagram of a few bytes under the mask. Returns the mask that is found for the datagram.
+  /// Makes a short datagram that names the mask. Returns the mask that is found for the datagram.
   WantedMasks::Named named(const FieldMask& mask, std::uint8_t flags = 0) {
     datagram_ = {};
     datagram_.kind = DatagramKind::first;

@@ -1,4 +1,5 @@
-// Samples in a channel that fit into one datagram. They are sent with short headers, and arrive in any order.
+// These tests check samples in a channel that fit into one datagram. They are sent with short headers, and
+// arrive in any order.
 #include <gtest/gtest.h>
 
 #include <string>
@@ -202,7 +203,7 @@ class WholeTest : public testing::Test {
     reassembly_.window(0)->release();
     return sequences;
   }
-  /// Gives up all unfinished samples. Returns the number of samples that count as lost then.
+  /// Gives up all unfinished samples. Returns the number of samples that count as lost afterwards.
   std::uint64_t counted_as_lost() {
     now_ += 10s;
     reassembly_.expire(now_);

@@ -1,4 +1,4 @@
-// Honest streams recover within a second after the last hostile datagram.
+// These tests check that honest streams recover within a second after the last hostile datagram.
 #include <gtest/gtest.h>
 
 #include <functional>
@@ -63,7 +63,7 @@ TEST_F(WorksAgainTest, EveryStreamAfterAHundredThousandMutatedDatagrams) {
   expect_that_all_flow_again();
 }
 
-/// The number of damaged datagrams is small, so that a later one does not undo the effect of an earlier one.
+/// Only a few datagrams are damaged, so that a later one does not undo the effect of an earlier one.
 TEST_F(WorksAgainTest, EveryStreamAfterAFewMutatedDatagrams) {
   for (int round = 0; round < 10 && !HasFailure(); ++round) {
     run_for(100ms);

@@ -233,7 +233,7 @@ TEST_F(ArrivalWindowTest, AsksSoonAgainForASampleThatHasPartlyArrivedMeanwhile) 
 /// A network that delays datagrams for a while and later delivers them at once.
 class RepairDelayTest : public ArrivalWindowTest {
  protected:
-  /// Delays one sample, which arrives `times_that_it_comes` times after it was requested. Returns the time
+  /// Delays one sample. After its request, the sample arrives `times_that_it_comes` times. Returns the time
   /// until the request.
   ArrivalWindow::Time::duration lose_one(int times_that_it_comes) {
     const auto noticed = now;
@@ -331,7 +331,7 @@ TEST_F(ArrivalWindowTest, HandsNothingOverThatItHasGivenUp) {
   EXPECT_EQ(take(), (Numbers{20, 30, 40, 50}));
 }
 
-/// Returns the times after which 100 processes ask for the same missing sample.
+/// Returns the times after which 100 processes request the same missing sample.
 std::vector<ArrivalWindow::Time::duration> times_of_asking(bool spread) {
   std::vector<ArrivalWindow::Time::duration> times;
   const ArrivalWindow::Time now{1h};

@@ -56,7 +56,7 @@ TEST_F(ArrivedSamplesTest, CountsTheBytesOfWholeSamplesUntilTheyAreReleased) {
   EXPECT_EQ(samples.held_bytes(), 0U);
 }
 
-/// A sample counts as held back only while an earlier one is missing.
+/// A sample counts as held back only while an earlier sample is missing.
 TEST_F(ArrivedSamplesTest, HoldsNoMoreBackForSamplesThatTurnedOutWrong) {
   samples.reach(9, now);
   samples.whole(1, sample(51));

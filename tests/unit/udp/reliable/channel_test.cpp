@@ -14,7 +14,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-// The bytes of a large sample. Two such samples exceed the CPU's caches.
+// The size of a large sample in bytes. Two such samples exceed a processor's caches.
 constexpr std::size_t beyond_caches = 5'000'000;
 
 class ChannelTest : public testing::Test {

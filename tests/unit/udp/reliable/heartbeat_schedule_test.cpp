@@ -11,7 +11,7 @@ using Time = HeartbeatSchedule::Time;
 
 class HeartbeatScheduleTest : public testing::Test {
  protected:
-  /// Sends a sample with the first heartbeat. The receiver answers this heartbeat.
+  /// Sends a sample and the first heartbeat. The receiver answers this heartbeat.
   void begin() {
     schedule.sent(true, Kept::at_most_half, now);
     EXPECT_TRUE(schedule.take(Kept::at_most_half, now));

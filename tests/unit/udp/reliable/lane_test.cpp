@@ -45,7 +45,7 @@ class LaneTest : public testing::Test {
     while (const Job* job = lane.next()) numbers.push_back(job->first.label.sequence);
     return numbers;
   }
-  /// Returns the number of samples that are held.
+  /// Returns the number of samples whose memory is in use.
   std::size_t held() {
     std::vector<core::SampleHandle> rest;
     while (core::SampleHandle free = memory_->take(1000)) rest.push_back(std::move(free));
@@ -244,8 +244,8 @@ TEST_F(LaneTest, WaitsNotAtAllIfThereIsRoomAndForTheTimeoutIfThereIsNone) {
   EXPECT_EQ(hang_timeout.count(), 0);
 }
 
-/// The other thread most likely waits already when next() is called. If it does not wait yet, it finds room
-/// at once.
+/// The other thread most likely waits already when next() is called. If it does not wait yet, it can queue
+/// its job at once.
 TEST_F(LaneTest, WaitsForRoomOnlyUntilAJobIsTaken) {
   for (std::uint32_t n = 1; n <= 3; ++n) one_.post(job(n));
   std::promise<void> begins;

@@ -87,7 +87,7 @@ TEST(RepairQueueTest, TellsWhenItsRateAllowsTheNextPart) {
   EXPECT_TRUE(queue.next(KeptSize::large, ready));
 }
 
-/// A request for the first datagram of a sample names a part without bytes.
+/// A request for the first datagram of a sample is a repair with an empty range of bytes.
 TEST(RepairQueueTest, APartCostsItsRateADatagramHoweverFewBytesAreAskedFor) {
   constexpr std::size_t burst_bytes = std::size_t{1} << 20, enough = 10'000;
   RepairQueue queue(1);

@@ -471,7 +471,8 @@ TEST_F(ResendWindowTest, TellsHowManyWereKeptAndHaveNotLeft) {
   EXPECT_EQ(heartbeat->waiting, 3U);
 }
 
-/// Windows that share memory. The limit of each window alone would allow it to use all of the memory.
+/// Windows that share a limit of memory. The limit of each window alone would allow it to use all of that
+/// memory.
 class SharedMemoryTest : public ResendWindowTest {
  protected:
   static constexpr std::size_t limit = 1'600'000, bytes = 50'000;

@@ -1,4 +1,5 @@
-// A reader that resumes a stream: the sequences, ordinals and channels that it accepts.
+// These tests check which sequences, ordinals and channels a reader accepts when it has to find the right
+// numbers again.
 #include <gtest/gtest.h>
 
 #include "core/seam/buffer_pool.h"

@@ -1,5 +1,5 @@
-// Readers with conditions on many hosts join, leave and change their requests some thousand times while
-// samples are published. These tests check which readers share a group meanwhile, and that no unneeded group
+// Readers with conditions on many hosts join, leave and change their requests several thousand times while
+// samples are published. These tests check which readers share a multicast group, and that no unneeded group
 // or gate remains in the end.
 #include <algorithm>
 #include <map>
@@ -86,8 +86,8 @@ class GatedChurnTest : public GroupKeeperTest {
     }
   }
 
-  /// Expects each reader to be served once. All readers in a group with a gate want the same part of the same
-  /// samples. All readers in a group without a gate want every sample.
+  /// Expects that each reader is served once, that all readers in a group with a gate request the same part
+  /// of the same samples, and that all readers in a group without a gate request every sample.
   void expect_right_groups() {
     std::map<core::EndpointId, const core::Route*> routes;
     for (const core::Route& route : routes_) routes.emplace(route.reader, &route);

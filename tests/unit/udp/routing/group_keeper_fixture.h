@@ -1,4 +1,4 @@
-// A keeper of groups, with readers on several links, in simulated time.
+// A GroupKeeper of a writer with readers on several links, in simulated time.
 #pragma once
 
 #include "udp_transport/routing/group_keeper.h"
@@ -72,7 +72,7 @@ class GroupKeeperTest : public testing::Test {
     for (std::uint32_t i = 0; i < count; ++i) reader(first_link + 10 + next_host_++, mask);
   }
 
-  /// Serves the routes, as the making of a table of routes does.
+  /// Serves the present routes, like make_route_table().
   void serve() {
     merged_ = bundle_routes(routes_, destinations_);
     keeper_->merge(merged_, now_);
@@ -114,8 +114,8 @@ class GroupKeeperTest : public testing::Test {
       gate->made(detail::FieldSource::of_nothing(), stamp);
     }
   }
-  /// Publishes at 1 kHz, and makes new routes whenever the keeper plans anew. Returns the number of new
-  /// plans.
+  /// Publishes at 1 kHz for that time, and makes new routes whenever the keeper has a new plan. Returns the
+  /// number of new plans.
   int go_on(std::chrono::milliseconds time) {
     int times = 0;
     for (const auto end = now_ + time; now_ < end; now_ += 1ms) {
@@ -126,14 +126,15 @@ class GroupKeeperTest : public testing::Test {
     }
     return times;
   }
-  /// Publishes a small sample each `period`, and makes new routes whenever the keeper plans anew.
+  /// Publishes a small sample each `period` for that time, and makes new routes whenever the keeper has a
+  /// new plan.
   void go_on_every(std::chrono::milliseconds period, std::chrono::milliseconds time) {
     for (const auto end = now_ + time; now_ < end; now_ += period) {
       publish(0);
       if (keeper_->replan(now_)) serve();
     }
   }
-  /// Publishes until the next plan. Returns the time without a plan.
+  /// Publishes until the keeper has a new plan. Returns the time until then.
   std::chrono::milliseconds time_until_plan() {
     const auto since = now_;
     while (go_on(1ms) == 0 && now_ - since < 10s) {
@@ -172,7 +173,7 @@ class GroupKeeperTest : public testing::Test {
     std::size_t datagram_bytes;
   };
   GroupKeeper::Time now_{1h};
-  bool anything_passes_ = true;  ///< true: publish() lets samples pass the gates
+  bool anything_passes_ = true;  ///< true: samples of publish() pass the gates
   std::vector<core::Route> routes_;
   std::vector<RouteBundle> merged_;
   std::vector<std::shared_ptr<MulticastGroup>> groups_;

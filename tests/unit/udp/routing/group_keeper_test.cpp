@@ -23,7 +23,7 @@ TEST_F(GroupKeeperTest, PutsReadersOfAnyNumberOfMasksIntoOneGroup) {
   EXPECT_EQ(why(32).find(", which adds "), std::string::npos) << "it asks for everything: " << why(32);
 }
 
-/// If the keeper always had a duty, the agent would run it a thousand times a second.
+/// If the keeper always had urgent work, the agent would call it a thousand times per second.
 TEST_F(GroupKeeperTest, HasNoDutyOnceNothingHasToBeDone) {
   const auto is_in_a_hurry = [&] { return keeper_->next_duty(now_) != GroupKeeper::Time::max(); };
   EXPECT_FALSE(is_in_a_hurry());
@@ -213,8 +213,8 @@ TEST_F(GroupKeeperTest, MakesNoGroupForAMaximumRateThatLetsHardlyAnythingPass) {
   }
 }
 
-/// Switches remove a member without traffic from a group, so each of the rare samples would have to be sent
-/// like the first one.
+/// Switches remove members of a group without traffic. So each of the rare samples would have to be sent to
+/// each member separately, like the first one.
 TEST_F(GroupKeeperTest, MakesNoGroupForConditionsThatLetHardlyAnythingPass) {
   for (const bool often : {true, false}) {
     restart(Multicast::automatic);

@@ -1,4 +1,4 @@
-// Groups, and the lengths of the datagrams that arrive at their members.
+// These tests check that the datagrams of a group are short enough for the paths to all members.
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
 
 namespace sft::udp::test {

@@ -1,4 +1,4 @@
-// These tests check which processes without a group get one copy for all their readers.
+// These tests check which processes outside of multicast groups get one copy for all their readers.
 #include "udp_transport/routing/mask_sharing.h"
 
 #include "tests/unit/udp/routing/group_keeper_fixture.h"
@@ -109,7 +109,7 @@ TEST_F(MaskSharingTest, DoesNotChangeToAndFroWithSizes) {
   int changes = 0;
   for (int i = 0; i < 100; ++i, now_ += 100ms) {
     Image image = make_image(1000);
-    // Sizes close to 1.05 times the size of one copy.
+    // The separate copies have sizes close to 1.05 times the size of one copy.
     image.name.assign(i / 10 % 2 == 0 ? 19'000 : 21'000, 'n');
     publish(image);
     if (!keeper_->replan(now_)) continue;
@@ -162,7 +162,7 @@ TEST_F(MaskSharingTest, LeavesTheReadersOfAProcessApartOfWhichOneHasConditions) 
   EXPECT_EQ(merged_.size(), 2U);
 }
 
-/// A group sends each of its members the union of all masks of the member's readers.
+/// A copy for a group has the masks of all readers of each member.
 TEST_F(MaskSharingTest, LeavesMembersOfGroupsToThese) {
   restart(Multicast::automatic);
   for (const std::uint32_t host : {10U, 11U, 12U}) {

@@ -57,9 +57,9 @@ TEST_F(PartGroupsTest, ManyPartsOfOneFieldAreServedByTheWholeField) {
   EXPECT_EQ(why(1).find(", which adds "), std::string::npos) << "it asks for the whole field: " << why(1);
 }
 
-/// Two recorders, three dashboards and a watchdog read the data of a robot. The number of bytes on the link
-/// is limited, too: the whole field and a twentieth of it together exceed that limit, but the whole field and
-/// a fiftieth do not.
+/// Two recorders, three dashboards and a watchdog read the data of a robot. The bytes on the link are
+/// limited relative to one copy. The whole field and a twentieth of it together exceed the limit, but the
+/// whole field and a fiftieth of it do not.
 TEST_F(PartGroupsTest, APartBesideTheWholeFieldHasAGroupOfItsOwnOnlyIfItIsSmall) {
   for (const char* part : {"data[::20]", "data[::50]"}) {
     restart(Multicast::automatic);

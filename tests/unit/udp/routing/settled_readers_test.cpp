@@ -105,7 +105,7 @@ TEST_F(GroupKeeperTest, TakesInAsNewWhoWasAwayForLong) {
 }
 
 /// Each plan makes new groups. Until the members of a new group have reported, each sample is also sent to
-/// each of them alone.
+/// each of them separately.
 TEST_F(GroupKeeperTest, TakesThoseInTogetherThatComeWithinATwentiethOfASecond) {
   readers(2);
   serve();
@@ -216,7 +216,7 @@ TEST_F(GroupKeeperTest, IsSettledAHundredthOfASecondAndOneReportAfterReadersCame
   for (std::size_t i = 0; i < members(); ++i) EXPECT_TRUE(group->hears(i));
 }
 
-/// A reader that leaves and comes back counts as a change.
+/// A reader that leaves and comes back counts as a changed request.
 TEST_F(GroupKeeperTest, KnowsWhoComesBack) {
   readers(3);
   serve();

@@ -41,7 +41,7 @@ TEST_F(AllowanceTest, IsNothingWhileOneLimitIsUsedUp) {
 
 TEST_F(AllowanceTest, LeavesTheLastOfABurstToSmallSamples) {
   EXPECT_GT(allowance(*to, limited, limit, KeptSize::large, test_start), 0U);
-  limited.spend(90'000);  // most of the allowance of 10 ms
+  limited.spend(90'000);  // most of the bytes that the rate limit allows for 10 ms
   EXPECT_EQ(allowance(*to, limited, limit, KeptSize::large, test_start), 0U);
   EXPECT_GT(allowance(*to, limited, limit, KeptSize::small, test_start), 0U);
 }

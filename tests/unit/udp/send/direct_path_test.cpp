@@ -1,4 +1,4 @@
-// Samples that the publisher's thread sends itself.
+// These tests check the samples that the publisher's thread sends itself.
 #include "udp_transport/send/direct_path.h"
 
 #include <gtest/gtest.h>
@@ -10,7 +10,7 @@
 namespace sft::udp {
 namespace {
 
-/// Sends small samples until the next one would have to wait. Returns the number of bytes that were sent.
+/// Sends small samples until the next one would have to wait. Returns the number of bytes sent.
 std::size_t bytes_left_at_once(std::uint64_t node_bytes_per_s) {
   test::Sending sending;
   DirectPath path(std::make_shared<SendSide>(std::make_unique<test::NoSender>(sending.connections),

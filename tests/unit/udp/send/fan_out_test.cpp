@@ -16,12 +16,12 @@ using namespace detail;
 
 using test::Image;
 
-/// The test decides when postponed work is carried out.
+/// The test itself decides when deferred work is carried out.
 class FanOutTest : public testing::Test {
  protected:
   FanOutTest() { side_->max_sample_bytes = std::size_t{1} << 20; }
 
-  /// Returns routes of a mask. The publisher's thread leaves samples of this mask to the sending thread.
+  /// Returns a table of routes with one mask. The sending thread sends the samples with this mask.
   std::shared_ptr<const RouteTable> routes(bool reliable) {
     auto table = std::make_shared<RouteTable>();
     Audience& audience =

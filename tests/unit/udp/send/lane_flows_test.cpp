@@ -199,7 +199,7 @@ TEST_F(LaneFlowsOfGroupsTest, WaitForNoGroupWithoutACommonMember) {
   EXPECT_GT(bytes_left(), large_bytes);
 }
 
-/// A blocked member may take 75 ms for each sample. The other members must not wait for the blocked one.
+/// A blocked member may take 75 ms for each sample. The other members must not wait for the blocked member.
 TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberThatStandsStill) {
   post(lane(), lane_to_group(2, {to.get()}), large_bytes);
   serve_small();
@@ -225,8 +225,8 @@ TEST_F(LaneFlowsOfGroupsTest, GoOnWithoutAMemberOfWhichOneSampleWaitsForAnotherT
   expect_to_go_on_soon(2);
 }
 
-/// When readers begin or cease to share a copy, their samples change to another lane although the readers'
-/// requests are unchanged.
+/// When readers begin or cease to share a copy, their samples are sent through a different lane, although
+/// the readers' requests are unchanged.
 TEST_F(LaneFlowsOfGroupsTest, SendNothingSmallInASharedCopyBeforeWhatIsOlder) {
   const auto own = lane(), shared = lane();
   shared->end().set_shared(true);

@@ -1,5 +1,5 @@
-// Samples that are lost before they reach a destination do not count as sent to its readers, and their bytes
-// do not count either.
+// These tests check that neither lost samples nor their bytes count as sent. The samples are lost before
+// they are sent to a destination.
 #include <gtest/gtest.h>
 
 #include <memory>

@@ -1,4 +1,4 @@
-// Answers count for a destination only if its receiver sent them.
+// These tests check that answers are accepted for a destination only if its receiver has sent them.
 #include <gtest/gtest.h>
 
 #include <chrono>

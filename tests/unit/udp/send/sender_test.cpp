@@ -18,8 +18,8 @@ namespace {
 using namespace std::chrono_literals;
 using Clock = std::chrono::steady_clock;
 
-/// Connections that never have room. `Seen` records whether the thread waits for a connection that was
-/// closed.
+/// Connections whose send buffers are always full. `Seen` records whether the sending thread waits for a
+/// connection that was closed.
 class FullIo final : public DatagramSender {
  public:
   struct Seen {

@@ -1,5 +1,5 @@
-// The parts of the sending thread, without the thread. Tests use these parts to send, but nothing reaches the
-// network.
+// The parts of the sending thread, without the thread. Tests use these parts to send, but no datagram is
+// sent to the network.
 #pragma once
 
 #include <cstddef>
@@ -30,7 +30,7 @@ struct Sending {
     return bytes;
   }
 
-  /// A flow window, in bytes, with room for all that a test sends at any speed.
+  /// The size of a flow window in bytes that is larger than all data of a test.
   static constexpr std::uint32_t roomy = 256 << 20;
 
   std::shared_ptr<JobPool> jobs = JobPool::make();

@@ -1,4 +1,4 @@
-// Large samples that are sent from the program's memory before they are copied.
+// These tests check large samples that are sent from the program's memory before they are copied.
 #include "udp_transport/send/variant_sender.h"
 
 #include <gtest/gtest.h>
@@ -34,7 +34,8 @@ class SendsAhead : public testing::Test {
     if (delivery == Delivery::reliable) channel_ = std::make_shared<Channel>(7, 1, to_, tally_, 9);
     audience_.channels.push_back(channel_);
   }
-  /// Does the work of publish() up to the last use of the value. Returns the number of missed samples.
+  /// Does what Publisher::publish() does until the message is no longer used. Returns the number of missed
+  /// samples.
   std::size_t publish() {
     const Image image = test::make_image(sent_image_bytes);
     sample_ = memory_->take(test::sample_bytes(image, all_));
@@ -99,7 +100,7 @@ TEST_F(SendsAhead, IsNotCopiedWhereAllOfItHasLeftAndNobodyAsksAgain) {
 TEST_F(SendsAhead, LeavesNothingOutOfTheNextOneThatIsQueued) {
   route(Delivery::best_effort);
   EXPECT_EQ(publish(), 0U);
-  // A second lane: samples for two lanes cannot be sent before the copy is made.
+  // The audience gets a second lane. Samples for two lanes cannot be sent before the copy is made.
   route(Delivery::best_effort);
   EXPECT_EQ(publish(), 0U);
   EXPECT_TRUE(is_copied());

@@ -14,7 +14,7 @@ namespace {
 
 using namespace detail;
 
-/// A body in several runs. It is cut into datagrams and put together again.
+/// A body in several runs. It is cut into datagrams and assembled again.
 class FragmenterTest : public testing::Test {
  protected:
   void body_of_runs(std::initializer_list<std::size_t> runs) {

@@ -1,4 +1,4 @@
-// Samples that fit into one datagram, in their two formats: single and whole datagrams.
+// These tests check the two formats for samples that fit into one datagram: single and whole datagrams.
 #include <gtest/gtest.h>
 
 #include <array>
@@ -76,7 +76,7 @@ TEST(SingleDatagram, HasNoMarksAndIsRefusedIfItClaimsToHaveSome) {
   for (unsigned flag = 1; flag < merged_masks; flag *= 2) {
     EXPECT_FALSE(fits_in_single({.label = single_label, .flags = static_cast<std::uint8_t>(flag)})) << flag;
     bytes[1] = static_cast<std::byte>(flag);
-    // The flag narrow_mask gives the length of the mask.
+    // The flag narrow_mask determines the length of the mask.
     EXPECT_EQ(parse(bytes).has_value(), flag == narrow_mask) << flag;
   }
 }
