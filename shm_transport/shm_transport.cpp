@@ -51,8 +51,9 @@ class FirstPorts {
   std::map<core::EndpointId, Kept> ports_;
 };
 
-/// The transport of one node, which uses the session of the process. When the daemon is lost and another one
-/// comes, the transport first reports that the old session is lost, and later that a new one is ready.
+/// The transport of one node, which uses the session of the process. When the daemon is lost and another
+/// daemon starts, the transport first reports that the old session is lost, and later that a new session is
+/// ready.
 class ShmTransport final : public core::SharedMemory {
  public:
   explicit ShmTransport(const ShmOptions& options) : options_(options), daemon_(ProcessDaemon::shared()) {}
@@ -141,7 +142,7 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm_transport(const ShmOptions&
   const auto users = user_ids(options.daemon_users);
   if (!users) return tl::unexpected(users.error());
   ShmOptions clamped = options;
-  // Names are replaced by numbers, since a name must be looked up in a file or at a server.
+  // Names of accounts are replaced by numbers, since a name must be looked up in a file or at a server.
   clamped.daemon_users.clear();
   for (const uid_t user : *users) clamped.daemon_users.push_back(std::to_string(user));
   clamped.queue_limit = std::clamp(options.queue_limit, 1U, ShmOptions::samples_max);

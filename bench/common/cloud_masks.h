@@ -6,7 +6,7 @@
 
 namespace sft::bench {
 
-/// Returns a set of small fields, a different set for each number below 64, as text that begins with a
+/// Returns a set of small fields, a different set for each number less than 64. The text begins with a
 /// comma or is empty.
 std::string small_fields(std::size_t number);
 /// Returns the fields of small_fields(number) and the data of the cloud.

@@ -41,12 +41,12 @@ struct Topic {
   bool spinning = false;
   bool batching = false;  ///< true: samples that are written together may share datagrams
 
-  /// SFT's readers request only the number and the stamp, and not the data.
+  /// True: SFT's readers request only the number and the stamp, and not the data.
   bool two_fields = false;
   Wanted wanted{};
   std::optional<std::chrono::nanoseconds> spin{};  ///< SubscriberOptions::spin of SFT's readers
   // The following members are for contenders without discovery and names.
-  std::uint16_t id = 0;     ///< the number of the topic, unique and below 64
+  std::uint16_t id = 0;     ///< the number of the topic, unique and less than 64
   std::size_t readers = 1;  ///< the number of readers of the writer, at most 16
   std::size_t reader = 0;   ///< the index of this reader
   /// True: the reader is on the writer's host; false: each reader is on a host of its own.
@@ -100,7 +100,7 @@ class Reader {
   virtual void wait() {}  ///< waits at most a second for a sample
   /// Returns the number of the next sample; 0: no sample has come.
   virtual std::uint64_t take() { return 0; }
-  /// From now on, makes SFT's reader of messages request only these fields.
+  /// Makes SFT's reader of messages request only these fields from now on. Other readers ignore the call.
   virtual void ask_for(const std::string& /*fields*/) {}
 };
 
@@ -113,15 +113,15 @@ class Peer {
   Peer& operator=(const Peer&) = delete;
 
   virtual std::unique_ptr<Writer> writer(const Topic& topic) = 0;
-  /// Opens a reader. It calls `arrived` on a thread of the contender, with the number of a sample, or 0 for
-  /// a message. Without `arrived`, the caller takes the samples.
+  /// Opens a reader. It calls `arrived` on a thread of the contender, with the number of the sample, or
+  /// with 0 if the sample is a message without a number. Without `arrived`, the caller takes the samples.
   virtual std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived = {}) = 0;
   /// Waits until the topic's writer in another process is known.
   virtual void know_writer(const Topic& /*topic*/) {}
 };
 
 inline constexpr std::uint32_t sent_cloud_bytes = 6'291'456;  ///< the data of 393,216 points of 16 bytes
-/// Long enough, since iceoryx connects ports every 100 ms.
+/// The time after which iceoryx has connected all ports. iceoryx connects ports every 100 ms.
 inline constexpr std::int64_t iceoryx_connecting_us = 300'000;
 
 using Contender = std::unique_ptr<Peer> (*)();
@@ -135,7 +135,7 @@ std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
 
 // The following contenders have their default settings. Writers of SFT do not wait for readers, and writers
-// of DDS wait for at most a second. Both sides keep only the last samples.
+// of DDS wait for at most a second. Writers and readers keep only the last samples.
 
 std::unique_ptr<Peer> sft_usual_peer();    ///< uses UDP
 std::unique_ptr<Peer> sft_unicast_peer();  ///< uses UDP without multicast
@@ -155,15 +155,15 @@ std::unique_ptr<Peer> fast_dds_local_peer();
 std::unique_ptr<Peer> sft_memory_peer();
 /// Returns SFT for bulk samples only, in loans.
 std::unique_ptr<Peer> sft_memory_loan_peer();
-/// Returns SFT with point clouds as bulk samples. They have the requested number of data bytes, and readers
-/// read two of their fields.
+/// Returns SFT with point clouds as bulk samples. The clouds have the requested number of data bytes, and
+/// readers read two fields of the clouds.
 std::unique_ptr<Peer> sft_cloud_peer();
 /// Returns SFT with the clouds of sft_cloud_peer(), in loans.
 std::unique_ptr<Peer> sft_cloud_loan_peer();
-/// Returns Cyclone DDS by iceoryx, which takes iceoryx_connecting_us after writers and readers have found
-/// each other. REQUIRES: the process has entered the namespace of a Roudi.
+/// Returns Cyclone DDS over iceoryx, which connects within iceoryx_connecting_us after writers and readers
+/// have found each other. REQUIRES: the process has entered the namespace of a Roudi.
 std::unique_ptr<Peer> cyclone_memory_peer();
-/// Returns Cyclone DDS by iceoryx with loans of samples of a fixed size, with sent_cloud_bytes of data.
+/// Returns Cyclone DDS over iceoryx with loans of samples of a fixed size, with sent_cloud_bytes of data.
 std::unique_ptr<Peer> cyclone_memory_loan_peer();
 std::unique_ptr<Peer> fast_dds_memory_peer();
 /// Returns Fast DDS with loans of samples of a fixed size by data sharing, where readers access the
@@ -179,15 +179,15 @@ std::unique_ptr<Peer> iceoryx_loan_peer();
 
 /// Returns a contender that sends bulk samples as trains of datagrams by UDP GSO and GRO, with one
 /// acknowledgement for each sample. write() waits for the acknowledgement of the previous sample, or of an
-/// earlier one if samples are small. A sample that is not bulk is sent as one datagram, and is lost if it
-/// does not fit into the receiver's buffer.
+/// earlier sample if samples are small. A sample that is not bulk is sent as one datagram, and is lost if
+/// it does not fit into the receiver's buffer.
 std::unique_ptr<Peer> raw_udp_peer();
-/// Returns the contender of raw_udp_peer() with a copy of each bulk sample. Reliable delivery needs the
+/// Returns the contender of raw_udp_peer() that also copies each bulk sample. Reliable delivery needs the
 /// copy if the writer may change its memory.
 std::unique_ptr<Peer> raw_udp_copying_peer();
 /// Returns a contender that sends samples over TCP. For bulk samples only.
 std::unique_ptr<Peer> raw_tcp_peer();
-/// Returns the contender of raw_tcp_peer() with a copy of each sample.
+/// Returns the contender of raw_tcp_peer() that also copies each sample.
 std::unique_ptr<Peer> raw_tcp_copying_peer();
 /// Returns a contender that does the least work of a publisher and its readers by UDP without IP fragments.
 /// A message is sent to one multicast group in datagrams that fit into packets, and each reader reads all

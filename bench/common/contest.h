@@ -1,5 +1,6 @@
-// Compares the times of short operations. They run in turns, in batches that are long compared with the
-// clock's resolution. The fastest batch counts, since other work of the machine can only increase a time.
+// Compares the times of short operations. The contenders run in turns, in batches that are long compared
+// with the clock's resolution. The fastest batch counts, since other work of the machine can only increase
+// a time.
 #pragma once
 
 #include <cstddef>

@@ -19,7 +19,7 @@ struct Counts {
   std::optional<std::int64_t> instructions{};
   std::optional<std::int64_t> cache_misses{};
   std::optional<std::int64_t> system_calls{};
-  /// Number of system calls, for those that are counted by name.
+  /// The number of calls of each system call that is counted separately, by name.
   std::map<std::string, std::int64_t> calls{};
   /// Number of times that the thread slept until it was woken (voluntary switches).
   std::int64_t wake_ups = 0;
@@ -44,8 +44,8 @@ Counts sum_of(const std::vector<ThreadCounts>& threads);
 /// that time are counted.
 class ProcessCounter {
  public:
-  /// `process` may be the calling process. The caller needs the right to trace it. To count system calls
-  /// and the work of the kernel, the caller needs root's rights.
+  /// `process` may be the calling process. The caller needs the right to trace that process. To count
+  /// system calls and the work of the kernel, the caller needs root's rights.
   explicit ProcessCounter(pid_t process);
   ~ProcessCounter();
   ProcessCounter(ProcessCounter&&) noexcept;
@@ -53,7 +53,7 @@ class ProcessCounter {
 
   std::vector<ThreadCounts> read() const;
   /// Returns false if threads have been started or have ended since the construction; read() does not count
-  /// these.
+  /// these threads.
   bool same_threads() const;
   /// Returns a text for each count that is not available on this machine or to this user, with the reason.
   const std::vector<std::string>& uncountable() const { return uncountable_; }

@@ -17,8 +17,8 @@ namespace sft::bench {
 namespace {
 
 // The fastest configuration for large samples among those that were tried, with fragments and datagrams of
-// various sizes down to the MTU. It has the largest datagrams, which IP fragments. Both ends have buffers
-// for several samples, and as many bytes may be unacknowledged.
+// various sizes down to the MTU. It has the largest datagrams, which IP fragments. Writer and reader have
+// buffers for several samples, and the bytes of as many samples may be unacknowledged.
 constexpr const char* fastest = R"(
   <General><MaxMessageSize>65500B</MaxMessageSize><FragmentSize>65000B</FragmentSize></General>
   <Internal>
@@ -159,7 +159,7 @@ class CycloneReader : public Reader {
     }
     return false;
   }
-  /// Returns the number. Valid only if the sample has a number.
+  /// Returns the number of the sample. Must be called only for samples with a number.
   std::uint64_t number() const { return *static_cast<const std::uint64_t*>(message_); }
 
   const CycloneParticipant& participant_;
@@ -193,7 +193,7 @@ class CyclonePeer : public Peer {
   }
   /// Waits until a writer is announced.
   void know_writer(const Topic&) override {
-    constexpr double timeout_s = 60;  // long enough for many nodes that start at once
+    constexpr double timeout_s = 60;  // long enough for the discovery of many nodes that start at once
     const dds_entity_t announcements = checked(
         dds_create_reader(participant_.entity(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION, nullptr, nullptr));
     const auto announced = [&] {

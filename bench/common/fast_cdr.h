@@ -77,8 +77,8 @@ class FastCdrStream {
   eprosima::fastcdr::Cdr cdr_;
 
  private:
-  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12). By default, it aligns numbers of 8
-  // bytes to 4.
+  // Fast CDR 2 (Debian 13) has other names than Fast CDR 1 (Debian 12). By default, Fast CDR 2 aligns
+  // numbers of 8 bytes to 4 bytes.
   static eprosima::fastcdr::Cdr make(eprosima::fastcdr::FastBuffer& buffer) {
     using eprosima::fastcdr::Cdr;
 #if __has_include(<fastcdr/CdrSizeCalculator.hpp>)

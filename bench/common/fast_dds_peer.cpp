@@ -1,5 +1,5 @@
-// The contender Fast DDS. A sample is its CDR, which is copied to the wire and from it. That takes less
-// time than code from Fast DDS's own generator.
+// The contender Fast DDS. A sample is held as CDR, which is copied to the wire and from the wire. That
+// takes less time than code from Fast DDS's own generator.
 #include <algorithm>
 #include <fastdds/dds/core/LoanableSequence.hpp>
 #include <string>
@@ -190,7 +190,7 @@ class FastDdsReader : public Reader, private dds::DataReaderListener {
     }
     return false;
   }
-  /// Returns the number. Valid only if the sample has a number.
+  /// Returns the number of the sample. Must be called only for samples with a number.
   std::uint64_t number() const {
     std::uint64_t number = 0;
     std::memcpy(&number, body_.data(), std::min(sizeof number, body_.size()));

@@ -36,12 +36,15 @@ class HostProcesses {
   // The following functions return sums over all processes, or over all interfaces.
   double cpu_s() const;
   double resident_bytes() const;
-  /// Returns the bytes of memory that no file backs: the memory that the processes have written.
+  /// Returns the size in bytes of the memory that no file backs, which is the memory that the processes
+  /// have written.
   double anonymous_bytes() const;
-  /// Returns the bytes of the interfaces of all hosts. REQUIRES: there is a process on each host.
+  /// Returns the bytes that the interfaces of all hosts have received and sent. REQUIRES: there is a
+  /// process on each host.
   LinkBytes link_bytes() const;
 
-  /// Returns the bytes of one host's interface. REQUIRES: there is a process on that host.
+  /// Returns the bytes that one host's interface has received and sent. REQUIRES: there is a process on
+  /// that host.
   LinkBytes link_bytes(std::size_t host) const;
 
  private:

@@ -49,7 +49,7 @@ class IceoryxWriter : public LendingWriter {
         readers_(topic.readers) {}
 
   /// Returns the number of all readers or 0, because iceoryx does not report the number of connected
-  /// readers. Each reader knows its own state.
+  /// readers. Each reader knows whether it is connected itself.
   std::size_t readers() const override { return publisher_.hasSubscribers() ? readers_ : 0; }
   void prepare(std::uint64_t number) override {
     publisher_.loan(bytes_).and_then([&](void* chunk) { chunk_ = chunk; }).or_else([](auto) {

@@ -37,7 +37,8 @@ class Messages {
   /// Opens SFT's subscriber to all fields of such messages.
   virtual std::unique_ptr<Reader> reader(Node& node, const std::string& topic,
                                          const SubscriberOptions& options, Arrived arrived) const = 0;
-  /// Returns the bytes of CDR of the message with this number if only the fields `fields` are sent.
+  /// Returns the size of the CDR of the message with this number in bytes if only the fields `fields` are
+  /// sent.
   virtual std::size_t masked_bytes(std::size_t number, FieldSet fields) const = 0;
 
   /// Returns the bodies of the messages in CDR, without encapsulation, with all fields.

@@ -16,7 +16,7 @@ inline std::int64_t now_ns() {
       .count();
 }
 
-/// The state that the two processes share.
+/// The data in memory that the two processes share.
 class Exchange {
  public:
   static constexpr std::size_t samples_max = 20'000;
@@ -55,10 +55,10 @@ struct Delivery {
   double us() const { return static_cast<double>(received_at - sent_at) / 1000.0; }
 };
 
-/// Runs both sides to their end, and returns the times of all messages. Empty if a side failed.
+/// Runs both sides until they return, and returns the times of all messages. Empty if a side failed.
 std::vector<Delivery> run_deliveries(const Sides& sides, std::uint64_t messages);
-/// Runs both sides to their end. Returns the one-way times in microseconds of the messages that were read,
-/// without the first tenth. Empty if a side failed.
+/// Runs both sides until they return. Returns the one-way times in microseconds of the messages that were
+/// read, without the first tenth. Empty if a side failed.
 std::vector<double> run_pair(const Sides& sides, std::uint64_t messages);
 
 /// Waits for this time without sleeping, which keeps this core out of deep idle states. The time should be

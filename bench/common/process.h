@@ -10,7 +10,7 @@ namespace sft::bench {
 void pin_to_core(int core);
 
 /// Calls `run` in a new process, whose exit code is the result. The process is killed when the calling
-/// process ends. It is also killed after five minutes, because it must be hanging then.
+/// process ends. The process is also killed after five minutes, because it then counts as hanging.
 pid_t start_process(const std::function<int()>& run);
 /// Does the same as start_process(), with the process pinned to a core.
 pid_t start_on_core(int core, const std::function<int()>& run);

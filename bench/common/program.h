@@ -23,8 +23,8 @@ class Program {
   /// Makes a program that measures `groups` in this order.
   Program(const std::string& description, std::vector<Group> groups);
 
-  /// Returns the options of the benchmark, to which a benchmark can add its own. They include --json and
-  /// --only.
+  /// Returns the options of the benchmark, to which a benchmark can add options of its own. The options
+  /// include --json and --only.
   CLI::App& options() { return options_; }
 
   /// Leaves out the table. Used by a benchmark whose groups print tables of their own.

@@ -62,7 +62,7 @@ int receiving_socket() {
   return fd;
 }
 
-/// Receives samples. A datagram that is not full is the last one of a sample.
+/// Receives samples. A datagram that is not full is the last datagram of a sample.
 [[noreturn]] void receive(int socket, const Arrived& arrived) {
   std::array<std::uint8_t, datagram_bytes> datagram{};
   for (;;) {

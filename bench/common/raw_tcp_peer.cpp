@@ -96,7 +96,7 @@ class RawTcpReader : public Reader {
   std::uint64_t take() override { return std::exchange(come_, 0); }
 
  private:
-  /// Receives a sample. Returns false if the other side has closed the connection.
+  /// Receives a sample. Returns false if the writer has closed the connection.
   bool receive() {
     if (connection_ < 0) connection_ = accept(socket_, nullptr, nullptr);
     for (std::span<std::byte> missing = sample_; !missing.empty();) {
@@ -108,7 +108,7 @@ class RawTcpReader : public Reader {
     }
     return true;
   }
-  /// Receives until the other side closes the connection.
+  /// Receives samples until the writer closes the connection.
   void receive_all() {
     while (receive()) {
       std::uint64_t number = 0;
@@ -122,7 +122,7 @@ class RawTcpReader : public Reader {
   const Arrived arrived_;
   std::vector<std::byte> sample_;
   const bool spinning_;
-  std::uint64_t come_ = 0;  ///< the number of the sample to take; 0: there is none
+  std::uint64_t come_ = 0;  ///< the number of the sample to take; 0: there is no sample
   std::thread thread_;
 };
 

@@ -1,8 +1,9 @@
 // The contender UDP, which takes the least possible time for a transfer. For large samples, each system
-// call hands over a train of datagrams. The kernel cuts it (GSO) and puts it together again (GRO), directly
-// from and into the sample's memory. The sender is at most one sample ahead of the last acknowledgement, or
-// some small samples. So no sample is lost to a full buffer, and neither side sleeps between samples. For
-// samples that are not bulk, each side makes one system call per datagram, and neither side waits.
+// call hands over a train of datagrams. The kernel cuts the train (GSO) and puts it together again (GRO),
+// directly from and into the sample's memory. The sender is ahead of the last acknowledgement by at most
+// one large sample, or by some small samples. So no sample is lost to a full buffer, and neither side
+// sleeps between samples. For samples that are not bulk, each side makes one system call per datagram, and
+// neither side waits.
 #include <netinet/udp.h>
 #include <sys/socket.h>
 #include <unistd.h>
@@ -30,7 +31,8 @@ constexpr std::size_t train_bytes = 44 * segment_bytes;
 constexpr std::size_t small_datagram_bytes = 112;  // the same length as with SFT's headers
 constexpr std::size_t received_bytes_max = 65'536;
 constexpr int buffer_bytes = 16 << 20;
-constexpr std::uint64_t again = 0;  // sent in place of a number: all unacknowledged samples follow once more
+// Sent in place of a sample's number before all unacknowledged samples are sent once more.
+constexpr std::uint64_t again = 0;
 
 int udp_socket() {
   const int fd = socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0);

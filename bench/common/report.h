@@ -29,7 +29,8 @@ struct Figure {
 
 /// Prints a table, with a column for the worst rounds if there are any.
 void print_table(const std::vector<Figure>& figures);
-/// Prints the bounds that are exceeded, or that no bound is. Prints nothing if there are no bounds.
+/// Prints the bounds that are exceeded, or prints that none is exceeded. Prints nothing if there are no
+/// bounds.
 void print_missed_bounds(const std::vector<Figure>& figures);
 
 /// Writes a list of {"name", "value", "unit", "reference", "ratio"}. Figures with a bound also have

@@ -61,7 +61,7 @@ class SftWriter : public Writer {
 };
 
 /// Reads the fields `requirement` of messages of type T. Reports the number in the message, or 0 if the
-/// message has none.
+/// message has no number.
 template <class T, Req<T> requirement = Req<T>(all<T>)>
 class SftReader : public Reader {
  public:

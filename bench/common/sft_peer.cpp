@@ -215,7 +215,8 @@ class SftPeer : public Peer {
     return std::make_unique<SftReader<Small>>(node_, topic.name, options, std::move(arrived));
   }
   void know_writer(const Topic& topic) override {
-    constexpr std::chrono::seconds timeout{60};  // long enough for many nodes that start at once
+    // Long enough for the discovery of many nodes that start at once.
+    constexpr std::chrono::seconds timeout{60};
     (void)node_.find_type(topic.name, timeout).value();
   }
 

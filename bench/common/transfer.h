@@ -18,16 +18,16 @@ struct Transfer {
   bool preparing_counts = false;
 };
 
-/// Sends each sample after the previous one was read. The pause before each sample is so long that a reader
-/// that does not spin falls asleep.
+/// Sends each sample after the previous sample was read. The pause before each sample is so long that a
+/// reader that does not spin falls asleep.
 void send_each(Exchange& exchange, const Transfer& transfer, Writer& writer);
 /// Takes each sample and notes its receipt.
 void receive_each(Exchange& exchange, const Transfer& transfer, Reader& reader);
 
 /// Returns the one-way times in microseconds from publish() until the reader has taken the sample.
 std::vector<double> transfer_times(Contender contender, const Topic& topic, const Transfer& transfer);
-/// Returns the one-way times until the contender has called the reader. Both processes first call `enter`.
-/// The writer begins `connecting_us` after both are matched.
+/// Returns the one-way times until the contender has called the reader's callback. Both processes first
+/// call `enter`. The writer begins `connecting_us` after writer and reader are matched.
 std::vector<double> called_times(
     Contender contender, const Topic& topic, const Transfer& transfer,
     const std::function<void()>& enter = [] {}, std::int64_t connecting_us = 0);

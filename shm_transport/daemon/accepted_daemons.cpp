@@ -23,8 +23,8 @@ std::optional<uid_t> user_id(const std::string& user) {
   return found->pw_uid;
 }
 
-/// Returns the owner of /run/sft if only root can write to /run. In any other case, any account could have
-/// made the directory.
+/// Returns the owner of /run/sft if only root can write to /run. Returns nothing in any other case, because
+/// any account could have made the directory.
 std::optional<uid_t> owner_of_run_directory() {
   struct stat parent {};
   struct stat directory {};

@@ -21,7 +21,8 @@ inline constexpr const char* run_directory = "/run/sft";
 /// does not exist.
 Result<std::vector<uid_t>> user_ids(const std::vector<std::string>& users);
 
-/// Returns root, the account of this process, the accounts in `named`, and the owner of /run/sft.
+/// Returns the accounts whose daemons are accepted: root, the account of this process, the accounts in
+/// `named`, and the owner of /run/sft.
 core::TrustedAccounts accepted_daemons(std::vector<uid_t> named);
 
 /// Returns a text that says why the daemon of this account is not used, and what to do.

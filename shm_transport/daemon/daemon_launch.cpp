@@ -76,8 +76,9 @@ Result<DaemonLaunch> DaemonLaunch::begin(const ShmOptions& options, const Daemon
     error = posix_spawnp(&child, path.c_str(), settings.actions(), settings.attributes(), arguments.data(),
                          environ);
   };
-  // A daemon inherits the CPUs and the scheduling policy of the thread that starts it. It also serves other
-  // programs. So a separate thread with the usual settings starts it.
+  // A daemon inherits the CPUs and the scheduling policy of the thread that starts it. These settings must
+  // not be those of this program's thread, because the daemon also serves other programs. So a separate
+  // thread with the usual settings starts the daemon.
   Result<std::thread> spawning = core::start_thread("sft-launch", spawn);
   if (!spawning) return tl::unexpected(spawning.error());
   spawning->join();

@@ -1,6 +1,6 @@
 // Starts sftd from an ordinary program. The daemon outlives the program: it has a session of its own, and
-// does not inherit the descriptors, the signal settings or the directory of the program. Once it has
-// started, it is no child of the program any more.
+// does not inherit the descriptors, the signal settings or the directory of the program. Once the daemon
+// has started, it is not a child of the program any more.
 #pragma once
 
 #include <sys/types.h>
@@ -17,16 +17,16 @@ namespace sft::shm {
 
 class DaemonLaunch {
  public:
-  /// Begins to start the daemon. `places` are the possible paths of sftd's file, if the options do not name
-  /// it.
+  /// Begins to start the daemon. `places` are the possible paths of sftd's file, which are tried if the
+  /// options do not name the file.
   static Result<DaemonLaunch> begin(const ShmOptions& options, const DaemonPlaces& places);
   DaemonLaunch(DaemonLaunch&& other) noexcept
       : child_(std::exchange(other.child_, 0)),
         error_output_(std::move(other.error_output_)),
         error_text_(std::move(other.error_text_)) {}
   DaemonLaunch& operator=(DaemonLaunch&&) = delete;
-  /// Kills the child that still waits for the daemon, so that no child remains. A daemon that the child may
-  /// have started continues.
+  /// Kills the child process if it still waits for the daemon, so that no child process remains. If the
+  /// child has already started a daemon, that daemon continues to run.
   ~DaemonLaunch();
 
   struct Outcome {

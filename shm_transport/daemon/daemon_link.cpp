@@ -19,8 +19,8 @@ using core::Availability;
 // The pause after a successful start of a daemon. The daemon may be killed, or end by itself, as soon as it
 // is ready. This pause does not grow, because there was no obstacle to the start.
 constexpr std::chrono::milliseconds pause_after_a_start{500};
-// The pause after a failed start if an obstacle has gone. It limits the number of attempts that a process
-// can cause by creating and removing such files again and again.
+// The pause after a failed start if an obstacle to that start is gone. It limits the number of attempts
+// that another process can cause by creating and removing files in the way again and again.
 constexpr std::chrono::milliseconds shortest_pause_of_launches{200};
 // The longest pause between attempts to register. Attempts cost little, and a daemon that was stopped may
 // continue at any moment.
@@ -37,7 +37,8 @@ std::string make_runtime_name(const std::string& prefix) {
   return name + rest + pid_namespace_mark();
 }
 
-/// Returns whether a daemon serves programs of iceoryx in this /tmp, or has locked the daemon's lock there.
+/// Returns whether a daemon of iceoryx listens at its socket in this /tmp, or whether an sftd has locked
+/// its lock file there.
 bool another_daemon_serves() {
   return is_locked_at(daemon_lock_path) || socket_state_at(roudi_socket_path) == SocketState::alive;
 }

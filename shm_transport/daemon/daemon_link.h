@@ -1,6 +1,6 @@
-// The connection of this process to its daemon. DaemonLink looks for the daemon, starts one if none runs,
-// registers this process, and notices when the daemon is gone. It is a state machine that never waits. The
-// transports of the process advance it at each poll.
+// The connection of this process to its daemon. DaemonLink looks for the daemon, starts a daemon if none
+// runs, registers this process, and notices when the daemon is gone. It is a state machine that never
+// waits. The transports of the process advance it at each poll.
 #pragma once
 
 #include <array>
@@ -31,8 +31,8 @@ class DaemonLink {
   };
 
   /// Performs the next step, and returns the state. Any thread may call this. While another thread is in
-  /// this function, a call only returns the state after the last step. Sessions share the ownership of
-  /// `runtime`, and so of the object that owns this link.
+  /// this function, a call only returns the state after the last step. Each session shares the ownership of
+  /// `runtime`, and so keeps the object that owns this link alive.
   State advance(const ShmOptions& options, const std::shared_ptr<IceoryxRuntime>& runtime,
                 Clock::time_point now);
 
@@ -61,10 +61,10 @@ class DaemonLink {
                std::shared_ptr<Session> session = nullptr, bool lacks_daemon = false);
   State current() const;
 
-  // The members up to `mutex_` are used by the thread that has set this flag.
+  // Only the thread that has set this flag uses the members from here to `mutex_`.
   std::atomic_flag advancing_ = ATOMIC_FLAG_INIT;
-  // The places are searched when the first node opens, because the search calls the loader, which may hold
-  // its lock for long. advance() must not wait for that.
+  // The possible paths of sftd's file are determined when the first node opens. Determining them calls the
+  // dynamic loader, which may hold its lock for long, and advance() must not wait for that lock.
   const DaemonPlaces places_ = DaemonPlaces::of_this_process();
   /// The result of functions_are_replaced(), which does not change while the process runs.
   const bool functions_are_replaced_ = functions_are_replaced();
@@ -72,20 +72,23 @@ class DaemonLink {
   std::optional<DaemonLaunch> launch_;
   std::optional<HostMonitor> monitor_;
   std::unique_ptr<RoudiChannel> channel_;
-  std::optional<Clock::time_point> deadline_;  ///< the end of the current phase
+  /// The time at which the current phase fails if it has not ended.
+  std::optional<Clock::time_point> deadline_;
   core::Retry launching_;
-  // The names are looked up when the first node opens, too: the lookup of a group's name may take long if
-  // its server is silent.
+  // These names are also determined when the first node opens, because the lookup of a group's name may
+  // take long if the server of the groups does not answer.
   const std::vector<std::string> files_of_daemon_ = files_of_own_daemon();
   LaunchObstacles obstacles_;  ///< obstacles to the last attempt to start a daemon
-  /// The time of the last failed attempt. Empty if obstacles cannot be the reason of the failure.
+  /// The time of the last failed attempt. Empty if no attempt has failed, or if obstacles cannot be the
+  /// reason of the failure.
   std::optional<Clock::time_point> launch_failed_at_;
-  /// Attempts to register with the daemon of `registered_with_`; a new daemon is tried at once.
+  /// The pauses between attempts to register with the daemon that `registered_with_` names. Another daemon
+  /// is tried at once.
   core::Retry registering_;
   /// The token of the daemon that was last asked to register this process.
   std::array<std::uint8_t, 16> registered_with_{};
 
-  // Guards the following members, which functions for any thread read.
+  // Guards the following members. Any thread may call the functions that read them.
   mutable core::Mutex mutex_;
   core::Availability availability_ SFT_GUARDED_BY(mutex_) = core::Availability::starting;
   std::string description_ SFT_GUARDED_BY(mutex_) = looking_for_daemon;

@@ -11,20 +11,21 @@ namespace sft::shm {
 /// The paths that are tried for the file of sftd, in this order. PATH comes last.
 struct DaemonPlaces {
   /// Paths relative to the program, and to the shared library that has this code. An account that can write
-  /// there could also change the program or the library, so these paths need no check.
+  /// to these paths could also change the program or the library, so these paths need no check.
   std::vector<std::string> beside{};
-  /// Paths that were fixed when SFT was built. By now another account may own such a path. So a file there
-  /// counts only if root and this account alone could have put it there.
+  /// Paths that were fixed when SFT was built. By now another account may own such a path. So a file at the
+  /// path is used only if no account except root and this one could have put it there.
   std::vector<std::string> built_in{};
 
   static DaemonPlaces of_this_process();
 };
 
 struct FoundDaemon {
-  /// The path of the file, or the bare name if no place has the file. PATH is searched for the bare name.
+  /// The path of the file, or the bare name if no place has the file. If it is the bare name, PATH is
+  /// searched for it.
   std::string path = "sftd";
-  /// The places where the file was not found. If a place has a file that does not count, the reason follows
-  /// its path.
+  /// The places where no usable file was found. If a place has a file that must not be used, the reason
+  /// follows its path.
   std::vector<std::string> missed{};
 };
 FoundDaemon find_daemon(const DaemonPlaces& places);
@@ -34,8 +35,8 @@ FoundDaemon find_daemon(const DaemonPlaces& places);
 std::string explain_missing_daemon(const FoundDaemon& found);
 
 /// Returns whether only root and this account can replace the file at this path, or change its contents.
-/// The path must have no links. Rights of groups are not considered, because many systems give each account
-/// a group of its own that may write.
+/// The path must contain no symbolic link. Rights of groups are not considered, because on many systems
+/// each account has a group of its own that may write.
 bool is_under_own_control(const std::string& file);
 
 }  // namespace sft::shm

@@ -15,9 +15,9 @@ namespace sft::shm {
 
 namespace {
 
-/// The least growth of free space that is a reason for a new attempt: these numbers, and the `divisor`-th
-/// part of the former free space. A smaller growth means nothing, because other programs take and release
-/// space all the time.
+/// The growth of free space that is a reason for a new attempt to start sftd: at least `bytes` or `files`,
+/// and at least 1/`divisor` of the former free space. A smaller growth means nothing, because other
+/// programs take and release space all the time.
 struct LeastGrowth {
   std::uint64_t bytes;
   std::uint64_t files = 16;

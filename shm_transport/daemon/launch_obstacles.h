@@ -1,6 +1,6 @@
 // Looks for obstacles that can keep sftd from starting: files with the names that sftd needs, and too
-// little space in /dev/shm or /tmp. Looking costs a few system calls, while an attempt to start sftd costs
-// a process. So the pauses between attempts grow, until an obstacle is found to be gone.
+// little space in /dev/shm or /tmp. A search for obstacles costs a few system calls, while an attempt to
+// start sftd costs a process. So attempts become ever rarer, until a search finds that an obstacle is gone.
 #pragma once
 
 #include <sys/types.h>
@@ -20,8 +20,8 @@ std::vector<std::string> daemon_files(const std::string& segment_name);
 std::vector<std::string> files_of_own_daemon();
 
 struct LaunchObstacles {
-  /// A file that an sftd of this account cannot simply replace. It compares unequal to another file that
-  /// has taken its path since then.
+  /// A file that an sftd of this account cannot simply replace. A different file that was put at the same
+  /// path later compares unequal.
   struct File {
     std::string path{};
     dev_t device = 0;
@@ -47,7 +47,8 @@ struct LaunchObstacles {
                               const char* tmp = "/tmp");
 
   /// Adds obstacles that were found after the attempt had failed: further files, and less space in /tmp.
-  /// The space in /dev/shm is not updated, because a failing attempt takes much of it for a short time.
+  /// Does not update the space in /dev/shm, because a failing attempt takes much of that space for a short
+  /// time.
   void add(const LaunchObstacles& later);
 
   /// Returns whether an obstacle in `before` is gone: a file was removed or replaced, or there is

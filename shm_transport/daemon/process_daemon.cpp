@@ -17,8 +17,9 @@ std::shared_ptr<ProcessDaemon> ProcessDaemon::shared() {
 }
 
 DaemonLink::State ProcessDaemon::advance(const ShmOptions& options, Clock::time_point now) {
-  // The session gets a pointer to the runtime that keeps this whole object alive. Otherwise a new object,
-  // with a link of its own, could make a second session while the first session still exists.
+  // The session gets a pointer to the runtime that keeps this whole object alive. If the session did not
+  // keep it alive, a new ProcessDaemon with a link of its own could make a second session while the first
+  // session still exists.
   return link_.advance(options, std::shared_ptr<IceoryxRuntime>(shared_from_this(), &runtime_), now);
 }
 

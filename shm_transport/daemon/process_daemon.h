@@ -1,5 +1,5 @@
 // The link of this process to its daemon. iceoryx allows one session for each process, so all nodes of the
-// process share this object by reference counting. It is the only global object of the transport.
+// process share one ProcessDaemon by reference counting. This is the only global object of the transport.
 #pragma once
 
 #include <chrono>
@@ -14,8 +14,8 @@ namespace sft::shm {
 
 class ProcessDaemon : public std::enable_shared_from_this<ProcessDaemon> {
  public:
-  /// Returns the object of this process. Creates it if no node and no session holds one now. Any thread may
-  /// call this.
+  /// Returns the object of this process. Creates the object if no node and no session holds it now. Any
+  /// thread may call this.
   static std::shared_ptr<ProcessDaemon> shared();
 
   /// Advances the link, as DaemonLink::advance() describes. A session in the result keeps this object alive.

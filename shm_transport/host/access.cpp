@@ -33,8 +33,8 @@ bool is_for(acl_entry_t entry, acl_tag_t tag, id_t id) {
   return its_id != nullptr && *its_id == id;
 }
 
-/// Returns the entry of the user or group, and adds one if there is none. Returns null if the entry could
-/// not be added.
+/// Returns the entry of the user or group, and adds an entry if there is none. Returns null if the entry
+/// could not be added.
 acl_entry_t entry_for(acl_t& list, acl_tag_t tag, id_t id) {
   acl_entry_t entry{};
   for (int more = acl_get_entry(list, ACL_FIRST_ENTRY, &entry); more == 1;

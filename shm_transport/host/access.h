@@ -1,5 +1,5 @@
-// Gives a single user or group rights to a file, by an entry in the access control list of the file. With
-// such entries processes of several users can share memory although they are not all in one group.
+// Gives a single user or group rights to a file, by an entry in the access control list of the file. So
+// processes of several users can share memory even if the users have no common group.
 #pragma once
 
 #include <sys/types.h>

@@ -1,11 +1,11 @@
 // A process has a chunk in hand while it takes the chunk through a port, delivers it or gives it back.
-// Meanwhile the chunk can be in no list, or its count of references can be too high. If the process is
-// killed then, the chunk stays in that state. sftd looks for such chunks while no process has a chunk in
-// hand (sftd/chunk_auditor.h).
+// During that time the chunk can be in no list, or its count of references can be too high. If the process
+// is killed during that time, the chunk stays in that state. sftd looks for such chunks while no process
+// has a chunk in hand (sftd/chunk_auditor.h).
 //
-// The mark is a count in the port itself. An odd count means that the owner of the port has a chunk in
-// hand. The count is stored in the field for the name of the port's node, far behind the end of the name.
-// iceoryx stores this field and does not use it.
+// The port itself shows whether a chunk is in hand, by a count. An odd count means that the owner of the
+// port has a chunk in hand. The count is stored in the field for the name of the port's node, far beyond
+// the end of the name. iceoryx stores this field and does not use it.
 #pragma once
 
 #include <atomic>
@@ -28,14 +28,14 @@ inline bool is_in_hand(const iox::popo::BasePortData& port) noexcept {
   return in_hand_count(port).load(std::memory_order_acquire) % 2 != 0;
 }
 
-/// Marks the port as long as this object exists. A port can have only one such object at a time, so the
-/// caller must hold the mutex of the port.
+/// Marks the port as having a chunk in hand, as long as this object exists. A port can have only one such
+/// object at a time, so the caller must hold the mutex of the port.
 class ChunkInHand {
  public:
   explicit ChunkInHand(const iox::popo::BasePortData& port) noexcept
       : hand_(in_hand_count(port)), before_(hand_.load(std::memory_order_relaxed)) {
     hand_.store(before_ + 1, std::memory_order_relaxed);
-    before_chunk_leaves();  // the mark is written before any other change
+    before_chunk_leaves();  // the count is written before any other change
   }
   ~ChunkInHand() { hand_.store(before_ + 2, std::memory_order_release); }
   ChunkInHand(const ChunkInHand&) = delete;

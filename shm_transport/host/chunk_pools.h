@@ -29,18 +29,19 @@ class ChunkPools {
 
   struct Choice {
     std::uint32_t pool = 0;
-    std::uint32_t payload_bytes = 0;  ///< the size to request, with which iceoryx takes this pool
+    std::uint32_t payload_bytes = 0;  ///< the size to request from iceoryx to get a chunk of this pool
   };
-  /// Returns the smallest pool whose chunks are large enough, or the next larger pool if that one is used up.
-  /// Still larger pools are never chosen, so that a flood of small samples does not use up the large chunks.
+  /// Returns the smallest pool whose chunks are large enough, or the next larger pool if the smallest of
+  /// them is used up. Still larger pools are never chosen, so that a flood of small samples does not use up
+  /// the large chunks.
   std::optional<Choice> choose(std::size_t bytes) const noexcept;
 
   /// Returns the number of bytes that a chunk of the largest pool holds.
   std::size_t largest_bytes() const noexcept;
 
-  /// Notes that the chosen pool was empty although it counts free chunks. A process that is killed while it
-  /// takes a chunk can leave a chunk that counts as free but cannot be taken. Such chunks are not counted
-  /// as free for one second. By then sftd has found them.
+  /// Notes that the chosen pool was empty although its count shows free chunks. A process that is killed
+  /// while it takes a chunk can leave a chunk that counts as free but cannot be taken. Such chunks are not
+  /// counted as free for one second. By then sftd has found them.
   void note_empty(const Choice& choice) noexcept;
 
   /// Notes that a writer got a chunk from the chosen pool, for a sample of `bytes`.

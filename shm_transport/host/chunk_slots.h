@@ -1,5 +1,5 @@
-// The sample buffers of a port, one for each chunk that can be in use at a time. They are made once, so that
-// lending a chunk allocates no memory.
+// The sample buffers of a port, one for each chunk that can be in use at a time. The buffers are made once,
+// so that lending a chunk allocates no memory.
 #pragma once
 
 #include <atomic>
@@ -15,8 +15,8 @@ namespace sft::shm {
 // iceoryx passes chunks on, and counts their references, with atomics that do not order the contents of the
 // chunks. On a CPU that reorders memory accesses, the last loads of a reader could happen after the chunk
 // was given back and written anew. So our code has a fence before each call that gives a chunk away, and a
-// fence after each call that gets one. (GCC warns that its thread sanitizer ignores fences. The sanitizer
-// ignores other processes, too, so the warning can be disabled.)
+// fence after each call that gets a chunk. (GCC warns that its thread sanitizer ignores fences. The
+// sanitizer ignores other processes, too, so the warning can be disabled.)
 #ifndef __clang__
 #pragma GCC diagnostic push
 #pragma GCC diagnostic ignored "-Wtsan"
@@ -30,8 +30,8 @@ inline void after_chunk_came() noexcept { std::atomic_thread_fence(std::memory_o
 struct ChunkSlot {
   core::SampleBuffer buffer;
   iox::mepoo::ChunkHeader* chunk = nullptr;
-  /// Refers to the chunk of a writer, but does not count as a reference. Counted references are made from
-  /// it.
+  /// Refers to the chunk of a writer, but is not counted as a reference to the chunk. Counted references
+  /// are made from this one.
   iox::mepoo::ShmSafeUnmanagedChunk name{};
   bool sent = false;  ///< true if the writer has sent the chunk, which must not be written any more
   ChunkSlot* next_free = nullptr;

@@ -62,8 +62,9 @@ Result<void> clear_path(const std::string& path, const Error& why) {
 
 }  // namespace
 
-/// Requests a read lock, which only a write lock excludes. Every account may read the file, and so may lock
-/// it for reading. Only its holder may write it, and has locked it for writing.
+/// Queries whether a read lock could be taken, which only a write lock prevents. Every account may read the
+/// file, and so may lock it for reading. Only the holder of the lock may write the file, and the holder has
+/// locked the file for writing.
 bool is_locked(int descriptor) noexcept {
   struct flock lock = whole_file(F_RDLCK);
   return fcntl(descriptor, F_OFD_GETLK, &lock) == 0 && lock.l_type != F_UNLCK;
@@ -97,14 +98,14 @@ Result<FileLock> FileLock::take(const std::string& path) {
       if (auto cleared = clear_path(path, leftover.error()); !cleared) return tl::unexpected(cleared.error());
       continue;
     }
-    // If several processes get here at the same time, only the one that gets the lock removes the file. No
-    // process gets the lock while another account has locked the file for reading. In that case the file is
-    // removed without the lock, if the path still names it.
+    // If several processes find the file of a dead holder at the same time, only the process that gets the
+    // lock removes the file. While another account has locked the file for reading, no process gets the
+    // lock. In that case the file is removed without the lock, if the path still names that file.
     const bool locked = lock(*leftover);
     if (!locked && is_locked(leftover->get())) return is_taken(path);
     if (!core::still_names(path, leftover->get())) continue;
-    // Another process that starts has just made a new file. This process locked the file first and keeps
-    // it.
+    // Another process that starts has just made a new file. This process has locked the new file first and
+    // keeps it.
     if (locked && is_new(*leftover)) return publish(FileLock(path, std::move(*leftover)));
     if (unlink(path.c_str()) != 0 && errno != ENOENT) return lock_failure(path);
   }

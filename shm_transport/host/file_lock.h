@@ -22,9 +22,10 @@ using Descriptor = core::FileDescriptor;
 class FileLock {
  public:
   /// Makes a new, empty file at `path` and locks it. A file that a dead process left there is replaced and
-  /// never reused, because a process that still has it open must not take this holder for the former one.
-  /// Any other object at the path is replaced as well, if this account may remove it. Errc::address_in_use:
-  /// a living process holds the lock. Errc::no_permission: the message names the obstacle and its owner.
+  /// never reused, because a process that still has it open must not take this holder for the former
+  /// holder. Any other object at the path is replaced as well, if this account may remove it.
+  /// Errc::address_in_use: a living process holds the lock. Errc::no_permission: the message names the
+  /// obstacle and its owner.
   static Result<FileLock> take(const std::string& path);
 
   FileLock(FileLock&&) noexcept = default;

@@ -1,9 +1,9 @@
 // The files by which a process finds sftd: the host file /dev/shm/sft_host, the lock /tmp/sftd.lock and the
 // socket /tmp/roudi.
 //
-// The host file shows that an sftd serves this /dev/shm. It names the memory of the daemon by a random
-// token. Processes exchange their tokens to learn whether they share memory. The file is locked as long as
-// the daemon lives.
+// The host file shows that an sftd serves this /dev/shm. The host file identifies the memory of the daemon
+// by a random token. Processes exchange their tokens to learn whether they share memory. The file is locked
+// as long as the daemon lives.
 //
 // The host file is text with one "key value" in each line. The last line is "end"; without it the file is
 // incomplete.
@@ -29,10 +29,10 @@ inline constexpr const char* roudi_socket_path = "/tmp/roudi";
 inline constexpr const char* runtime_name_stem = "sft_";  ///< the names of our sockets in /tmp begin with it
 
 /// The version of the host file, of the messages between programs and sftd, of their data in shared memory,
-/// and of the way in which they take chunks and places in queues. It is raised when an older program or
-/// daemon would misunderstand a newer one, or would damage its data (replaced_functions.h).
+/// and of the way in which they take chunks and places in queues. The version is raised when an older
+/// program or daemon would misunderstand a newer one, or would damage its data (replaced_functions.h).
 inline constexpr std::uint32_t host_protocol = 4;
-/// The error with which sftd refuses a registration once it serves the greatest number of processes allowed.
+/// The error with which sftd refuses a registration once it serves the maximum number of processes.
 inline constexpr const char* too_many_processes = "SFT_PROCESS_LIST_FULL";
 
 /// Returns whether a process may have this name. The name is also the name of the process's socket. So the
@@ -66,7 +66,7 @@ class HostMonitor {
     foreign,  ///< the file is ignored: the account that has locked it is not accepted
   };
   struct Look;
-  /// Looks for the daemon, and never waits. `accepted` are the accounts whose daemon is used.
+  /// Looks for the daemon, and never waits. `accepted` are the accounts whose daemons are accepted.
   static Look look(const core::TrustedAccounts& accepted);
 
   const HostFile& file() const { return file_; }
@@ -97,7 +97,7 @@ struct DaemonLock {
   pid_t pid = 0;         ///< pid of the daemon; 0: the daemon has not written it yet
   dev_t shm_device = 0;  ///< the device number of the daemon's /dev/shm, unique while the daemon runs
   uid_t user = 0;        ///< the owner of the file
-  /// Returns whether the daemon has started, with the /dev/shm that this process has.
+  /// Returns whether the daemon has started and uses the same /dev/shm as this process.
   bool serves_this_shm() const;
 };
 std::string format_lock(const DaemonLock& lock);

@@ -26,7 +26,7 @@
 
 namespace sft::shm {
 
-/// The number of places in each queue between a writer and a reader.
+/// The maximum number of places in a queue between a writer and a reader. A place can have one chunk.
 inline constexpr std::uint64_t queue_places_max = iox::MAX_SUBSCRIBER_QUEUE_CAPACITY;
 
 // The limits with which iceoryx was built.

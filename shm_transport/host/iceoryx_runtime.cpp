@@ -2,8 +2,8 @@
 
 namespace sft::shm {
 
-/// iceoryx's own handler would terminate the process at errors that the calls return as well. So it is
-/// replaced by a handler that does nothing.
+/// iceoryx's own error handler would terminate the process at errors that are also returned to the caller.
+/// So it is replaced by a handler that does nothing.
 IceoryxRuntime::IceoryxRuntime()
     : error_handler_(iox::ErrorHandler::setTemporaryErrorHandler(
           [](iox::Error, const std::function<void()>&, iox::ErrorLevel) {})) {

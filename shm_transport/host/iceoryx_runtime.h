@@ -13,12 +13,12 @@ namespace sft::shm {
 
 class IceoryxRuntime {
  public:
-  /// Only one object may exist at a time; ProcessDaemon ensures that.
+  /// Only one object must exist at a time; ProcessDaemon ensures that.
   IceoryxRuntime();
   IceoryxRuntime(const IceoryxRuntime&) = delete;
   IceoryxRuntime& operator=(const IceoryxRuntime&) = delete;
 
-  /// Enters a segment into iceoryx's table. Returns false if its id is taken.
+  /// Adds a segment to iceoryx's table of segment addresses. Returns false if its id is taken.
   bool announce_segment(std::uint64_t id, std::span<std::byte> memory) noexcept;
   void withdraw_segment(std::uint64_t id) noexcept;
 

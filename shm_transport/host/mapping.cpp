@@ -34,7 +34,7 @@ Result<Mapping> Mapping::open(const std::string& name, std::size_t bytes, bool w
   void* memory =
       mmap(nullptr, bytes, writable ? PROT_READ | PROT_WRITE : PROT_READ, MAP_SHARED, file->get(), 0);
   if (memory == MAP_FAILED) return fail(Errc::out_of_memory, path + ": " + std::strerror(errno));
-  // Without this call, every core dump would contain the memory once its name is gone.
+  // Without this call, a core dump would contain the memory even after the file's name was removed.
   madvise(memory, bytes, MADV_DONTDUMP);
   return Mapping({static_cast<std::byte*>(memory), bytes}, status.st_gid,
                  writable ? std::move(*file) : core::FileDescriptor());

@@ -30,7 +30,7 @@ class Mapping {
   std::span<std::byte> bytes() const { return memory_; }
   /// Returns the group of the file.
   gid_t group() const { return group_; }
-  /// Returns the file; -1 if the segment is mapped for reading only.
+  /// Returns the descriptor of the file; -1 if the segment is mapped for reading only.
   int file() const { return file_.get(); }
   bool contains(const void* data, std::size_t size) const { return shm::contains(memory_, data, size); }
 

@@ -93,8 +93,9 @@ void PoolLayout::correct_count(std::int64_t too_many) {
   layout_of(pool_).used.fetch_sub(static_cast<std::uint32_t>(too_many), std::memory_order_relaxed);
 }
 
-/// The last user of the chunk may have been killed just before it marked the chunk as taken, or while it gave
-/// the chunk back. So the chunk is marked as taken first.
+/// Marks the chunk as taken before it frees the chunk, because iceoryx refuses to free a chunk without this
+/// mark. The mark is missing if the last user was killed just before it marked the chunk, or while it gave
+/// the chunk back.
 void PoolLayout::free(std::uint32_t index) {
   __atomic_store_n(&next_free_[index], layout_of(pool_).free.taken, __ATOMIC_RELAXED);
   pool_.freeChunk(at(index));

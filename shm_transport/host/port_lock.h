@@ -1,7 +1,7 @@
 // Reads the state of the mutex in a port of iceoryx without taking the mutex.
 //
 // A process that is killed while it holds such a mutex leaves it closed. sftd opens the mutexes that killed
-// writers left closed (sftd/lock_recovery.h). It relies on the rule that only writers and sftd ever hold
+// writers left closed (sftd/lock_recovery.h). sftd relies on the rule that only writers and sftd ever hold
 // such a mutex. So all other code uses the functions here, which only read the state.
 #pragma once
 

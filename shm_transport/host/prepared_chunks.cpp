@@ -13,12 +13,12 @@ namespace sft::shm {
 
 namespace {
 
-/// The number of bytes that are mapped in one call. A call locks the mappings of the process, so page
-/// faults of other threads may have to wait for it.
+/// The maximum number of bytes that one system call maps. During the call the mappings of the process are
+/// locked, so page faults of other threads may have to wait.
 constexpr std::size_t mapped_in_a_call = std::size_t{1} << 20;
 
-/// Returns false if the system refuses to map: before Linux 5.14, or without memory. Then the pages are
-/// mapped when they are first used.
+/// Returns false if the system refuses to map the pages: if it is older than Linux 5.14, or has too little
+/// memory. The pages are then mapped when they are first used.
 bool map(const std::byte* begin, const std::byte* end) noexcept {
   static const auto page = static_cast<std::uintptr_t>(::sysconf(_SC_PAGESIZE));
   auto at = reinterpret_cast<std::uintptr_t>(begin) / page * page;
@@ -32,7 +32,7 @@ bool map(const std::byte* begin, const std::byte* end) noexcept {
 
 }  // namespace
 
-/// Casts the constness away, because PoolLayout could change pools. This class does not change them.
+/// Casts the constness away, because PoolLayout could change pools. PreparedChunks does not change them.
 PreparedChunks::PreparedChunks(const iox::mepoo::MemoryManager& pools, std::span<const std::byte> samples,
                                std::span<const std::byte> management, int samples_file)
     : samples_(samples.data()), file_(samples_file) {
@@ -79,8 +79,8 @@ bool PreparedChunks::has_memory(Pool& pool, std::uint32_t chunk, std::uint32_t b
 }
 
 /// Requests the memory in several parts, because a signal ends a call, and the system then takes back all
-/// memory of that call. Requests nothing if the host has too little memory for all parts: that would only
-/// take memory from other programs.
+/// memory of that call. If the host has too little memory for all parts, requests nothing: the parts that
+/// could be had would be useless here and missing for other programs.
 bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t bytes) noexcept {
   constexpr std::uint32_t part_bytes = 1 << 20;
   const auto wanted = static_cast<std::uint32_t>(std::min<std::size_t>(bytes, pool.layout.chunk_bytes()));
@@ -104,7 +104,8 @@ bool PreparedChunks::set_aside(Pool& pool, std::uint32_t chunk, std::size_t byte
   return true;
 }
 
-/// Maps up to `chunks` free chunks of the pool. Returns the number of these chunks.
+/// Maps the next free chunks of the pool, at most `chunks`. Returns how many such chunks the pool has,
+/// whether or not all could be mapped.
 std::size_t PreparedChunks::map_free(Pool& pool, std::size_t chunks, std::size_t bytes,
                                      std::size_t& budget) noexcept {
   if (pool.mapped.empty()) return chunks;

@@ -1,8 +1,8 @@
-// Lets a writer sleep until its reader has made room in the queue. Writer and reader use one word in the
-// reader's port, next to the count of chunk_hand.h. The writer stores in the word that it waits, checks the
-// queue once more, and sleeps on the word (a futex). The reader checks the word after it has taken a
+// Lets a writer sleep until its reader has freed a place in the queue. Writer and reader use one word in
+// the reader's port, next to the count of chunk_hand.h. The writer stores in the word that it waits, checks
+// the queue once more, and sleeps on the word (a futex). The reader checks the word after it has taken a
 // sample, and wakes the writer. Both sides use a full fence between their two steps, so that at least one
-// side notices the action of the other.
+// side notices the action of the other side.
 //
 // A reader that is killed wakes no writer. So a writer never sleeps long before it checks whether the queue
 // still exists.
@@ -29,7 +29,7 @@ inline void full_fence() noexcept { std::atomic_thread_fence(std::memory_order_s
 #pragma GCC diagnostic pop
 #endif
 
-/// The word of a port. The memory of the port must stay mapped.
+/// The word in a reader's port. The memory of the port must stay mapped.
 class QueueRoom {
  public:
   static constexpr std::size_t offset = 88;  ///< the word's position in the field for the node's name
@@ -44,7 +44,8 @@ class QueueRoom {
     word_->store(writer_waits, std::memory_order_seq_cst);
     full_fence();
   }
-  /// Sleeps until the reader has taken a sample, for `at_most` at most. May also return without a reason.
+  /// Sleeps until the reader has taken a sample, for `at_most` at most. May also return earlier without a
+  /// reason.
   void sleep(std::chrono::nanoseconds at_most) noexcept {
     timespec timeout{};
     timeout.tv_sec = at_most.count() / 1'000'000'000;

@@ -11,14 +11,16 @@ namespace sft::shm {
 
 namespace {
 
-// The marks that stand between the label of a port and the id of its reader. The mark encodes the reader's
-// requests. The name has room for one id only, because words of our own are stored behind it (chunk_hand.h
-// and queue_room.h).
+// One of these characters stands between the label of a port and the id of its reader, and encodes the
+// reader's requests. The name has space for one id only, because words of our own are stored after the name
+// (chunk_hand.h and queue_room.h).
 constexpr std::string_view marks = "=@!*-+~^";
 
-constexpr std::size_t late_bit = 1, awaited_bit = 2, deepest_bit = 4;  // bits of a mark's position in `marks`
+// Bits of a character's position in `marks`.
+constexpr std::size_t late_bit = 1, awaited_bit = 2, deepest_bit = 4;
 
-// The letters behind the digits of the id. Each stands for a limit of bytes, which is a power of two.
+// The letters that can follow the digits of the id. Each letter stands for a limit of bytes, which is a
+// power of two.
 constexpr char first_letter = 'g', last_letter = 'z';
 constexpr int least_power = 16, greatest_power = least_power + (last_letter - first_letter);
 

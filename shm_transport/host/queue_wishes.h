@@ -13,21 +13,22 @@ namespace sft::shm {
 
 struct QueueWishes {
   core::EndpointId reader = 0;  ///< the reader of the queue; 0: unknown
-  /// True if the writer puts its retained samples into the queue before all others.
+  /// True if the reader requests the retained samples of the writer before all other samples.
   bool late = false;
-  /// True if the writer waits for room in the queue, as long as its timeout allows.
+  /// True if the reader requests that the writer waits for room in the queue, as long as the writer's
+  /// timeout allows.
   bool awaited = false;
-  /// The queue has no spare place: samples may wait in all its places (queue_places.h).
+  /// True if the queue has no spare place: samples may wait in all its places (queue_places.h).
   bool deepest = false;
-  /// The limit of the bytes of waiting samples; 0: any number. The name contains it rounded down to a power
-  /// of two, but at least 64 KiB.
+  /// The limit of the bytes of waiting samples; 0: no limit. The name contains this limit rounded down to a
+  /// power of two, but at least 64 KiB.
   std::uint64_t bytes_max = 0;
 };
 
-/// Returns the text behind the label in the name of the port; empty if the reader is unknown.
+/// Returns the text that follows the label in the name of the port; empty if the reader is unknown.
 std::string to_text(const QueueWishes& wishes);
-/// Reads the reader and the requests from the name of a port. The result is empty if the name has none, or
-/// malformed ones.
+/// Reads the reader and the requests from the name of a port. The result is empty if the name contains no
+/// requests or malformed requests.
 QueueWishes parse_wishes(std::string_view port_name) noexcept;
 
 }  // namespace sft::shm

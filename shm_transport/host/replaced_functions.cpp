@@ -117,7 +117,7 @@ constexpr std::array<std::string_view, 5> replaced{
     "_ZN3iox10concurrent10IndexQueueILm256EmE18popIfSizeIsAtLeastEmRm",
 };
 
-/// Returns the loaded file whose code has this address; null if there is none.
+/// Returns the loaded file whose code has this address; null if there is no such file.
 const void* file_of(const void* code) {
   Dl_info info{};
   return dladdr(code, &info) != 0 ? info.dli_fbase : nullptr;

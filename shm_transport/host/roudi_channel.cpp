@@ -54,7 +54,7 @@ Result<Descriptor> listen_at(const std::string& path, const struct stat& daemon)
 
 /// Connects to the socket of the daemon. The socket must belong to the account of the daemon. Otherwise
 /// another account that has put a socket there would get the messages for the daemon. The path is resolved
-/// once, so that the checked socket is the one that is connected.
+/// once, so that the socket that is connected is the socket that was checked.
 Result<Descriptor> connect_to(const char* path, uid_t daemon_user, struct stat& daemon) {
   const Descriptor resolved(::open(path, O_PATH | O_NOFOLLOW | O_CLOEXEC));
   const bool there = resolved && fstat(resolved.get(), &daemon) == 0;
@@ -118,7 +118,7 @@ std::string reason_of(IpcMessageErrorType error) {
   }
 }
 
-/// The time for which a late answer is kept for the next call.
+/// The time for which a late answer is kept for the next request of the same port.
 constexpr std::chrono::seconds kept_for{2};
 
 tl::unexpected<Error> not_yet() { return fail(Errc::unavailable, "sftd has not answered yet"); }
@@ -127,7 +127,8 @@ tl::unexpected<Error> too_late() {
   return fail(Errc::unavailable, "sftd did not answer in time; is it stopped or is the machine overloaded?");
 }
 
-/// The daemon writes the name of the node into the port, so the request passes its label as that name.
+/// The daemon writes the node's name in the request into the port. So the request has its label in place of
+/// the node's name.
 template <class Options>
 IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name,
                             const iox::capro::ServiceDescription& service, Options options,
@@ -141,8 +142,8 @@ IpcMessage request_for_port(IpcMessageType type, const std::string& runtime_name
 
 }  // namespace
 
-/// The right to have a request under way. A mutex would not do, because threads wait for this right with a
-/// deadline and keep it over system calls.
+/// The right of a thread to send requests to the daemon (the turn), which only one thread has at a time. A
+/// mutex would not do, because threads wait for this right with a deadline and keep it over system calls.
 class RoudiChannel::Turn {
  public:
   Turn(RoudiChannel& channel, Clock::time_point deadline) : channel_(channel) {
@@ -260,9 +261,9 @@ Result<PortLocation> RoudiChannel::create_subscriber(const iox::capro::ServiceDe
                       make, take_port, timeouts);
 }
 
-/// Asks the daemon one question at a time. An error names no port, so this is the only way to know which
-/// question an error answers. `next.label` is a remark at first. The number of the request is put before
-/// it.
+/// Sends the daemon one request at a time. An error message of the daemon names no port, so this is the
+/// only way to know which request it answers. The caller has set `next.label` to a remark. This function
+/// puts the number of the request before the remark.
 Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest& make,
                                                 const TakePort& take_port, const Timeouts& timeouts) {
   const auto begun = Clock::now();
@@ -291,8 +292,8 @@ Result<PortLocation> RoudiChannel::ask_for_port(Question next, const MakeRequest
   return too_late();
 }
 
-/// Takes messages until the question is answered, or the deadline is over. Messages that have come already
-/// are taken in any case.
+/// Takes messages until the question is answered, or the deadline is over. Messages that have already
+/// arrived are taken in any case.
 Result<void> RoudiChannel::take_answers(const TakePort& take_port, Clock::time_point deadline) {
   for (;;) {
     const auto message = receive(question() ? deadline : Clock::time_point{});
@@ -306,9 +307,9 @@ Result<void> RoudiChannel::take_answers(const TakePort& take_port, Clock::time_p
   }
 }
 
-/// The daemon answers in the order of the questions. A port also has the label of its question. An error
-/// has no label. While answers are overdue, an error counts as one of these. A port whose answer came too
-/// late is given back.
+/// The daemon answers in the order of the questions. A port also has the label of its question, but an
+/// error has none. While overdue answers are still to come, an error is taken as one of these answers. A
+/// port whose answer came too late is given back.
 void RoudiChannel::note(const IpcMessage& message, const TakePort& take_port) {
   const std::optional<Question> asked = question();
   const auto answer = [&](Result<PortLocation> location) {

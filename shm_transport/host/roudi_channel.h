@@ -3,7 +3,7 @@
 // The client of iceoryx (PoshRuntimeImpl) waits for answers without a limit, and aborts the process if
 // there is an error. This class sends the same messages, but each call waits only for a short time. An
 // answer that comes later is kept for the next call that requests the same port. If the answer is overdue,
-// or if no call requests the port again, the port is given back.
+// or if no call requests the port again, the port is given back to the daemon.
 #pragma once
 
 #include <atomic>
@@ -40,9 +40,9 @@ struct PortLocation {
 
 class RoudiChannel {
  public:
-  /// Returns whether the port at this location was requested with this label (in m_nodeName). If it was
-  /// not, the function gives the port back. So an answer that missed its deadline is not taken for the
-  /// answer to a later request.
+  /// Returns whether the port at this location was requested with this label (in m_nodeName). If the port
+  /// was not, the function gives it back. So an answer that missed its deadline is not taken for the answer
+  /// to a later request.
   using TakePort = std::function<bool(const PortLocation& location, const std::string& label)>;
 
   /// Sends the daemon a request to register this process under `runtime_name`, and does not wait for the
@@ -50,16 +50,16 @@ class RoudiChannel {
   static Result<std::unique_ptr<RoudiChannel>> open(const std::string& runtime_name, uid_t daemon_user);
   ~RoudiChannel();
 
-  /// Returns the answer to the registration, or nothing if it has not come yet.
+  /// Returns the answer to the registration; nothing if the answer has not arrived yet.
   Result<std::optional<Registration>> poll_registration();
 
   struct Timeouts {
     std::chrono::milliseconds wait{};     ///< the longest time for which a call waits for its answer
     std::chrono::milliseconds overdue{};  ///< an answer that takes longer is overdue
   };
-  /// Requests a port. `remark` is a text behind the label, which other processes can read. Any thread may
-  /// call this; requests take turns. The error is Errc::unavailable if the daemon has not answered yet; see
-  /// awaits_answer().
+  /// Requests a port. `remark` is a text that follows the label, which other processes can read. Any thread
+  /// may call this; one request is under way at a time. The error is Errc::unavailable if the daemon has
+  /// not answered yet; see awaits_answer().
   Result<PortLocation> create_publisher(const iox::capro::ServiceDescription& service,
                                         const iox::popo::PublisherOptions& options, const TakePort& take_port,
                                         const Timeouts& timeouts);
@@ -67,11 +67,11 @@ class RoudiChannel {
                                          const iox::popo::SubscriberOptions& options,
                                          const TakePort& take_port, const Timeouts& timeouts,
                                          const std::string& remark = {});
-  /// Returns whether the daemon was asked for a port, and its answer has not come and is not overdue yet.
-  /// In that case a failed call may succeed soon. Any thread may call this.
+  /// Returns whether the daemon was asked for a port whose answer has not come and is not overdue yet. In
+  /// that case a failed call may succeed if it is repeated soon. Any thread may call this.
   bool awaits_answer() const;
-  /// Gives back the ports whose answers came late, and that no call has requested again. Any thread may
-  /// call this.
+  /// Gives back to the daemon the ports whose answers arrived late, and that no call has requested again.
+  /// Any thread may call this.
   void give_back_untaken(const TakePort& take_port);
 
   /// Sends the daemon a request to remove everything that belongs to this process. Does not wait.
@@ -111,7 +111,7 @@ class RoudiChannel {
   core::Condition turn_ends_;
   bool turn_taken_ SFT_GUARDED_BY(turn_mutex_) = false;           ///< true while a request is under way
   std::optional<Question> question_ SFT_GUARDED_BY(turn_mutex_);  ///< the question that is not answered yet
-  // The following members are used only by the thread that has the turn.
+  // Only the thread that has the turn (class Turn) uses the following members.
   std::uint64_t requests_ = 0;
   std::size_t overdue_ = 0;  ///< number of questions that were given up; their answers come before all others
   std::map<std::string, Answer> answers_;  ///< by port: the answers that no call has taken yet

@@ -10,10 +10,10 @@
 
 namespace sft::shm {
 
-/// A sample at the moment of its check. The header in the chunk may change later.
+/// The properties of a sample at the moment of its check. The header in the chunk may change later.
 struct CheckedSample {
-  /// Number of bytes of header, index and body. Readers must stay within them, whatever the header says
-  /// later.
+  /// Size of header, index and body in bytes. Readers must not read beyond this size, whatever the header
+  /// in the chunk says later.
   std::size_t bytes = 0;
   core::SampleOrigin origin{};
 };

@@ -55,7 +55,7 @@ Result<std::shared_ptr<Session>> Session::open(std::shared_ptr<IceoryxRuntime> r
                                                const Registration& registration) {
   std::shared_ptr<Session> session(new Session(std::move(runtime), std::move(monitor), std::move(channel)));
   if (auto mapped = session->map(registration); !mapped) return tl::unexpected(mapped.error());
-  // The daemon that wrote the token is still alive, so no other daemon can have answered in between.
+  // If the daemon that wrote the token is still alive, no other daemon can have answered this process.
   if (!session->daemon_lives())
     return fail(Errc::unavailable, "sftd went away while this process registered");
   return session;
@@ -178,9 +178,9 @@ void Session::admit_writers(std::uint64_t doorbell_page) const {
   if (!page) return;  // a writer that cannot open the page reports the reason
   const gid_t writers = segments_.front().mapping.group();
   if (fchown(page->get(), static_cast<uid_t>(-1), writers) == 0) return;
-  // This process is no member of the writers' group, so it cannot give the page to that group. It gives the
-  // page to the group of readers instead, and adds the right of the writers' group to open the page. The
-  // group of the page shows writers that the daemon serves this process.
+  // This process is not a member of the writers' group, so it cannot give the page of doorbells to that
+  // group. It gives the page to the group of readers instead, and adds the right of the writers' group to
+  // open the page. The group of the page shows writers that the daemon serves this process.
   if (const auto readers = monitor_.file().readers)
     std::ignore = fchown(page->get(), static_cast<uid_t>(-1), *readers);
   std::ignore = grant_to_group(path, writers);
@@ -210,9 +210,9 @@ void Session::prepare_chunks() noexcept {
   if (pools != nullptr) pools->prepare();
 }
 
-/// Searches the daemon's table of ports, because iceoryx does not tell a subscriber whether it is
-/// connected: in its N:M build a port is SUBSCRIBED as soon as it has requested that. The table may change
-/// meanwhile. Then the result is out of date, or null.
+/// Searches the daemon's table of ports, because iceoryx does not report to a subscriber whether it is
+/// connected: in its N:M build a port is SUBSCRIBED as soon as it has requested that. If the table changes
+/// during the search, the result is out of date, or null.
 const PublisherPortData* Session::feeder_of(const SubscriberPortData& port) const noexcept {
   auto& table = const_cast<iox::roudi::PortPoolData*>(port_pool())->m_publisherPortMembers;
   const auto publishers = table.content();

@@ -2,9 +2,9 @@
 // the channel for requests to the daemon. It also undoes everything that depends on the daemon when the
 // daemon is gone.
 //
-// Lifetime: every object that uses a session shares its ownership, down to the single sample. The mappings
-// end with the last owner. So a sample can be read until its last handle is gone, even if the daemon, the
-// node or the transport is gone.
+// Lifetime: every object that uses a session, including each sample, shares the ownership of the session.
+// The mappings end with the last owner. So a sample can be read until its last handle is gone, even if the
+// daemon, the node or the transport is gone.
 //
 // Loss of the daemon: iceoryx resolves the relative pointers inside its segments by one table for each
 // process, from segment ids to addresses, and the next daemon uses the same ids. So lose() must be called
@@ -41,22 +41,22 @@ class Session : public std::enable_shared_from_this<Session> {
   ~Session();
 
   const core::HostToken& token() const { return token_; }
-  /// Returns whether this process may write samples. Otherwise it may only read the samples of other
-  /// processes.
+  /// Returns whether this process may write samples. If not, this process may only read the samples of
+  /// other processes.
   bool can_write() const { return can_write_; }
   pid_t daemon_pid() const { return monitor_.file().pid; }
   bool daemon_lives() const noexcept { return monitor_.daemon_lives(); }
 
   Result<iox::popo::PublisherPortData*> create_publisher(core::EndpointId writer,
                                                          const RoudiChannel::Timeouts& timeouts);
-  /// Makes a subscriber port. With `depth` 0 the port is not subscribed. It is only a list of held chunks,
+  /// Makes a subscriber port. With `depth` 0 the port is not subscribed: it is only a list of held chunks,
   /// which the daemon frees when this process dies. `wishes` are the requests of the reader to the writer.
   Result<iox::popo::SubscriberPortData*> create_subscriber(core::EndpointId writer, std::uint32_t depth,
                                                            const RoudiChannel::Timeouts& timeouts,
                                                            const QueueWishes& wishes = {});
   /// Returns the result of RoudiChannel::awaits_answer().
   bool awaits_answer() const { return channel_->awaits_answer(); }
-  /// Returns the port that has this queue, or null. Searches all queues of the host.
+  /// Returns the port that has this queue; null if no port has it. Searches all queues of the host.
   const iox::popo::SubscriberPortData* port_of(
       const iox::popo::SubscriberPortData::ChunkQueueData_t& queue) const noexcept;
   /// Allows every process that may write samples to ring the doorbells in a page of this process
@@ -64,7 +64,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// the page.
   void admit_writers(std::uint64_t doorbell_page) const;
   /// Returns the accounts that the daemon serves. A writer rings only the doorbells of these accounts. Each
-  /// of them could also truncate the daemon's own memory, so opening their pages adds no risk.
+  /// of these accounts could also truncate the daemon's own memory, so opening their pages of doorbells
+  /// adds no risk.
   core::TrustedAccounts reader_accounts() const;
   /// Returns the pools from which the writers of this process take chunks. A session has one such set of
   /// pools.
@@ -72,15 +73,15 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Maps chunks that writers of this process will probably take next (prepared_chunks.h). Called at each
   /// poll.
   void prepare_chunks() noexcept;
-  /// Returns the port of the writer that delivers into the queue of this port, or null. Searches all
-  /// writers of the host.
+  /// Returns the port of the writer that delivers into the queue of this port; null if there is no such
+  /// writer. Searches all writers of the host.
   const iox::popo::PublisherPortData* feeder_of(const iox::popo::SubscriberPortData& port) const noexcept;
   /// Returns whether `feeder`, an earlier result of feeder_of(), still delivers into this queue. Reads only
-  /// that place of the table, which may have no port, or another port, by now.
+  /// the entry of `feeder` in the daemon's table. By now that entry may have no port, or another port.
   static bool feeds(const iox::popo::PublisherPortData& feeder,
                     const iox::popo::SubscriberPortData& port) noexcept;
-  /// Takes over a port that is not used any more, to give it back later. The port must have been told to
-  /// unsubscribe.
+  /// Takes over a port that is not used any more, to give it back to the daemon later. Call unsubscribe()
+  /// of the port before.
   void retire(iox::popo::SubscriberPortData* port);
   /// Gives back the retired ports to which no writer delivers any more. Returns at once. Called at each
   /// poll.
@@ -89,8 +90,8 @@ class Session : public std::enable_shared_from_this<Session> {
   /// Returns whether these bytes are within the segments of samples.
   bool holds(const void* data, std::size_t size) const;
 
-  /// Adds a member. Its lose() is called when the session is lost, or at once if the session is lost
-  /// already.
+  /// Adds a member. SessionMember::lose() is called when the session is lost, or at once if the session is
+  /// lost already.
   void enlist(const std::shared_ptr<SessionMember>& member);
   void lose() noexcept;
 

@@ -14,8 +14,9 @@ class SessionMember {
   };
   /// Handles the loss. Returns when no other thread is using iceoryx through this member any more.
   virtual void lose(Loss loss) noexcept = 0;
-  /// Returns whether other members of this process may get samples from this one. lose() of such members is
-  /// called first, so that the other members then know which samples have arrived.
+  /// Returns whether other members of this process may get samples from this member. If a session is lost,
+  /// lose() of such members is called first, so that the other members then know which samples have
+  /// arrived.
   virtual bool sends() const noexcept = 0;
 
  protected:

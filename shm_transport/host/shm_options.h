@@ -38,9 +38,10 @@ struct ShmOptions {
   core::ThreadSpec wake_thread = "sft-wake";  ///< the thread that wakes readers if several sleep
 
   static constexpr std::uint32_t samples_max = SubscriberOptions::max_held_most;
-  /// The largest number of samples that wait, for each reader of each writer.
+  /// The maximum number of samples that wait in the queue between one writer and one reader.
   std::uint32_t queue_limit = samples_max;
-  /// The largest number of samples that are held: by each writer, and by each reader of each writer.
+  /// The maximum number of samples that are held at a time: by each writer, and by each reader of each
+  /// writer.
   std::uint32_t held_limit = samples_max;
 };
 

@@ -1,6 +1,6 @@
 // The limit of bytes that wait in the queue of one reader. The writer stores the sizes of the samples that
 // it has put into the queue. The reader takes the oldest sample first. So the waiting samples are always
-// the newest ones, and the writer can compute their bytes from their number alone.
+// the newest ones, and the writer can compute their total size from their number alone.
 #pragma once
 
 #include <algorithm>
@@ -11,13 +11,13 @@
 
 namespace sft::shm {
 
-/// The lock of the writer's port guards each object.
+/// Each object must be used only by a thread that holds the lock of the writer's port.
 class WaitingBytes {
  public:
   static constexpr std::uint64_t any_number = std::numeric_limits<std::uint64_t>::max();
 
   WaitingBytes() noexcept = default;
-  /// `bytes_max` 0: there is no limit. `samples_max` is the number of samples that can wait at most.
+  /// `bytes_max` 0: there is no limit. `samples_max` is the maximum number of samples that can wait.
   WaitingBytes(std::uint64_t bytes_max, std::size_t samples_max)
       : bytes_max_(bytes_max), sent_before_(bytes_max == 0 ? 0 : samples_max) {}
 
@@ -28,14 +28,16 @@ class WaitingBytes {
     sent_ += bytes;
   }
 
-  /// Returns the number of samples that may wait beside a next one of `bytes`. 0: that sample may only wait
-  /// alone, even if it is larger than the limit.
+  /// Returns the maximum number of samples that may wait in the queue together with a next sample of
+  /// `bytes`, so that the total stays within the limit. 0: no other sample may wait. The next sample itself
+  /// may always wait, even if it is larger than the limit.
   std::uint64_t beside(std::uint64_t bytes) const noexcept {
     if (sent_before_.empty()) return any_number;
     const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes);
     std::uint64_t most = std::min<std::uint64_t>(samples_, sent_before_.size());
     if (of_newest(most) <= left) return any_number;
-    std::uint64_t fit = 0;  // `fit` samples are within the limit, and `most` samples are not
+    // The `fit` newest samples are within `left`, and the `most` newest samples are not.
+    std::uint64_t fit = 0;
     while (fit + 1 < most) {
       const std::uint64_t middle = fit + (most - fit) / 2;
       (of_newest(middle) <= left ? fit : most) = middle;
@@ -49,9 +51,10 @@ class WaitingBytes {
   }
 
   std::uint64_t bytes_max_ = 0;
-  /// A ring: for each of the last samples, the bytes of all samples before it. Empty: there is no limit.
+  /// A ring: for each of the last samples, the total size of all samples that were sent before it. Empty:
+  /// there is no limit.
   std::vector<std::uint64_t> sent_before_;
-  std::uint64_t samples_ = 0, sent_ = 0;  ///< number of samples, and of their bytes, that were sent
+  std::uint64_t samples_ = 0, sent_ = 0;  ///< number of samples that were sent, and their total size in bytes
 };
 
 }  // namespace sft::shm

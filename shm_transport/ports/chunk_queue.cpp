@@ -33,13 +33,13 @@ std::uint64_t ChunkQueue::waiting() const noexcept {
 /// Returns the number of samples that can still be taken from a queue that is not open.
 std::uint64_t ChunkQueue::remaining() const noexcept { return lost_ ? kept_.size() - kept_taken_ : arrived_; }
 
-/// Takes the oldest chunk out of the queue; null if there is none.
+/// Takes the oldest chunk out of the queue, and returns it; null if the queue is empty.
 iox::mepoo::ChunkHeader* ChunkQueue::pop() noexcept {
   if (lost_) return kept_[kept_taken_++];
   if (!open_) --arrived_;
   const ChunkInHand hand(data_);
-  // The overflow is queried before the chunk is taken, because a later overflow may concern samples behind
-  // this one.
+  // The overflow is queried before the chunk is taken, because an overflow after that may concern samples
+  // that follow this chunk.
   overflow_is_unreported_ |= port_.hasLostChunksSinceLastCall();
   auto chunk = port_.tryGetChunk();
   return chunk.has_error() ? nullptr : const_cast<iox::mepoo::ChunkHeader*>(chunk.value());
@@ -60,8 +60,8 @@ bool ChunkQueue::some_wait() const noexcept {
   return open_ ? port_.hasNewChunks() : remaining() > 0;
 }
 
-/// Returns the number of samples that were taken and that wait. When the queue is full, this sum does not
-/// change any more, so overflows are added, too.
+/// Returns the number of samples that were taken, plus the number of samples that wait. A sample that
+/// arrives in a full queue does not change this sum, so the number of overflows is added.
 std::uint64_t ChunkQueue::arrivals() noexcept {
   const core::Lock lock(mutex_);
   if (lost_) return popped_ + overflows_ + remaining();

@@ -1,6 +1,7 @@
-// The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from it. The
-// number of chunks that are borrowed at a time is limited. After the queue is closed or lost, the samples
-// that have arrived before can still be taken. After it is lost, iceoryx is not used any more.
+// The queue of chunks that one writer fills for a reader, and the chunks that are borrowed from the queue.
+// The number of chunks that are borrowed at a time is limited. After the queue is closed or lost, the
+// samples that arrived before that can still be taken. After the queue is lost, iceoryx is not used any
+// more.
 #pragma once
 
 #include <algorithm>
@@ -16,10 +17,10 @@
 
 namespace sft::shm {
 
-/// All functions may be called by any thread, but only one at a time may take or drop chunks.
+/// Any thread may call the functions, but only one thread at a time may take or drop chunks.
 class ChunkQueue {
  public:
-  /// `port` must outlive the queue. `most` is the number of chunks that may be borrowed at a time.
+  /// `port` must outlive the queue. `most` is the maximum number of chunks that may be borrowed at a time.
   ChunkQueue(iox::popo::SubscriberPortData& port, std::uint32_t most, const FieldMask& mask)
       : data_(port), port_(&port), slots_(most, mask) {
     // The capacity is limited, because it is in shared memory, where other programs can write.
@@ -31,8 +32,9 @@ class ChunkQueue {
 
   struct Taken {
     ChunkSlot* slot = nullptr;  ///< the slot with the chunk; null: there is no chunk, or the limit is reached
-    bool overflowed = false;    ///< true if samples before this one were lost since the last one was taken
-    /// True if a chunk waits, but none can be borrowed; reported once until a chunk is given back.
+    bool overflowed = false;    ///< true if samples between the chunk taken last and this chunk were lost
+    /// True if a chunk waits that cannot be borrowed, because the limit of borrowed chunks is reached.
+    /// Reported once until a chunk is given back.
     bool limit_reached = false;
     std::uint64_t popped = 0;  ///< number of chunks taken so far
   };
@@ -49,9 +51,10 @@ class ChunkQueue {
   bool open() const noexcept;     ///< true if the queue is neither closed nor lost
   bool drained() const noexcept;  ///< true if the queue is not open, and no sample remains to be taken
   void close() noexcept;
-  /// Returns the number of samples that remain to be taken after close() or lose(); 0 before.
+  /// Returns the number of samples that remain to be taken after close() or lose(); 0 before these calls.
   std::uint64_t left() const noexcept;
-  /// Drops the oldest of the samples that remain after close() or lose(). Returns false if there is none.
+  /// Drops the oldest of the samples that remain after close() or lose(). Returns false if no sample
+  /// remains.
   bool drop_oldest() noexcept;
   /// Notes that the session is lost. The samples that have arrived stay mapped, and their memory is not
   /// lent anew, because this reader never gives it back.

@@ -1,8 +1,8 @@
 // Counts the samples of one writer that a reader in shared memory has lost. iceoryx reports that the queue
-// has overflowed, but not how many samples were lost. Gaps in the sequence numbers show how many are
-// missing, but may have other reasons (samples that took another path). Both together give the number. A
-// writer reports an overflow after it has displaced a sample. By then the reader may have taken a whole
-// queue of other samples.
+// has overflowed, but not how many samples were lost. Gaps in the sequence numbers show how many samples
+// are missing, but a gap may have another reason: samples that took another path. The overflow and the gap
+// together give the number of lost samples. A writer reports an overflow after it has displaced a sample.
+// By then the reader may have taken a whole queue of other samples.
 //
 // The class is not thread-safe: only the thread that takes or drops samples uses it.
 #pragma once
@@ -24,7 +24,7 @@ class LossAccount {
 
   /// Notes that a sample was taken. `popped` is the number of chunks taken out of the queue so far.
   /// `depth()` returns the number of samples that can wait in the queue. Returns the number of samples that
-  /// turned out to be lost in the queue before this one.
+  /// turned out to be lost in the queue before this sample.
   template <class Depth>
   std::uint64_t enter(std::uint64_t sequence, std::uint64_t popped, Depth depth) noexcept {
     const bool overflowed = std::exchange(overflowed_, false);
@@ -43,8 +43,8 @@ class LossAccount {
     return overflowed ? lost : 0;
   }
 
-  /// Returns the number of samples that were dropped before the first sample that was taken, and after the
-  /// last one. No gap in the sequence numbers shows these.
+  /// Returns the number of samples that were dropped before the first sample was taken, and after the last
+  /// sample was taken. No gap in the sequence numbers shows these.
   std::uint64_t lost_unnoticed() const noexcept { return dropped_at_begin_ + dropped_since_; }
 
  private:
@@ -52,9 +52,9 @@ class LossAccount {
   std::uint64_t last_sequence_ = 0;  ///< sequence of the last sample that was taken; 0: none was taken
   /// Number of missing sequence numbers for which no overflow was reported yet.
   std::uint64_t unexplained_gap_ = 0;
-  std::uint64_t explicable_ = 0;        ///< the value of `popped` until which an overflow may explain the gap
-  std::uint64_t dropped_at_begin_ = 0;  ///< number of samples dropped before the first one that was taken
-  std::uint64_t dropped_since_ = 0;     ///< number of samples dropped since the last one that was taken
+  std::uint64_t explicable_ = 0;        ///< the value of `popped` up to which an overflow may explain the gap
+  std::uint64_t dropped_at_begin_ = 0;  ///< number of samples dropped before the first sample was taken
+  std::uint64_t dropped_since_ = 0;     ///< number of samples dropped since the last sample was taken
 };
 
 }  // namespace sft::shm

@@ -34,8 +34,8 @@ ChunkBorrower::ChunkBorrower(std::shared_ptr<Session> session, iox::popo::Subscr
       is_deepest_(wishes.deepest),
       queue_(port, held_limit, type.full()) {}
 
-/// When this runs, all samples are back. The session gives the port back as soon as no writer delivers to
-/// it any more.
+/// Runs only after all samples were given back. The session gives the port back to the daemon as soon as no
+/// writer delivers to the port any more.
 ChunkBorrower::~ChunkBorrower() {
   close();
   session_->retire(&queue_.port());

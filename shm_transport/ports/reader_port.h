@@ -1,12 +1,12 @@
 // The reader's end of a topic in shared memory. A reader has one subscriber port of iceoryx for each writer
 // that it is connected to, and takes samples from these ports in turn.
 //
-// Samples that had come before the session was lost can still be taken.
+// Samples that arrived before the session was lost can still be taken.
 //
-// Samples of a writer from which the reader was disconnected can still be taken, and come first. At most
-// `depth` of them are kept in all, because a publisher that is restarted again and again while no thread
-// takes samples must not use up the chunks and ports of the daemon. The oldest samples are dropped, and are
-// counted.
+// Samples of a writer from which the reader was disconnected can still be taken, and are taken before the
+// samples of other writers. At most `depth` samples of all such writers are kept, because a publisher that
+// is restarted again and again while no thread takes samples must not use up the chunks and ports of the
+// daemon. The oldest samples are dropped, and are counted.
 #pragma once
 
 #include <algorithm>
@@ -27,8 +27,8 @@
 
 namespace sft::shm {
 
-/// The connection of a reader to one writer. It finds the samples in the chunks of its queue, and lends
-/// them out. It outlives the port of the reader for as long as any of its samples is held.
+/// The connection of a reader to one writer. The object finds the samples in the chunks of its queue, and
+/// lends these samples. It outlives the port of the reader for as long as any of the samples is held.
 class ChunkBorrower final : public core::BufferOwner,
                             public SessionMember,
                             public std::enable_shared_from_this<ChunkBorrower> {
@@ -45,7 +45,8 @@ class ChunkBorrower final : public core::BufferOwner,
   /// True if the queue is not open, and no sample remains to be taken.
   bool drained() const noexcept { return queue_.drained(); }
   bool connected() noexcept;  ///< must be called by one thread at a time
-  /// Returns whether the retained samples of the writer come first and no sample has come yet.
+  /// Returns whether this reader gets the retained samples of the writer first, and no sample has arrived
+  /// yet.
   bool awaits_retained() noexcept { return retained_first_ && arrivals() == 0; }
   bool some_wait() const noexcept { return queue_.some_wait(); }
   /// Returns a number that changes whenever a sample has arrived.
@@ -60,7 +61,7 @@ class ChunkBorrower final : public core::BufferOwner,
   bool owes_wake() const noexcept { return owes_wake_.load(std::memory_order_relaxed); }
   /// Wakes the writer if owes_wake() is true. Any thread may call this, but must hold no lock.
   void wake_writer() noexcept;
-  /// Ends the connection. The samples that have arrived before can still be taken.
+  /// Ends the connection. The samples that arrived before this call can still be taken.
   void close() noexcept { queue_.close(); }
   /// Returns the number of samples that remain to be taken once open() is false; 0 until then.
   std::uint64_t left() const noexcept { return queue_.left(); }
@@ -92,7 +93,7 @@ class ChunkBorrower final : public core::BufferOwner,
   std::atomic<std::uint64_t> discarded_{0};
   std::atomic<std::uint64_t> held_too_many_{0};
 
-  /// The port of the writer where it was last found. Used only by the thread that calls connected().
+  /// The port of the writer that connected() found last. Used only by the thread that calls connected().
   const iox::popo::PublisherPortData* feeder_ = nullptr;
 
   LossAccount losses_;  ///< used only by the thread that takes or drops samples

@@ -21,16 +21,17 @@ using iox::mepoo::ShmSafeUnmanagedChunk;
 
 namespace {
 
-// The limit of a sample's size, far above any pool. It keeps sums of sizes below 2^32.
+// The limit of a sample's size, far greater than the chunks of any pool. It keeps sums of sizes below 2^32.
 constexpr std::size_t largest_sample_bytes = 1'000'000'000;
 
-// The number and the length of the pauses in which a send waits for the lock of its port while the daemon
-// holds the lock.
+// The maximum number of pauses and the length of each pause in which a send waits for the lock of its port
+// while the daemon holds that lock.
 constexpr int lock_attempts = 20;
 constexpr std::chrono::microseconds lock_pause{50};
 
-// A writer that waits for room first spins for `room_spin`. Then it sleeps for `room_sleep_longest` at most
-// before it checks whether the reader still exists, because a reader that was killed does not wake it.
+// A writer that waits for room first spins for `room_spin`. Then it sleeps, and checks after
+// `room_sleep_longest` at most whether the reader still exists, because a reader that was killed does not
+// wake it.
 constexpr std::chrono::microseconds room_spin{20};
 constexpr std::chrono::milliseconds room_sleep_longest{10};
 
@@ -59,8 +60,8 @@ ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherP
       pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
       slots_(held_limit, full_mask_) {}
 
-/// When this runs, all samples are back. Marking the ports only writes to mapped memory, so it is allowed
-/// even if the daemon is gone.
+/// Runs only after all samples were given back. Marking the ports only writes to mapped memory, so it is
+/// allowed even if the daemon is gone.
 ChunkLender::~ChunkLender() {
   if (session_ == nullptr) return;
   port_.destroy();
@@ -70,7 +71,7 @@ ChunkLender::~ChunkLender() {
 SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
-  ChunkPools* pools = nullptr;  // the pools of the session, which stays as long as the slot is in use
+  ChunkPools* pools = nullptr;  // the pools of the session, which stays alive as long as the slot is in use
   {
     const core::Lock lock(mutex_);
     pools = &pools_;
@@ -134,9 +135,9 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
   if (lost_) return Commit::lost;
   bool full = false;
   if (to_readers) {
-    // The lock is recursive. sendChunk() takes it, too, and cannot block on it any more when this thread
-    // already holds it. Otherwise sendChunk() could block, if the daemon was stopped while it held the
-    // lock.
+    // The lock is recursive, and sendChunk() takes it, too. If this thread already holds the lock,
+    // sendChunk() cannot block on it. Otherwise sendChunk() could block, if the daemon was stopped while it
+    // held the lock.
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     attached_.look(port.m_queues, *session_);
@@ -241,7 +242,8 @@ void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
 void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
-  // May be the last reference: the destructor unmaps memory, so it must run after the lock is released.
+  // `gone` may be the last reference to the session. The destructor of the session unmaps memory, so it
+  // must run after the lock is released.
   std::shared_ptr<Session> gone;
   const core::Lock lock(mutex_);
   if (!lost_) {
@@ -292,10 +294,10 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
 }
 
-/// Rings the doorbells of the list that send() has loaded. If there is a new list, rings those, too:
-/// readers may have changed their conditions meanwhile, and got the sample by the new ones. set_routes()
-/// ensures that one of the two lists has the gate that let the sample into a queue. A reader that is woken
-/// twice finds no sample the second time.
+/// Rings the doorbells of the list that send() has loaded. If set_routes() has made a new list since then,
+/// also rings the doorbells of the new list: the readers may have changed their conditions, and may have
+/// received the sample by their new conditions. set_routes() ensures that one of the two lists has the gate
+/// that let the sample into a queue. A reader that is woken twice finds no sample the second time.
 void ShmWriterPort::ring() noexcept {
   const Doorbells* before = doorbells_.loaded().get();
   pages_->ring(doorbells_.loaded());
@@ -312,8 +314,8 @@ ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool
   return committed;
 }
 
-/// Waits until all readers for which this writer waits have room. If the timeout ends first, the readers
-/// without room lose their oldest sample.
+/// Waits until all readers for which this writer waits have room in their queues. If the timeout ends
+/// first, the readers without room lose their oldest sample.
 ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
   const Clock::time_point until = Clock::now() + timeout_;
   auto committed = ChunkLender::Commit::full;
@@ -348,8 +350,8 @@ std::string ShmWriterPort::why_unreachable(const core::Route& to) {
 }
 
 /// Ensures that each reader that may get a sample is woken. The doorbell of a reader is in the list before
-/// the reader is served, and until it is not served any more. While gates change, the list has the former and
-/// the new ones.
+/// the reader is served, and until the reader is not served any more. While gates change, the list has the
+/// doorbells with the former gates and with the new gates.
 void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
   std::set<core::EndpointId> owed_nothing, awaited;
   AttachedQueues::Served served;

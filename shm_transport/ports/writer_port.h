@@ -36,9 +36,9 @@
 
 namespace sft::shm {
 
-/// The memory of one writer. It outlives the port for as long as any of its samples is held. After its
-/// session is lost and all samples are back, it releases the session's memory at once, because a publisher
-/// that publishes nothing may keep its port for long.
+/// The memory of one writer. The object outlives the port for as long as any of its samples is held. After
+/// the session is lost and all samples were given back, the object releases the session's memory at once,
+/// because a publisher that publishes nothing may keep its port for long.
 class ChunkLender final : public core::BufferOwner,
                           public SessionMember,
                           public std::enable_shared_from_this<ChunkLender> {
@@ -49,8 +49,8 @@ class ChunkLender final : public core::BufferOwner,
                                            const core::WriterSpec& spec, std::uint32_t held_limit);
   ~ChunkLender() override;
 
-  /// Returns a chunk with a new header; empty if no chunk is free, or none is large enough. Any thread may
-  /// call this.
+  /// Returns a chunk with a new header; empty if no chunk is free, or no chunk is large enough for `bytes`.
+  /// Any thread may call this.
   core::SampleHandle lend(std::size_t bytes) noexcept;
   /// Returns the number of bytes that the largest chunk holds. Any thread may call this.
   std::size_t largest_bytes() const noexcept { return largest_bytes_; }
@@ -58,21 +58,23 @@ class ChunkLender final : public core::BufferOwner,
   enum class Commit { done, displaced, busy, full, lost };
   /// Delivers a lent sample to all readers that are served and want it, or to no reader if `to_readers` is
   /// false. `busy`: the daemon holds the lock of the port. The daemon holds it for microseconds, unless it
-  /// was stopped or killed meanwhile. `full`: `may_wait` is true, and a reader for which the writer waits
-  /// has no room. `displaced`: `may_wait` is false, and such a reader has lost its oldest sample.
+  /// was stopped or killed meanwhile. `full`: `may_wait` is true, and the queue of a reader for which the
+  /// writer waits has no room. `displaced`: `may_wait` is false, and such a reader has lost its oldest
+  /// sample.
   Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Called after commit() has returned `full`. Sleeps until the reader without room has room, but at most
-  /// until `until`, and never long. The caller then tries commit() again.
+  /// Called after commit() has returned `full`. Sleeps until the reader without room has taken a sample,
+  /// but at most until `until`. May return earlier. The caller then tries commit() again.
   void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
 
-  /// Returns whether the sample was lent here and not yet committed. Only such a sample can be committed.
+  /// Returns whether this object has lent the sample, and the sample is not yet committed. Only such a
+  /// sample can be committed.
   bool has_lent(const core::SampleBuffer& sample) const noexcept;
   /// Returns whether the sample was lent here.
   bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
 
-  // The following functions are for late readers, which wait for retained samples (attached_queues.h). They
-  // do not wait for the daemon: if it holds the lock of the port, the result is the same as if no reader
-  // waited.
+  // The following functions are for late readers, which wait for retained samples (attached_queues.h).
+  // These functions do not wait for the daemon: if the daemon holds the lock of the port, the result is the
+  // same as if no reader waited.
   std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
   bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
              std::uint64_t held_back) noexcept;
@@ -94,7 +96,8 @@ class ChunkLender final : public core::BufferOwner,
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     QueuePlaces places;
-    std::uint64_t beside = 0;          ///< number of samples that may wait beside the next one
+    /// Maximum number of samples that may wait together with the next sample.
+    std::uint64_t beside = 0;
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue(std::uint64_t bytes) noexcept;
@@ -158,7 +161,7 @@ class ShmWriterPort final : public core::LendingWriter {
   const std::chrono::nanoseconds max_blocking_;
   /// The accounts whose doorbells this writer rings.
   const core::TrustedAccounts reader_accounts_;
-  /// Pages that are kept open until routes are set.
+  /// Pages of doorbells that are kept open until set_routes() is called.
   std::vector<std::shared_ptr<core::DoorbellPage>> reached_;
   std::vector<core::Route> routes_;  ///< the routes in force
 

@@ -16,7 +16,8 @@ using iox::mepoo::ChunkManagement;
 
 namespace {
 
-constexpr int looks_max = 10;  // number of attempts; each takes about 0.1 ms
+// Maximum number of looks at the memory in one audit; each look takes about 0.1 ms.
+constexpr int looks_max = 10;
 
 std::uint64_t id_of(const iox::popo::UniquePortId& id) {
   return static_cast<iox::popo::UniquePortId::value_type>(id);
@@ -52,8 +53,8 @@ ChunkAuditor::Audit ChunkAuditor::audit() {
   return {Finding::busy};
 }
 
-/// Programs continue during a look. If one of them has had a chunk in hand meanwhile, the result is
-/// invalid.
+/// Looks once for lost chunks. Programs continue to run during the look. If a program has had a chunk in
+/// hand during the look, the result is invalid.
 ChunkAuditor::Look ChunkAuditor::look() const {
   const InHandCounts before = in_hand_counts();
   if (std::ranges::any_of(before, is_odd)) return {Finding::busy};
@@ -61,10 +62,10 @@ ChunkAuditor::Look ChunkAuditor::look() const {
   return in_hand_counts() == before ? found : Look{Finding::busy};
 }
 
-/// Reads each count by adding zero to it. Unlike a load, this keeps earlier reads of the memory before it:
-/// the store of the addition is a release, and comes before the mark of a program that takes a chunk in
-/// hand later. The processors that SFT runs on guarantee this order. C++ does not, because that program
-/// acquires nothing.
+/// Reads each count by adding zero to it. The addition is a release operation. Unlike a load, it keeps
+/// earlier reads of the memory before it. A program that takes a chunk in hand later changes the count
+/// after the addition. The processors that SFT runs on guarantee this order. C++ does not, because that
+/// program acquires nothing.
 ChunkAuditor::InHandCounts ChunkAuditor::in_hand_counts() const {
   InHandCounts counts;
   const auto read = [&counts](const iox::popo::BasePortData* port) {
@@ -94,8 +95,8 @@ ChunkAuditor::Look ChunkAuditor::find_lost() const {
   return {Finding::audited, std::move(lost)};
 }
 
-/// Marks each header that counts references. Also marks its chunk, if a known writer took the chunk. The
-/// free chunks are marked already.
+/// Marks each header that counts references. Also marks the header's chunk if a known writer took the
+/// chunk. The free chunks must be marked already.
 void ChunkAuditor::mark_owned(ChunkMarks& accounted) const {
   for (std::uint32_t i = 0; i < pools_.back().chunk_count(); ++i) {
     const auto& header = *reinterpret_cast<const ChunkManagement*>(pools_.back().at(i));
@@ -108,7 +109,8 @@ void ChunkAuditor::mark_owned(ChunkMarks& accounted) const {
   }
 }
 
-/// Returns whether a known writer took the chunk. The chunk is taken, and a header refers to it.
+/// Returns whether a known writer took the chunk. Call this only for a taken chunk to which a header
+/// refers.
 bool ChunkAuditor::is_owned(const std::byte* chunk) const {
   return writers_.contains(id_of(reinterpret_cast<const ChunkHeader*>(chunk)->originId()));
 }

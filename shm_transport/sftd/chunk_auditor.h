@@ -23,13 +23,14 @@ class PortPool;
 
 namespace sft::shm {
 
-/// Used by one thread at a time. That thread must keep ports from being created or destroyed meanwhile.
+/// An object must be used by only one thread at a time. During a call that thread must keep ports from being
+/// created or destroyed.
 class ChunkAuditor {
  public:
   /// Both arguments must outlive this object. `memory` must be configured already.
   ChunkAuditor(iox::roudi::PortPool& ports, iox::mepoo::MemoryManager& memory);
 
-  /// Notes which writers exist. Must be called before any of them is gone.
+  /// Notes which writers exist. Must be called before any of these writers is gone.
   void note_ports();
 
   enum class Finding {

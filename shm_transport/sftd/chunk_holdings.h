@@ -1,5 +1,6 @@
-// Counts the chunks that a port holds. Meanwhile the owner of the port takes and gives back chunks. So the
-// code here does not rely on consistent data, and follows no pointer in shared memory without a check.
+// Counts the chunks that a port holds. The owner of the port takes and gives back chunks during the count.
+// So the code here does not rely on consistent data, and follows no pointer in shared memory without a
+// check.
 #pragma once
 
 #include <cstddef>

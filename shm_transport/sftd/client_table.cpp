@@ -25,8 +25,8 @@ bool ClientTable::is_dead(const std::string& name, const Process& process, bool 
   const std::string path = "/tmp/" + name;
   const SocketState state = socket_state_at(path.c_str());
   if (state != SocketState::gone) return state == SocketState::unknown && exited;
-  // A process that is killed leaves its socket. A process that ends says goodbye before it removes its
-  // socket. So if there is no socket, another process has removed it.
+  // A process that is killed leaves its socket. A process that ends normally is removed from the table by
+  // its goodbye before it removes its socket. So if there is no socket, another process has removed it.
   struct stat socket {};
   const bool removed = lstat(path.c_str(), &socket) != 0 && errno == ENOENT;
   return !removed || exited || !*process.life;

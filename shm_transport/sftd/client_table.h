@@ -1,11 +1,12 @@
-// The processes that have registered with the daemon, and which of them are dead.
+// A table of the processes that have registered with the daemon. The table finds out which of them are
+// dead.
 //
-// A process is known by its runtime name, which is also the name of its socket in /tmp. If the name shows
-// that the process is in the daemon's pid namespace, it is dead when the process with its pid is dead: a
-// forked copy of it may still have the socket. The pid of a process in another container can belong to
-// another process here, so that pid only shows when to check the socket: the process is dead when no
-// process listens there any more. The pid is decisive only if this user lacks the right to query the
-// socket, or if another process has removed the socket.
+// A process is identified by its runtime name, which is also the name of its socket in /tmp. The name shows
+// whether the process is in the daemon's pid namespace. If so, the process counts as dead when its pid is
+// gone: a forked copy of the process may still have the socket. The pid of a process in another container
+// can be that of a different process here. So the end of that pid is only a reason to check the socket, and
+// the process counts as dead when no process listens at the socket any more. The pid alone decides only if
+// this user lacks the right to query the socket, or if another process has removed the socket.
 #pragma once
 
 #include <chrono>
@@ -24,7 +25,7 @@ class ClientTable {
  public:
   using Clock = std::chrono::steady_clock;
 
-  // Any thread may call the following functions, but only one at a time may call find_dead().
+  // Any thread may call the following functions, but only one thread at a time may call find_dead().
   void add(const std::string& name, pid_t pid);
   void remove(const std::string& name);
   bool empty() const;
@@ -36,8 +37,8 @@ class ClientTable {
   };
   std::vector<Client> all() const;
 
-  /// Returns the registered processes that are dead. A call makes one system call while no process dies,
-  /// and once per second one more for each process.
+  /// Returns the registered processes that are dead. As long as no process dies, a call makes one system
+  /// call, and once per second an additional one for each process.
   std::vector<std::string> find_dead(Clock::time_point now);
 
   /// Returns whether the process is dead, or is not registered.
@@ -45,7 +46,7 @@ class ClientTable {
 
  private:
   /// A registered process. `life` is a pidfd, which becomes readable when the process is gone; invalid if
-  /// no process here has that pid. `has_own_pids` is true if its pid is one of the daemon's pid namespace.
+  /// no process here has that pid. `has_own_pids` is true if the process is in the daemon's pid namespace.
   struct Process {
     pid_t pid = 0;
     bool has_own_pids = false;

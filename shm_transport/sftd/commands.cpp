@@ -19,7 +19,7 @@ namespace {
 using namespace std::chrono_literals;
 
 // The daemon writes its status twice a second. If the status is older than this, the daemon counts as not
-// answering, because even a busy machine delays it less.
+// answering, because even on a busy machine the delay of a status is smaller.
 constexpr std::chrono::nanoseconds silence_max = 3s;
 
 ExitCode print_error(ExitCode code, const std::string& text) {

@@ -32,8 +32,8 @@ class FirstError {
   std::string text_;
 };
 
-/// A table of the file. Each of its keys must be read by a caller. refuse_the_rest() refuses all other
-/// keys.
+/// A table of the configuration file. The keys that a caller reads are known; refuse_the_rest() refuses all
+/// other keys of the table.
 class Section {
  public:
   Section(const toml::table& table, std::string name, FirstError& first_error)

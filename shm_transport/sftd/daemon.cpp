@@ -31,18 +31,18 @@ using namespace std::chrono_literals;
 
 constexpr auto tick = 500ms;
 constexpr auto sweep_interval = 10s;
-// The time without clients after which the daemon starts afresh, if it has a reason to. In this time a
+// A daemon that has a reason to start afresh does so after this time without clients. In this time a
 // service manager can restart a program that has crashed.
 constexpr auto renewal_delay = 2s;
 // The age below which a daemon does not start afresh.
 constexpr auto youngest_to_renew = 1s;
-// The time that is enough for all nodes to release the memory of a daemon that is gone. Nodes look for
-// their daemon regularly, and release its memory when it is gone. A node that gets samples from that memory
-// does so at once.
+// The time in which all nodes release the memory of a daemon that is gone. Nodes look for their daemon
+// regularly, and release its memory when it is gone. A node that gets samples from that memory does so at
+// once.
 constexpr auto time_to_release = core::Transport::poll_pause_max + 200ms;
 
 /// The number of descriptors that sftd needs. For each process it has one descriptor to watch the process,
-/// and another one to answer it. For itself it has fewer than `own_descriptors`.
+/// and another descriptor to answer it. In addition, it has fewer than `own_descriptors` descriptors.
 constexpr std::size_t descriptors_per_process = 2, own_descriptors = 40;
 
 ExitCode exit_code_of_start(const Error& error) {
@@ -112,9 +112,9 @@ Daemon::Started Daemon::start(const DaemonSettings& settings, const Log& log, En
   return daemon;
 }
 
-/// Ends iceoryx before the files are removed. Another daemon may start once the files are gone. If iceoryx
-/// were ended only then, it would remove the socket and the memory of that daemon, because they have the
-/// same names. No program knows this daemon yet.
+/// Ends iceoryx before the files are removed. As soon as the files are gone, another daemon may start. If
+/// iceoryx ended only after that, it would remove the socket and the memory of the other daemon, because
+/// they have the same names. No program can still use this daemon, because none knows it yet.
 void Daemon::end_hosting() {
   roudi_.reset();
   ports_.reset();
@@ -238,10 +238,10 @@ std::optional<Daemon::End> Daemon::check_idle(Clock::time_point now) {
   return End::renew;
 }
 
-/// Programs release the memory of this daemon when they notice that it is gone. Then the next daemon finds
-/// that memory free. A program that has released the memory has closed the socket for this daemon's
-/// answers. If the name of a socket was removed, its end is not visible, and the daemon waits for the whole
-/// time.
+/// Waits until the programs have released the memory of this daemon, so that the next daemon finds that
+/// memory free. A program releases the memory when it notices that the daemon is gone, and then has closed
+/// the socket for this daemon's answers. If the name of a socket was removed, it is not visible whether the
+/// socket is closed, and the daemon waits for the whole time.
 void Daemon::let_users_notice() {
   using enum SocketState;
   std::vector<std::string> sockets;

@@ -24,8 +24,8 @@ namespace sft::shm {
 class Daemon {
  public:
   using Started = tl::expected<std::unique_ptr<Daemon>, StartFailure>;
-  /// Ends this process. Any thread calls it if iceoryx reports, before the daemon has started, that it
-  /// cannot continue. iceoryx would crash otherwise.
+  /// A function that ends this process. It is called on any thread if iceoryx reports, before the daemon
+  /// has started, that it cannot continue. iceoryx would crash otherwise.
   using EndProcess = std::function<void(const StartFailure& why)>;
   static Started start(const DaemonSettings& settings, const Log& log, EndProcess end);
 
@@ -33,8 +33,8 @@ class Daemon {
     stopped,  ///< a signal stopped the daemon
     idle,     ///< the daemon had no clients for the time in the settings
     /// The daemon must start afresh for one of two reasons. No program can join, because the daemon's files
-    /// have been removed. Or the daemon has no clients, and the lost chunks of killed clients cannot be
-    /// found.
+    /// have been removed. Or the daemon has no clients, and cannot find the chunks that killed clients have
+    /// lost.
     renew,
   };
   /// Returns a sentence about the memory that the daemon has taken.

@@ -30,8 +30,8 @@ void print(ExitCode code, const std::string& message) {
   _exit(static_cast<int>(code));
 }
 
-/// Moves this descriptor behind the standard ones, and closes all other descriptors that the shell or a
-/// parent left open.
+/// Moves this descriptor to the first number after the standard descriptors, and closes all other
+/// descriptors that the shell or a parent left open.
 int keep_only(int descriptor) {
   constexpr int first_free = 3;
   if (descriptor != first_free) dup3(descriptor, first_free, O_CLOEXEC);

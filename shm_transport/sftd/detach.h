@@ -1,5 +1,5 @@
 // Turns the process that a shell has started into a daemon. The command returns to the shell when the
-// daemon is ready or has failed. In the second case, it prints the reason.
+// daemon is ready or has failed. If the daemon has failed, the command prints the reason.
 #pragma once
 
 #include <string>

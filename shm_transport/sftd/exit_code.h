@@ -4,7 +4,8 @@
 namespace sft::shm {
 
 enum class ExitCode : unsigned char {
-  /// The daemon is ready, or another one already was; the command `status` or `stop` has succeeded.
+  /// The daemon is ready, or another daemon was already running; the command `status` or `stop` has
+  /// succeeded.
   done = 0,
   no_space = 1,        ///< there is too little space in /dev/shm
   foreign_daemon = 2,  ///< another iceoryx daemon runs

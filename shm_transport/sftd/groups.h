@@ -1,6 +1,6 @@
 // The groups whose members may use the shared memory. Where possible, the kernel decides which processes
-// are members. It also knows the groups that a service manager or a container has given to a process, which
-// are in no file.
+// are members. The kernel also knows the groups that a service manager or a container has given to a
+// process, and that are in no file.
 //
 // sftd runs as the group of the writers, so that the files that it creates belong to this group. Readers
 // get rights by access control lists: they may read the samples, and may read and write the management
@@ -20,7 +20,8 @@ namespace sft::shm {
 struct Groups {
   /// The group of the writers; the segment with the samples in /dev/shm has this name, too.
   std::string writers{};
-  std::string readers{};  ///< the group of the readers; empty if there is none besides the writers
+  /// The group of the readers; empty if only the group of the writers may use the memory.
+  std::string readers{};
   std::optional<gid_t> reader_id{};
   /// A user in the group of writers. iceoryx looks up the groups of a user in files, so sftd registers
   /// every process under this user.

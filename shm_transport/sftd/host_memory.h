@@ -42,9 +42,9 @@ class HostMemory final : public iox::roudi::RouDiMemoryInterface {
   /// Returns the size of the management segment for these pools, in bytes.
   static std::size_t management_bytes(const iox::RouDiConfig_t& config);
 
-  /// Creates the segments, whose files must not exist yet. Their memory is set aside in /dev/shm, except that
-  /// of chunks on demand. The files remain when the object is destroyed, and after a failure: OwnFiles
-  /// removes them. Core dumps of this process leave the segments out.
+  /// Creates the segments, whose files must not exist yet. Their memory is set aside in /dev/shm, except
+  /// for the chunks on demand (Pool::on_demand). The files remain when the object is destroyed, and after a
+  /// failure: OwnFiles removes them. Core dumps of this process leave the segments out.
   static Result<std::unique_ptr<HostMemory>> make(const PoolPlan& plan, const Groups& groups);
 
   const SampleSegment& samples() const { return samples_; }

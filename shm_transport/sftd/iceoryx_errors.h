@@ -1,8 +1,8 @@
 // Receives the errors that iceoryx reports in the daemon.
 //
 // While the daemon starts, an error must end the process: iceoryx would continue without the memory, files
-// or sockets that it could not get, and crash. Later each error concerns one client, which gets an answer,
-// and the error is only logged.
+// or sockets that it could not get, and crash. After the start, each error concerns one client, which gets
+// an answer. So the error is only logged.
 #pragma once
 
 #include <functional>

@@ -74,13 +74,14 @@ LockRecovery::Finding LockRecovery::look_at(const KnownPort& known, Clock::time_
   return Finding::opened;
 }
 
-/// Returns whether enough checks have found the same holder, so that the lock can be opened. One check is
-/// not enough in three cases. First, a closed lock has no holder between two instructions that take or
-/// release it. Either the holder was killed right there, or a living thread of the daemon is there and has
-/// moved on a moment later. Second, the id of a holder that died in another pid namespace can be the id of
-/// a thread of the daemon here. Third, a queue has a writer that was not noted yet if the writer's port was
-/// created only just now. But a living holder releases the lock after microseconds. Checks are counted
-/// instead of time, because the daemon may have been stopped meanwhile.
+/// Returns whether enough checks have found the same holder, so that the lock can be opened. In three
+/// cases, one check does not show that the holder is dead. First, a closed lock has no holder between two
+/// instructions that take or release it. Either the holder was killed between them, or a living thread of
+/// the daemon is between them and continues a moment later. Second, the id of a holder that died in another
+/// pid namespace can be the id of a thread of the daemon here. Third, the lock of a queue can be held by a
+/// living writer that was not noted yet, because its port was created only just now. In all three cases, a
+/// living holder releases the lock after microseconds. Checks are counted instead of time, because the
+/// daemon may have been stopped between two checks.
 bool LockRecovery::is_confirmed(const KnownPort& known, Clock::time_point now) {
   const int holder = holder_of(*known.lock);
   const int looks_needed = is_own_thread(holder) || !has_known_writer(known) ? 6 : holder == 0 ? 2 : 1;

@@ -35,12 +35,13 @@ class LockRecovery {
   LockRecovery(iox::roudi::PortPool& ports, const ClientTable& clients, const Log& log)
       : ports_(ports), clients_(clients), log_(log) {}
 
-  /// Notes which ports exist. The caller must keep the threads of the daemon from changing them meanwhile.
+  /// Notes which ports exist. During the call, the caller must keep the threads of the daemon from creating
+  /// and destroying ports.
   void note_ports();
 
-  /// Opens the locks that dead processes left closed. Returns false if another call is needed before a lock
-  /// can be opened; that call can come after 20 ms. Any thread may call this, even while a thread of the
-  /// daemon blocks on such a lock.
+  /// Opens the locks that dead processes left closed. Returns false if a lock may be opened only after
+  /// another check; the next call should come after 20 ms. Any thread may call this, even while a thread of
+  /// the daemon blocks on such a lock.
   bool recover();
 
   std::uint64_t opened() const { return opened_.load(std::memory_order_relaxed); }

@@ -54,7 +54,7 @@ void declare_daemon(CLI::App& app, Arguments& arguments) {
   app.add_option("--log-level", arguments.log_level,
                  "Log messages up to this level: error, warning, info (the default) or debug")
       ->check(CLI::IsMember({"error", "warning", "info", "debug"}));
-  // The daemon passes this option to itself when it starts afresh: it is detached already.
+  // The daemon passes this option to itself when it starts afresh, because its process is detached already.
   app.add_flag("--renewed", arguments.renewed)->group("");
 }
 

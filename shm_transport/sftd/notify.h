@@ -1,5 +1,5 @@
 // Notifies a service manager when this service is ready and when it stops. The protocol is that of systemd:
-// one datagram for each message. A library for it would be larger than this code.
+// one datagram for each message. A library for this protocol would be larger than this code.
 #pragma once
 
 #include <string>

@@ -1,4 +1,4 @@
-// Gives the reasons why this daemon must not start beside another daemon.
+// Gives the reasons why this daemon must not start because of another daemon.
 #pragma once
 
 #include <optional>
@@ -8,8 +8,8 @@
 
 namespace sft::shm {
 
-/// Returns the reason not to start beside a living daemon. Returns nothing if no daemon lives in this /tmp,
-/// as far as this account may find out.
+/// Returns the reason not to start if another daemon lives. Returns nothing if no daemon lives in this
+/// /tmp, as far as this account may find out.
 std::optional<StartFailure> refuse_beside_the_living();
 
 /// Returns an error that names the other daemon that has the lock in /tmp.

@@ -1,6 +1,6 @@
 // The files by which programs find a daemon and its memory: the lock in /tmp, the host file in /dev/shm,
-// and the segments. Another process may remove them while the daemon runs. Then no program can join the
-// daemon any more.
+// and the segments. Another process may remove these files while the daemon runs. In that case no program
+// can join the daemon any more.
 #pragma once
 
 #include <sys/types.h>
@@ -29,13 +29,13 @@ class OwnFiles {
   bool announce(const HostFile& file);
 
   /// Returns whether any of the files was removed. If another file system was mounted over /dev/shm, the
-  /// files were not removed. Then new programs report that they have another /dev/shm than this daemon, and
-  /// the daemon continues to serve the old programs.
+  /// files were not removed. In that case new programs report that they have another /dev/shm than this
+  /// daemon, and the daemon continues to serve the old programs.
   bool are_removed() const;
 
   /// Removes all files of this daemon. If the files were removed while this daemon ran, files with these
-  /// names can belong to another daemon by now; such files stay. With `keep_lock` the lock stays, because
-  /// programs do not start another daemon while it exists.
+  /// names can belong to another daemon by now; such files stay. If `keep_lock` is true, the lock in /tmp
+  /// stays, because programs do not start another daemon while this lock exists.
   void remove_all(bool keep_lock);
   /// Releases the lock of the host file, so that programs notice that the daemon is gone.
   void unlock_host_file() { host_file_.unlock(); }

@@ -15,7 +15,7 @@ namespace sft::shm {
 namespace {
 
 /// The nice value of the thread. If other threads leave no processor idle, this thread gets a tenth of the
-/// time of one of them.
+/// time that one of the other threads gets.
 constexpr int gives_way = 10;
 constexpr std::size_t cleared_in_a_call = std::size_t{1} << 20;
 

@@ -12,8 +12,8 @@ namespace sft::shm {
 inline constexpr std::size_t smallest_shm_bytes = std::size_t{128} << 20;
 inline constexpr std::size_t default_pool_bytes = std::size_t{1} << 30;
 
-/// The memory of the host in bytes: the free space of /dev/shm, without the part that manages the samples,
-/// and the RAM.
+/// The memory of the host in bytes: the RAM, and the free space of /dev/shm without the part that the
+/// management segment needs.
 struct HostBytes {
   std::size_t free_shm = 0;
   std::size_t ram = 0;
@@ -23,8 +23,8 @@ struct HostBytes {
 /// the RAM, whichever is less, up to default_pool_bytes.
 std::size_t default_budget(const HostBytes& host);
 
-/// Returns the pools. Their memory for samples has the size in the settings, or else default_budget().
-/// Memory whose size is in the settings is set aside at once.
+/// Returns the pools. Their memory for samples has the size in the settings, or default_budget() if the
+/// settings give no size. Memory whose size is in the settings is set aside at once.
 tl::expected<PoolPlan, StartFailure> choose_pools(const DaemonSettings& settings, const Groups& groups);
 
 }  // namespace sft::shm

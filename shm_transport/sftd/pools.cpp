@@ -11,15 +11,15 @@ namespace {
 
 struct SizeClass {
   std::size_t bytes;
-  double share;        ///< the part of the budget for chunks of this size
+  double share;        ///< the part of the budget that chunks of this size get
   std::uint32_t most;  ///< the largest useful number of chunks of this size
 };
 
 constexpr std::size_t KiB = 1024;
 constexpr std::size_t MiB = 1024 * KiB;
 
-// Each size is a little larger than a round number. So a body of that round size fits together with its
-// header and index, without the next larger size.
+// Each size is a little larger than a round number. So a body of that round size fits into the chunk
+// together with its header and index, and does not need a chunk of the next larger size.
 constexpr std::size_t of_4_mib = 4 * MiB + 8 * KiB, of_8_mib = 8 * MiB + 8 * KiB, of_16_mib = 17 * MiB,
                       of_32_mib = 33 * MiB;
 
@@ -38,11 +38,11 @@ constexpr std::array large_sizes{
 };
 
 constexpr std::uint32_t fewest = 2;
-// The limit for a large size that takes more than its share to have two chunks: this part of the remaining
-// budget.
+// A large size whose share is too small for two chunks may take more than its share, but at most this part
+// of the remaining budget.
 constexpr double largest_part = 0.4, largest_part_of_large = 0.6;
-// If the budget is far beyond common_budget_bytes, this part is divided among the common sizes, and the
-// rest among the large ones.
+// If the budget is much greater than common_budget_bytes, this part of it is divided among the common
+// sizes, and the rest among the large sizes.
 constexpr double common_part = 0.3;
 
 std::size_t chunk_bytes(std::size_t bytes) { return bytes + chunk_header_bytes; }
@@ -59,7 +59,7 @@ std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> si
                          double largest_part_of_rest) {
   std::vector<Pool> pools;
   std::size_t remaining = budget_bytes;
-  double remaining_shares = 1.0;  // the sum of the shares of the sizes that are still to come
+  double remaining_shares = 1.0;  // the sum of the shares of the sizes that are not yet handled
   for (auto size = sizes.rbegin(); size != sizes.rend(); ++size) {
     const auto rest = static_cast<double>(remaining);
     const std::uint32_t count =
@@ -72,7 +72,7 @@ std::vector<Pool> divide(std::size_t budget_bytes, std::span<const SizeClass> si
   return pools;
 }
 
-/// Adds the chunks to the plan's pool of the same size, or as a new pool if there is none.
+/// Adds the chunks to the plan's pool of the same size, or as a new pool if the plan has no such pool.
 void add(PoolPlan& plan, const Pool& more, Memory memory) {
   const auto at = std::ranges::lower_bound(plan.pools, more.bytes, {}, &Pool::bytes);
   const auto pool = at != plan.pools.end() && at->bytes == more.bytes

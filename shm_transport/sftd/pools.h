@@ -1,4 +1,4 @@
-// Divides a budget of shared memory into chunks of fixed sizes. iceoryx can only lend such chunks.
+// Divides a budget of shared memory into chunks of fixed sizes, because iceoryx can only lend such chunks.
 #pragma once
 
 #include <cstddef>
@@ -28,7 +28,8 @@ struct PoolPlan {
   std::size_t largest() const { return pools.empty() ? 0 : pools.back().bytes; }
 };
 
-inline constexpr std::size_t chunk_header_bytes = 40;  ///< size of iceoryx's header in front of each chunk
+/// Size of iceoryx's header before each chunk, in bytes.
+inline constexpr std::size_t chunk_header_bytes = 40;
 /// For a body of 64 MiB, its header and its index.
 inline constexpr std::size_t largest_chunk_bytes = 65 << 20;
 inline constexpr std::size_t smallest_budget_bytes = 4 << 20;
@@ -38,10 +39,10 @@ inline constexpr std::size_t common_budget_bytes = std::size_t{320} << 20;
 
 enum class Memory : bool { at_once, on_demand };
 
-/// Gives each size its share of the budget. A size needs at least two chunks, because a writer keeps the
-/// last chunk that it has sent. A size for which the budget is too small is left out, and its share goes to
-/// the next smaller size. `large` says whether the chunks beyond common_budget_bytes have their memory at
-/// once.
+/// Gives each size of chunks its share of the budget. A size needs at least two chunks, because a writer
+/// keeps the last chunk that it has sent. If the budget is too small for a size, the size is left out, and
+/// the next smaller size gets its share. `large` says whether the chunks in addition to common_budget_bytes
+/// have their memory at once.
 PoolPlan plan_pools(std::size_t budget_bytes, Memory large = Memory::at_once);
 
 std::string format_bytes(std::size_t bytes);

@@ -104,7 +104,7 @@ void RoudiHost::register_client(const IpcMessage& registration, const iox::Runti
   RouDi::processMessage(as_member, IpcMessageType::REG, name);
 }
 
-/// Refuses a request beyond the limits, with the same answer that iceoryx gives if it has no room itself.
+/// Refuses a request beyond the limits, with the same answer that iceoryx gives if its own tables are full.
 bool RoudiHost::refuse_over_limit(const IpcMessageType& type, const iox::RuntimeName_t& name) {
   const std::string reason = over_limit(type, name);
   if (reason.empty()) return false;
@@ -146,7 +146,8 @@ void RoudiHost::cyclicUpdateHook() noexcept {
 }
 
 /// No chunk is lost as long as no process has died. After a process has died, the chunks are checked again
-/// and again, because a chunk that a reader had in hand can be found only when its writer is gone.
+/// and again, because a chunk that a killed reader had in hand can be found only when the writer of the
+/// chunk is gone.
 void RoudiHost::audit_chunks() {
   const auto now = std::chrono::steady_clock::now();
   if (deaths_ == 0 || (unaudited() == 0 && now < next_audit_)) return;

@@ -30,8 +30,8 @@
 
 namespace sft::shm {
 
-/// A thread of RouDi calls the hooks below as soon as RouDi is constructed, before the derived object exists.
-/// This base class comes before RouDi, so its flag exists in time.
+/// A thread of RouDi calls the hooks below as soon as RouDi is constructed, before the derived object
+/// exists. This base class is constructed before RouDi, so its flag already exists then.
 class HookGate {
  protected:
   std::atomic<bool> hooks_may_run_{false};
@@ -80,8 +80,7 @@ class RoudiHost final : private HookGate, public iox::roudi::RouDi {
   LockRecovery lock_recovery_;
   ChunkAuditor auditor_;  ///< used while RouDi's lock on its processes is held
   UsageMonitor monitor_;  ///< used while RouDi's lock on its processes is held
-  // The following members are used by the discovery thread of RouDi. Other threads read only the atomic
-  // one.
+  // The following members are used by the discovery thread of RouDi. Other threads read only `unaudited_`.
   std::uint64_t deaths_ = 0;
   std::atomic<std::uint64_t> unaudited_{0};
   std::uint64_t leaks_healed_ = 0;

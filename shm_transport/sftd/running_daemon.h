@@ -19,14 +19,15 @@ class RunningDaemon {
 
   pid_t pid() const { return pid_; }
   uid_t user() const { return user_; }
-  /// Returns a text that says what is wrong with the daemon, and what to do; empty if nothing is wrong.
+  /// Returns a text that says that the daemon's files were removed, and what to do; empty if the files
+  /// exist.
   const std::string& problem() const { return problem_; }
 
   /// Returns a pidfd of the daemon, to send it a signal and to wait for its end. If the daemon has another
   /// pid namespace, its pid may belong to another process here. So the function checks that the process
   /// holds the daemon's lock. Errc::no_permission: the daemon belongs to another user.
   Result<Descriptor> process() const;
-  /// Returns whether a signal or a debugger has stopped the daemon; false if that is not visible from here.
+  /// Returns whether a signal or a debugger has stopped the daemon; false if this process cannot see that.
   bool is_stopped() const;
 
  private:

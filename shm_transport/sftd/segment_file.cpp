@@ -69,7 +69,7 @@ Result<SegmentFile> make_segment_file(const std::string& name, std::size_t bytes
 }
 
 /// Sets the pages aside once more, which clears a page that was set aside before (shmem_get_folio_gfp() in
-/// Linux). The size is checked, because pages behind the end of a truncated file would be set aside in
+/// Linux). The size is checked, because pages beyond the end of a truncated file would be set aside in
 /// vain.
 bool clear_pages(const SegmentFile& segment, std::size_t offset, std::size_t bytes) {
   struct stat now {};

@@ -20,8 +20,8 @@ struct Limits {
   std::uint32_t subscribers_per_process = readers_max;  ///< each publisher also counts as a subscriber
 };
 
-/// The names of the groups whose members may use the memory. If they are empty, the group as which sftd
-/// runs may use it.
+/// The names of the groups whose members may use the memory. If both names are empty, the group that sftd
+/// runs as may use it.
 struct AccessSettings {
   std::string writers{};  ///< the group whose members may read and write samples
   std::string readers{};  ///< the group whose members may only read samples

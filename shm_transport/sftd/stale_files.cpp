@@ -54,7 +54,8 @@ void remove_segment_of_the_dead() {
   const ssize_t bytes = read(host_file->get(), text, sizeof text);
   const auto file = parse_host_file({text, static_cast<std::size_t>(std::max<ssize_t>(bytes, 0))});
   if (!file || file->segment.empty() || file->segment.find('/') != std::string::npos) return;
-  // Every account can write into /dev/shm. So a host file is trusted only about a segment of the same user.
+  // Every account can write into /dev/shm. So the name of a segment in a host file is trusted only if the
+  // same user owns both files.
   struct stat written {};
   struct stat named {};
   const bool same_user = fstat(host_file->get(), &written) == 0 &&

@@ -19,13 +19,13 @@ void remove_dead_sockets();
 /// daemon's segment.
 void remove_segment_of_the_dead();
 
-/// Returns those of the files that belong to another account, and that this account may not remove. Empty
-/// for root.
+/// Returns the files among `files` that belong to another account and that this account may not remove.
+/// Empty for root.
 std::vector<std::string> files_of_others(const std::vector<std::string>& files);
 
 /// Removes the segments, the socket and the lock files of iceoryx's daemon, and returns those that could
 /// not be removed. Called before a daemon starts and when it ends, and never while another daemon lives. If
-/// root runs it, a directory that is not empty is moved aside.
+/// root runs the function, a directory that is not empty is moved aside.
 std::vector<std::string> remove_daemon_files(const std::string& segment_name);
 
 /// Returns a text that names the files in the way and their owners, and says how to remove all of them.

@@ -1,5 +1,5 @@
-// The status of sftd, which `sftd status` prints: the programs that use the memory, and the amount that
-// each of them has. The members have the names of the keys in JSON.
+// The status of sftd, which `sftd status` prints: the programs that use the memory, and the amount of
+// memory that each program uses. The members have the names of the keys in JSON.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ struct PoolUse {
   std::uint64_t bytes = 0;   ///< the largest sample in a chunk: header, index and body
   std::uint32_t chunks = 0;  ///< the number of chunks
   std::uint32_t in_use = 0;
-  std::uint32_t peak = 0;  ///< the largest number of chunks in use since the daemon started; exact
+  std::uint32_t peak = 0;  ///< the exact maximum number of chunks in use at a time since the daemon started
 };
 
 /// A program that uses the daemon.
@@ -34,7 +34,7 @@ struct UserUse {
 /// The chunks that one port holds.
 struct Holding {
   std::uint32_t chunks = 0;
-  /// The largest number of chunks that was measured; the daemon measures ten times a second.
+  /// The maximum number of chunks in all measurements; the daemon measures ten times a second.
   std::uint32_t peak = 0;
   std::uint64_t bytes = 0;  ///< the memory of these chunks; the samples in them may be smaller
 };
@@ -59,8 +59,9 @@ struct Usage {
   std::vector<UserUse> users{};
   std::vector<PublisherUse> publishers{};
   std::vector<SubscriberUse> subscribers{};
-  std::uint64_t leaks_healed = 0;  ///< number of chunks that killed programs had in hand, and that were freed
-  /// Number of locks that killed programs had left closed, and that were opened.
+  /// Number of chunks that killed programs had in hand and that the daemon has freed.
+  std::uint64_t leaks_healed = 0;
+  /// Number of locks that killed programs had left closed and that the daemon has opened.
   std::uint64_t locks_healed = 0;
   std::uint64_t deaths = 0;     ///< number of programs that ended without a goodbye
   std::uint64_t unaudited = 0;  ///< number of deaths since the last search for lost chunks
@@ -73,7 +74,7 @@ struct Status {
   std::int64_t since_ns = 0;     ///< the time when the daemon started, by CLOCK_REALTIME
   std::int64_t idle_exit_s = 0;  ///< time without clients after which the daemon ends, in seconds; 0: never
   std::string writers{};         ///< the group that may publish
-  std::string readers{};         ///< the group that may only subscribe; empty: there is none
+  std::string readers{};         ///< the group that may only subscribe; empty: there is no such group
   std::uint64_t sample_bytes = 0;
   std::uint64_t management_bytes = 0;
   Usage usage{};

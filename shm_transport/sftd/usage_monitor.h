@@ -14,7 +14,8 @@ class PortPool;
 
 namespace sft::shm {
 
-/// Used by one thread at a time. That thread must keep ports from being created or destroyed meanwhile.
+/// An object must be used by only one thread at a time. During a call that thread must keep ports from being
+/// created or destroyed.
 class UsageMonitor {
  public:
   /// All arguments must outlive this object.
@@ -26,7 +27,7 @@ class UsageMonitor {
   Usage look();
 
  private:
-  /// By iceoryx's id of a port: its peak number of chunks.
+  /// The maximum number of chunks that each port has held, by iceoryx's id of the port.
   using Peaks = std::map<std::uint64_t, std::uint32_t>;
   void note_peak(const iox::popo::BasePortData& port, Holding& held, Peaks& peaks) const;
   void look_at_pools(Usage& usage) const;

@@ -6,7 +6,8 @@
 
 namespace sft::shm {
 
-/// Checks the condition, again after each pause. Returns whether it became true before `timeout`.
+/// Checks the condition repeatedly, with pauses of length `pause`, until it is true or `timeout` is over.
+/// Returns whether the condition became true.
 template <class Condition>
 bool wait_until(std::chrono::milliseconds timeout, Condition condition,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {

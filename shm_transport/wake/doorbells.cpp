@@ -50,8 +50,8 @@ void Doorbells::run() const noexcept {
 void DoorbellPages::ring(const std::shared_ptr<const Doorbells>& bells) noexcept {
   const std::size_t sleepers = bells->announce();
   if (sleepers == 0) return;
-  // The waker thread has to be woken, too. For a single sleeper that would save no time and delay the
-  // sleeper.
+  // The waker thread has to be woken, too. So for a single sleeping reader, the waker thread would save no
+  // time and delay the reader.
   if (sleepers == 1 || !waker_.submit(bells)) bells->run();
 }
 

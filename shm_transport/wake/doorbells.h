@@ -20,17 +20,18 @@
 namespace sft::shm {
 
 /// The doorbells of a writer's readers. Each doorbell is in the list once, however many readers share it.
-/// The list does not change after the first ring. So it can be rung while a new list replaces it.
+/// The list does not change after the first ring. So the list can be rung while a new list replaces it.
 class Doorbells final : public WakeTask {
  public:
   /// Adds the doorbell of a reader. Must be called before the first ring. `page` is null if the reader
-  /// cannot be woken. `gate` is the gate of the reader's maximum rate; null if the reader has none.
+  /// cannot be woken. `gate` is the gate of the reader's maximum rate; null if the reader has no maximum
+  /// rate.
   void add(std::shared_ptr<core::DoorbellPage> page, std::uint32_t slot,
            std::shared_ptr<const core::Gate> gate);
   std::size_t size() const { return bells_.size(); }
 
-  // The next two functions are for the thread of the publisher. Only on this thread do the gates know
-  // whether the sample passes.
+  // Only the thread of the publisher may call the next two functions, because they use the decision of the
+  // gates about the current sample. Only that thread may read these decisions.
 
   /// Returns whether any reader wants the current sample.
   bool wanted() const noexcept;
@@ -53,8 +54,8 @@ class Doorbells final : public WakeTask {
   std::deque<Bell> bells_;
 };
 
-/// The pages of doorbells that a node has open. Any thread may call the functions, except where a comment
-/// names a thread.
+/// The pages of doorbells that a node has opened. Any thread may call a function, unless the comment of the
+/// function names a thread.
 class DoorbellPages {
  public:
   /// `waker` describes the thread that wakes readers if several sleep.
@@ -69,8 +70,8 @@ class DoorbellPages {
   std::shared_ptr<const Doorbells> doorbells_of(const std::vector<core::Route>& routes,
                                                 const core::TrustedAccounts& accounts = {});
 
-  /// Rings for the current sample, on the thread of the publisher. This thread wakes a single sleeper itself,
-  /// and leaves several sleepers to a thread of the node.
+  /// Rings the doorbells for the current sample. Must be called on the thread of the publisher. This thread
+  /// wakes a single sleeping reader itself. If several readers sleep, a thread of the node wakes them.
   void ring(const std::shared_ptr<const Doorbells>& bells) noexcept;
 
  private:
@@ -78,7 +79,7 @@ class DoorbellPages {
 
   std::string nameless_link(std::uint64_t id);
 
-  // The next two members are used by the thread that sets routes.
+  // Only the thread that sets routes uses the next two members.
   std::map<std::uint64_t, std::string> nameless_;  ///< links to pages without a path, by the id of the page
   std::chrono::steady_clock::time_point next_search_{};
 

@@ -1,6 +1,6 @@
 // The thread that wakes readers for the publishers of a node. Each wake-up is a futex call, so a publisher
-// that woke several readers itself would return late. The thread starts when it is first needed. While it
-// does not run, publishers wake all readers themselves.
+// that woke several readers itself would return late. The thread starts when a publisher first needs it.
+// While the thread does not run, publishers wake all readers themselves.
 #pragma once
 
 #include <atomic>
@@ -45,7 +45,7 @@ class Waker {
   void start();
 
   /// Queues the task and returns at once, without a lock and without an allocation. Returns false if the
-  /// thread does not run. Any thread may call this, but only one at a time for the same task.
+  /// thread does not run. Any thread may call this, but only one thread at a time for the same task.
   bool submit(const std::shared_ptr<const WakeTask>& task) noexcept;
 
  private:

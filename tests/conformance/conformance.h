@@ -41,7 +41,7 @@ struct Stage {
 };
 
 struct ReaderOptions {
-  /// The selections that the reader accepts; the first one is requested.
+  /// The selections that the reader accepts. It requests the first of them.
   std::vector<std::string> masks{"*"};
   std::uint32_t depth = 250;
   /// Whether the reader is best-effort even if the medium's readers are usually reliable.
@@ -55,7 +55,7 @@ class Reader final : private core::ArrivalListener {
  public:
   explicit Reader(Stage& stage, const ReaderOptions& options = {});
 
-  /// Connects the reader to the writer, and waits until it is connected.
+  /// Connects the reader to the writer, and waits until the reader is connected.
   void hear(const Writer& writer);
   core::Source source(const Writer& writer) const;
   /// Returns the route by which a writer serves this reader.
@@ -106,7 +106,7 @@ class Writer {
   void serve(Reader& reader);
 
   /// Makes the next sample without sending it. Returns an empty handle if there is no memory for the sample
-  /// and for `bytes_behind` bytes behind its body.
+  /// and for `bytes_behind` bytes after its body.
   core::SampleHandle make(std::size_t data_bytes, std::size_t bytes_behind = 0);
   /// Makes the next sample from a message of the writer's type.
   template <class Message>
@@ -121,8 +121,8 @@ class Writer {
   void publish_to(Reader& reader, std::size_t data_bytes = 50);
 
   core::WriterPort& port() { return *port_; }
-  /// Each function returns the port as a port of that kind. REQUIRES: the medium is shared memory, or a
-  /// network, respectively.
+  /// Return the port as a port of shared memory, or as a port of a network. REQUIRES: the medium is of that
+  /// kind.
   core::LendingWriter& lending_port() { return *port_.memory(); }
   core::NetworkWriter& network_port() { return *port_.network(); }
   /// Returns the bytes that were sent over the network; 0 for shared memory.

@@ -56,7 +56,7 @@ void FakeInbox::keep_newest(Condition is_counted, std::vector<SampleHandle>& sur
 }
 
 /// Removes disconnected writers that have no samples left. Samples of such a writer that were dropped after
-/// the last taken one count as lost unnoticed, because no gap will show their loss.
+/// the last sample that was taken count as lost unnoticed, because no gap will show their loss.
 void FakeInbox::forget_the_finished() {
   std::erase_if(writers_, [this](const Writer& writer) {
     const auto is_its = [&](const SampleHandle& sample) { return sample->writer == writer.id; };

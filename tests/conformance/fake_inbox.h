@@ -44,7 +44,7 @@ class FakeInbox {
     std::uint64_t newest = 0;    ///< the greatest sequence that has arrived
     std::uint64_t arrivals = 0;
     bool begun = false;         ///< whether a sample was taken, so that gaps show missing samples
-    std::uint64_t dropped = 0;  ///< the number of samples dropped since the last taken one
+    std::uint64_t dropped = 0;  ///< the number of samples dropped since the last sample that was taken
   };
   const Writer* find(core::EndpointId id) const;
   Writer* find(core::EndpointId id);

@@ -60,7 +60,8 @@ struct FakeNode {
   std::atomic<std::uint64_t> over_limit{0};
 };
 
-/// The path to one reader. The newest routes and the routes of the present sample may share a Line.
+/// The path to one reader. The list for the newest routes and the list for the present sample may share a
+/// Line.
 struct Line {
   core::Route route;
   std::shared_ptr<const ProjectionPlan> plan;
@@ -123,8 +124,8 @@ class FakeWriter final : public core::NetworkWriter {
   std::string path_trouble(EndpointId) const override { return {}; }
 
  private:
-  /// Its destructor calls the listeners. Make the object before the lock is taken, so that the lock is
-  /// released before the calls.
+  /// The inboxes at which samples have arrived. The destructor calls their listeners. Make the object
+  /// before the lock is taken, so that the lock is released before the calls.
   struct Arrivals {
     std::vector<std::shared_ptr<FakeInbox>> inboxes{};
     ~Arrivals() {
@@ -245,7 +246,8 @@ class FakeWriter final : public core::NetworkWriter {
   const std::shared_ptr<core::DeliveryBook> book_;  ///< null if deliveries are not counted
   std::atomic<std::uint64_t> bytes_sent_{0};
 
-  // Guards the following members. Not held while listeners are called, because listeners may send.
+  // Guards the following members. The mutex is not held while listeners are called, because listeners may
+  // send.
   std::mutex mutex_;
   const std::shared_ptr<core::RemoteCopy> copier_;
   Lines newest_;

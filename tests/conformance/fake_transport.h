@@ -8,8 +8,8 @@
 //                   FakeNetwork finds readers by their ids.
 //   FakeWriter      has one Line for each route: the fields that the reader requested, its gate, its tally in
 //                   the delivery book, and the samples that wait until the reader has its history.
-//   FakeReader      is FakeInbox behind the seam: a queue of the newest samples of each writer, and the count
-//                   of the samples that were displaced from the queue.
+//   FakeReader      is the ReaderPort of a FakeInbox: a queue of the newest samples of each writer, and the
+//                   count of the samples that were displaced from the queue.
 //
 // tests/conformance/fake_test.cpp shows how the suite tests a transport, and fake_node_test.cpp shows how
 // nodes are opened on the fake transport.
@@ -22,8 +22,8 @@
 
 namespace sft::test {
 
-/// The network of several fake transports. On it the writers of one transport find the readers of another.
-/// Any thread may call it.
+/// The network of several fake transports. On it the writers of one transport find the readers of another
+/// transport. Any thread may call the network.
 class FakeNetwork;
 std::shared_ptr<FakeNetwork> make_fake_network();
 

@@ -61,8 +61,9 @@ class GateChanges {
  public:
   static constexpr std::size_t changes = 1000, bytes = 40'000;
 
-  /// The selections follow each other in random order. In a fixed order, "every 2nd" might pass only samples
-  /// that are sent while the selection has the same neighbours.
+  /// The selections follow each other in random order. In a fixed order, each selection would always follow
+  /// the same selection, and "every 2nd" might pass no sample that is sent near certain changes of the
+  /// selection.
   GateChanges(Stage& given, test::Random random) : stage(given) {
     for (std::size_t& text : order) text = random() % texts.size();
     std::vector<std::string> all = texts;
@@ -108,7 +109,7 @@ class GateChanges {
     }
     one_more.notify_one();
   }
-  /// Returns true if the sample has passed some (or all) of the gates that may have been in force.
+  /// Returns true if the sample has passed at least one of the gates that may have been in force.
   bool some_passed(std::uint64_t sequence) {
     bool some = false;
     for (std::size_t i = spans[sequence].first; i <= spans[sequence].last; ++i)
@@ -181,8 +182,8 @@ class GateChanges {
   /// The numbers of the last change that has begun, and of the last change that is complete.
   std::atomic<std::size_t> begun{0}, done{0};
   std::uint64_t last = 0;         ///< the sequence of the last sample that arrived
-  bool may_be_under_way = false;  ///< whether a sample may be under way, which the next one may displace
-  std::uint64_t displaced = 0;    ///< the number of samples that newer ones have displaced
+  bool may_be_under_way = false;  ///< whether a sample may be under way, which the next sample may displace
+  std::uint64_t displaced = 0;    ///< the number of samples that newer samples have displaced
   std::set<const Choice*> came;   ///< the selections under which samples arrived
 };
 

@@ -1,5 +1,5 @@
-// A late reader gets the retained samples, then the samples that were published meanwhile, then live ones,
-// without gap or repetition. Other readers are not affected.
+// A late reader gets the retained samples, then the samples that were published meanwhile, then live
+// samples, without gap or repetition. Other readers are not affected.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {

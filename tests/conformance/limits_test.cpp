@@ -7,7 +7,7 @@ namespace {
 using core::SampleHandle;
 using core::SendStatus;
 
-/// The bytes of an encoded image without data. All other fields precede the data.
+/// The size in bytes of an encoded image without data. All other fields precede the data.
 const std::size_t empty_image_bytes = encoded_body(make_image(0), fields<Image>("*")).size();
 
 TEST_P(Conformance, CarriesSamplesOfEverySize) {

@@ -20,7 +20,8 @@ class Account {
   }
   std::uint64_t last() const { return last_; }
   std::uint64_t taken() const { return taken_; }
-  std::uint64_t missed() const { return missed_; }  ///< the number of samples missing between taken ones
+  /// The number of samples that are missing between samples that were taken.
+  std::uint64_t missed() const { return missed_; }
 
  private:
   std::uint64_t last_ = 0;

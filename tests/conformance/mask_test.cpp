@@ -1,5 +1,5 @@
 // Each sample decodes under the mask that the sample names, even while routes change. If all readers share
-// one sample, that mask is the full one. Otherwise it is the mask that the reader requested.
+// one sample, that mask is the full mask. Otherwise it is the mask that the reader requested.
 #include "tests/conformance/conformance.h"
 
 namespace sft::conformance {

@@ -27,7 +27,8 @@ class ShmMedium final : public Medium {
   AnyTransport open() override {
     shm::ShmOptions options = test::own_daemon();
     options.port_wait = options.port_deadline =
-        // The daemon may get the CPU late. A node would repeat its request instead of waiting longer.
+        // The time limit is long, because the daemon may get the CPU late. A node would repeat its request
+        // instead.
         hang_timeout;
     auto transport = shm::open_shm_transport(options).value();
     const auto ready = [&] {
@@ -153,7 +154,7 @@ TEST_P(ShmSamples, ComeToALateReaderThatDoesNotWaitForWhatWasRetained) {
   EXPECT_EQ(late.port().history(writer.id()), core::HistoryProgress::came) << "it awaits none";
 }
 
-/// Returns a gate that passes every sample, or none.
+/// Returns a gate that lets every sample pass if `is_open` is true. Otherwise no sample passes the gate.
 std::shared_ptr<core::Gate> gate(bool is_open) {
   const TypeSupport& type = udp::test::type_support<Image>();
   const Selection any = selection(is_open ? "* @ height >= 0" : "* @ height < 0");
@@ -166,8 +167,8 @@ std::shared_ptr<core::Gate> gate(bool is_open) {
 class ShmWaiting : public Conformance {};
 INSTANTIATE_TEST_SUITE_P(Shm, ShmWaiting, reliable_iceoryx, name_of);
 
-/// The order of events: the writer chooses the readers to wake, the reader changes its conditions, and the
-/// writer puts the sample into the reader's queue.
+/// The test enforces an order of events. First the writer chooses the readers to wake. Then the reader
+/// changes its conditions. Last, the writer puts the sample into the reader's queue.
 TEST_P(ShmWaiting, WakesAReaderThatChangesItsConditionsWhileTheWriterWaitsForAnother) {
   using namespace std::chrono_literals;
   constexpr std::uint32_t depth = 8;

@@ -12,7 +12,7 @@ using core::SendStatus;
 
 TEST_P(Transmissions, ReachAReaderWithAFallbackRouteOnlyIfTheyAreMeantForIt) {
   Writer writer(stage);
-  // With equal masks, one datagram could serve both readers.
+  // The masks differ, because with equal masks one datagram could serve both readers.
   Reader usual(stage), elsewhere(stage, {.masks = {"name"}});
   usual.hear(writer);
   elsewhere.hear(writer);

@@ -130,11 +130,12 @@ class MovingWindow {
   static Message message(std::uint64_t sequence) {
     return message_of(static_cast<std::uint32_t>(sequence), Message());
   }
-  /// Returns the number of samples that may be under way at a time. For best-effort readers this number is 0,
-  /// because samples under another selection may overtake earlier ones.
+  /// Returns the number of samples that may be under way at a time. For best-effort readers this number is
+  /// 0, because samples under another selection may overtake earlier samples.
   std::uint64_t in_flight() const { return stage_.medium->traits().reliable ? 8 : 0; }
 
-  /// Publishes a sample. Waits for the next change if four samples were published since the last one.
+  /// Publishes a sample. If four samples were published since the last change, first waits for the next
+  /// change.
   void publish() {
     while (published_ >= still_since_ + 4 && done_ < changes) std::this_thread::yield();
     Span span{.first = done_};

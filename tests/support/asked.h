@@ -1,6 +1,6 @@
 // Evaluates conditions on a stream of messages. Each message is evaluated in two forms: as the program's
 // struct, and encoded. The encoded bytes fill their memory exactly, so that a sanitizer notices each read
-// outside of them.
+// outside of these bytes.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -36,7 +36,8 @@ class ExactSample {
   detail::SampleState state_;
 };
 
-/// The conditions of one gate. One copy is evaluated on messages, the other on encoded samples.
+/// The conditions of one gate. One copy of the conditions is evaluated on messages, the other copy on
+/// encoded samples.
 class Asked {
  public:
   using Condition = Selection::Condition;

@@ -54,7 +54,7 @@ Selection all_with(std::string_view text) {
 }
 
 /// The projection of one message by one selection. The encoded message fills its memory exactly, so that a
-/// sanitizer notices each read beyond it.
+/// sanitizer notices each read beyond the message.
 template <class T>
 class Cut {
  public:

@@ -227,7 +227,8 @@ LaserScan cut(const LaserScan& scan, const Selection& selection) {
   const bool has_intensities = selection.mask().contains(intensities_leaf);
   const Part* of_ranges = selection.part(ranges_leaf);
   const Part* of_intensities = selection.part(intensities_leaf);
-  // All beams, unless only one range is selected: the union of two different ranges counts as all.
+  // The range of the beams that are kept. If both fields are selected with different ranges, all beams are
+  // kept.
   Range range;
   if (has_ranges && !has_intensities && of_ranges != nullptr) range = of_ranges->columns;
   if (!has_ranges && has_intensities && of_intensities != nullptr) range = of_intensities->columns;

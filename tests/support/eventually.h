@@ -7,11 +7,12 @@
 
 namespace sft::test {
 
-/// A deadline that is long enough for any machine, however busy. An operation that takes longer counts as
-/// hanging. Benchmarks, not tests, measure the speed of operations.
+/// A time limit that no operation exceeds unless it hangs, however busy the machine is. An operation that
+/// takes longer counts as hanging. Benchmarks, not tests, measure the speed of operations.
 inline constexpr std::chrono::seconds hang_timeout{60};
 
-/// Checks the condition again after each pause. Returns false if the condition does not hold in time.
+/// Checks the condition again after each pause. Returns false if the condition does not hold before the
+/// time `within` is over.
 template <class Condition>
 bool eventually(Condition&& condition, std::chrono::milliseconds within = hang_timeout,
                 std::chrono::milliseconds pause = std::chrono::milliseconds(1)) {

@@ -180,7 +180,8 @@ Change change(const FieldValue& now, const FieldValue& before, const Condition& 
   if (std::isnan(odd_now) || std::isnan(odd_before)) return {std::isnan(odd_now) != std::isnan(odd_before)};
   if (odd_now != 0 || odd_before != 0) return {odd_now != odd_before};
   const Exact former = exact_of(before);
-  // Compares distance > deadband, or distance > deadband / 100 * |former|. All these numbers are in units.
+  // Compares distance > deadband, or distance > deadband / 100 * |former|. All these numbers are in units
+  // of the smallest positive double (Exact).
   const Natural whole = condition.is_percent ? former.magnitude : exact(std::uint64_t{1}).magnitude;
   const Natural parts = exact(std::uint64_t{condition.is_percent ? 100U : 1U}).magnitude;
   const Natural distance = exact_of(now).distance(former).times(parts);

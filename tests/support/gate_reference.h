@@ -1,6 +1,7 @@
-// A second, simple implementation of the conditions of a gate (selection.md, "Conditions"). The runtime is
-// compared with it. It uses numbers of any size instead of rounding, a tree instead of a list of nodes, and a
-// map of former values. It uses nothing of the runtime except the type tables and the Selection.
+// A second, simple implementation of the conditions of a gate (selection.md, "Conditions"), with which the
+// runtime is compared. This implementation uses numbers of any size instead of rounding, a tree instead of
+// a list of nodes, and a map of former values. It uses nothing of the runtime except the type tables and
+// the Selection.
 #pragma once
 
 #include <cstdint>
@@ -49,7 +50,7 @@ class GateReference {
   bool holds(const FieldValues& sample, std::int64_t stamp_ns);
   void passed(const FieldValues& sample, std::int64_t stamp_ns);
   /// Returns true if the last result of holds() may depend on rounding. This is so if the distance of a
-  /// number from its former value differed from the deadband, but agreed with the deadband to 60 binary
+  /// number from its former value and the deadband are different, but agree in their first 60 binary
   /// digits.
   bool was_close() const { return was_close_; }
 

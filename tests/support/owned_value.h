@@ -10,7 +10,7 @@
 
 namespace sft::test {
 
-/// An owned struct of any type. A new one has the default values. Copies share the struct.
+/// An owned struct of any type. A new struct has the default values. Copies share the struct.
 class OwnedValue {
  public:
   template <class T>

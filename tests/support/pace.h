@@ -13,8 +13,8 @@
 
 namespace sft::test {
 
-/// The meaning of a period. `pause`: the time between two turns. `rate`: the average time of a turn, so that
-/// a late thread takes several turns at once.
+/// The meaning of a period. `pause`: the time between two calls. `rate`: the average time per call, so that
+/// a thread that is late makes several calls at once.
 enum class Keeps : std::uint8_t { pause, rate };
 
 class Pace {

@@ -1,4 +1,5 @@
-// Clouds with random values. Samples whose bytes fill their memory exactly, like samples that have arrived.
+// Clouds with random values, and samples whose bytes fill their memory exactly, like samples that have
+// arrived.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -18,8 +19,9 @@
 
 namespace sft::test {
 
-/// Returns a cloud with points of 48 bytes, and 20 bytes of padding behind each row. The values of channel
-/// "far" end behind the point, channel "odd" has an unknown type, and channel "none" has no elements.
+/// Returns a cloud with points of 48 bytes, and 20 bytes of padding after each row. The values of channel
+/// "far" reach beyond the end of the point, channel "odd" has an unknown type, and channel "none" has no
+/// elements.
 inline sensor_msgs::msg::PointCloud2 random_cloud(Random& random, std::uint32_t height, std::uint32_t width) {
   sensor_msgs::msg::PointCloud2 cloud;
   cloud.header.frame_id = "lidar";

@@ -28,8 +28,8 @@ class RandomConditions {
   /// Returns conditions of all kinds, up to the number and depth that a selection allows. Often there are
   /// only a few.
   std::vector<Condition> conditions();
-  /// Returns the text of the conditions as it stands behind the "@". Randomly adds parentheses and blanks
-  /// that are not needed.
+  /// Returns the conditions as they are written after the "@" of a selection's text. Randomly adds
+  /// parentheses and blanks that are not needed.
   std::string text(const TypeSupport& type, const std::vector<Condition>& conditions);
 
   /// Changes some single values of a message, and so makes the next message of a stream.

@@ -1,6 +1,6 @@
 // Random messages with layouts. The messages do not contradict themselves, and no row is empty. Otherwise
-// they have all properties that are allowed: padding, bytes behind the data, and channels that overlap, recur
-// or reach beyond the point.
+// they have all properties that are allowed: padding, bytes after the data, and channels that overlap,
+// recur or reach beyond the end of the point.
 #pragma once
 
 #include <cstdint>

@@ -1,5 +1,5 @@
-// Random messages of any type, and random masks. Sizes are log-uniform: mostly small, sometimes larger than
-// a piece that is copied at once.
+// Random messages of any type, and random masks. The numbers of elements are log-uniform: mostly small,
+// sometimes so large that the elements exceed a piece that is copied at once.
 #pragma once
 
 #include <cstddef>
@@ -13,7 +13,7 @@
 namespace sft::test {
 
 /// The values that enumerations and bitmasks get: any integer, or only integers that the IDL declares.
-/// Cyclone DDS accepts only declared ones.
+/// Cyclone DDS accepts only declared integers.
 enum class Enumerated { any, declared };
 
 class RandomValues {

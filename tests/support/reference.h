@@ -1,6 +1,6 @@
-// A second, simple implementation of masks. The runtime is compared with it. It computes numbers of leaves,
-// closed masks, the projected value and its CDR as the design defines them. It uses nothing of the runtime
-// except the type tables.
+// A second, simple implementation of masks, with which the runtime is compared. It computes numbers of
+// leaves, closed masks, the projected value and its CDR as the design defines them. It uses nothing of the
+// runtime except the type tables.
 #pragma once
 
 #include <cstddef>

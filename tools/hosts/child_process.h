@@ -1,4 +1,4 @@
-// Functions for child processes: the work of a program besides fork().
+// Functions for child processes that programs need in addition to fork().
 #pragma once
 
 #include <sys/types.h>
@@ -15,12 +15,12 @@ namespace sft::hosts {
 /// that writes to `output`. If that program fails, its output is the error.
 Result<void> in_child(const std::function<Result<void>(int output)>& body);
 
-/// Closes all descriptors except the standard ones and `kept`. A forked process has copies of everything
-/// that its parent had open. A socket reports that its other end is closed only when every copy of that end
-/// is closed.
+/// Closes all descriptors except the standard descriptors and `kept`. A forked process has copies of
+/// everything that its parent had open. A socket reports that its other end is closed only when every copy
+/// of that end is closed.
 void close_descriptors_except(std::vector<int> kept);
 
-/// Blocks these signals and unblocks all others, so that the process can wait for these.
+/// Blocks these signals and unblocks all others, so that the process can wait for the blocked signals.
 void block_only(std::initializer_list<int> signals);
 
 /// Waits until that child has ended.

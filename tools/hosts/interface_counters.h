@@ -7,7 +7,7 @@
 
 namespace sft::hosts {
 
-/// The bytes of an interface, with link-layer headers, since the interface was made.
+/// The number of bytes that an interface has received and sent since it was made, with link-layer headers.
 struct InterfaceBytes {
   std::uint64_t received = 0;
   std::uint64_t sent = 0;

@@ -19,7 +19,7 @@ inline constexpr const char* host_interface = "eth0";  ///< the interface of eve
 class NetworkNamespace {
  public:
   /// Creates an empty namespace. REQUIRES: the calling process has a single thread. That thread is moved
-  /// there and back.
+  /// into the namespace and back.
   static Result<NetworkNamespace> create();
 
   /// Moves the calling process into the namespace.

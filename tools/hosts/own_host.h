@@ -1,5 +1,5 @@
-// Functions that make a process tree a host of its own beside its network: rights to make namespaces, and
-// its own /dev/shm, /tmp and /proc. So it has its own shared memory and its own daemon.
+// Functions that give a process tree what a host has in addition to its network: rights to make namespaces,
+// and its own /dev/shm, /tmp and /proc. So the process tree has its own shared memory and its own daemon.
 #pragma once
 
 #include <filesystem>
@@ -12,12 +12,13 @@ namespace sft::hosts {
 /// kinds (`CLONE_NEWNET | ...`) that belong to it. REQUIRES: the process has one thread.
 Result<void> enter_user_namespace(int other_kinds);
 
-/// Returns the directory of the running program. The other programs of the project are in it, too.
+/// Returns the directory of the running program. The other programs of the project are in the same
+/// directory.
 const std::filesystem::path& program_directory();
 
 // The following functions mount over the directories of the machine. REQUIRES: the calling thread is in a
 // mount namespace of its own, and program_directory() was called while /proc still was that of the machine.
-/// Called first, because the mounts below would otherwise be visible outside.
+/// Must be called first, because the mounts of the next functions would otherwise be visible outside.
 Result<void> make_mounts_private();
 Result<void> mount_own_shm(unsigned mebibytes);
 Result<void> mount_own_tmp();  ///< the project's programs stay visible, even if they were built in /tmp

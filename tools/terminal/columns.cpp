@@ -14,7 +14,7 @@ std::vector<std::string> broken(std::string_view text, std::size_t first_columns
   std::vector<std::string> lines;
   for (std::size_t width = first_columns; columns_of(text) > width; width = columns) {
     const std::size_t fits = cut(text, width).size();
-    // A space directly behind the fitting text ends a word as well.
+    // A space directly after the text that fits ends a word as well.
     std::size_t space = text.substr(0, fits + 1).rfind(' ');
     if (space == 0) space = none;
     if (space == none && long_words == LongWords::whole) {

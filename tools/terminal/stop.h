@@ -14,10 +14,10 @@ class Stop {
   Stop(const Stop&) = delete;
   Stop& operator=(const Stop&) = delete;
 
-  /// Returns true if the user has requested a stop, or if the reader of the program's output has closed it.
+  /// Returns true if the user has requested a stop, or if the program that reads the output has closed it.
   bool requested() const;
   void request();
-  /// Discards the present request, so that the program can wait for the next one.
+  /// Discards the present request, so that the program can wait for the next request.
   void forget() { requested_ = false; }
   /// Waits until a stop is requested, and returns true. Returns false when `time` is over, or when
   /// `descriptor` is readable.

@@ -63,7 +63,7 @@ struct sft_member {
   const char* name;
   struct sft_type type;
   struct sft_value initial;  ///< the default of a single value; unset: value-initialized
-  /// The default of a sequence or an array, in an order in which the last index runs fastest.
+  /// The default of a sequence or an array, in the order in which the last index changes fastest.
   struct sft_value* initial_elements;
   /// Number of elements of `initial_elements`; 0: the member is value-initialized.
   size_t initial_element_count;

@@ -1,5 +1,5 @@
-// Gates over recorded streams pass the same samples as a plain implementation of the specification. Needs the
-// recordings beside the repository.
+// Gates over recorded streams pass the same samples as a plain implementation of the specification. Needs
+// the recordings, which are not in the repository (recorded_data.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -54,8 +54,8 @@ std::vector<std::vector<std::string>> cells_of(const std::filesystem::path& file
   return rows;
 }
 
-/// A rate limit as a number of coins. Periods begin at the multiples of the period. Each new period adds a
-/// coin, up to two coins. Each sample costs a coin. At the first sample there is one coin.
+/// A rate limit as a number of coins. Periods begin at the multiples of the period. At the first sample
+/// there is one coin. Each new period adds a coin, up to two coins. Each sample that passes costs a coin.
 class RateReference {
  public:
   explicit RateReference(std::chrono::microseconds period) : period_ns_(period.count() * 1000) {}
@@ -288,7 +288,7 @@ TEST_F(ConditionsCorpus, TwoPacksOnOneTopicAreAlwaysAChangeForEachOther) {
                        {11, "current @ voltage > 40 and changed 1"},
                        {9, "* @ every 5th"},
                        {8, "* @ capacity == 6 and every 3rd"},
-                       // Each fourth sample is of the other pack, so only the first one passes.
+                       // Each fourth sample is of the other pack, so only the first sample passes.
                        {1, "* @ capacity == 6 and every 4th"},
                        {6, "* @ every 1 s"},
                        {7, "* @ at most 1 Hz"},

@@ -39,7 +39,7 @@ class Stream {
   explicit Stream(std::string_view text)
       : asked_(type_support<T>().type(), conditions_of(type_support<T>(), text)) {}
 
-  /// Passes the first sample of the stream. Later samples are compared with the last one that passed.
+  /// Passes the first sample of the stream. Later samples are compared with the last sample that passed.
   Stream& first(const T& message, std::int64_t stamp_ns = now_ns) {
     asked_.holds(&message, stamp_ns, mask_);
     asked_.passed(&message, stamp_ns, mask_);

@@ -1,5 +1,5 @@
 // Recorded payloads of other programs decode to known values, encode to the same bytes again, and obey the
-// projection law. Needs the recordings beside the repository.
+// projection law. Needs the recordings, which are not in the repository (recorded_data.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>

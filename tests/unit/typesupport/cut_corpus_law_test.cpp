@@ -1,5 +1,6 @@
 // Random parts of recorded clouds, scans and maps equal, byte by byte, the parts that the reference cuts.
-// Cyclone DDS can read them. Needs the recordings beside the repository.
+// Cyclone DDS can read these parts. Needs the recordings, which are not in the repository
+// (recorded_data.h).
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <sensor_msgs/msg/Image.h>
 #include <sensor_msgs/msg/LaserScan.h>

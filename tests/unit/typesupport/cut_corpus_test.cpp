@@ -1,6 +1,6 @@
-// Parts of recorded clouds and scans have the bytes that the recording has at these places. A parser that is
-// independent of the runtime checks this, and so does Cyclone DDS. Needs the recordings beside the
-// repository.
+// Parts of recorded clouds and scans have the bytes that the recording has at these places. A parser that
+// is independent of the runtime checks this, and so does Cyclone DDS. Needs the recordings, which are not
+// in the repository (recorded_data.h).
 #include <gtest/gtest.h>
 #include <sensor_msgs/msg/LaserScan.h>
 #include <sensor_msgs/msg/PointCloud2.h>

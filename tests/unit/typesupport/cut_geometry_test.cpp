@@ -1,5 +1,5 @@
 // The geometry of parts: points, pixels, cells and beams keep their values and places. A part of a part
-// equals the part that both ranges together name. The tests do not use the reference.
+// equals the part that both ranges together name. The tests do not use the reference (cut_reference.h).
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -185,7 +185,9 @@ TEST_F(CutGeometry, CellsKeepTheirLowerLeftCorners) {
     ASSERT_EQ(some.info.height, part.rows.size_of(whole.info.height));
     ASSERT_EQ(some.info.width, part.columns.size_of(whole.info.width));
     const std::size_t cells = std::size_t{some.info.height} * some.info.width;
-    // The resolution is rounded to 24 bits. Each cell adds this error to its place.
+    // The resolution of a part is rounded to a float. The place of a cell is a multiple of the resolution,
+    // so its error grows with the number of cells up to that place. The limit of the error is that of the
+    // farthest cell.
     const double size = double{whole.info.resolution} * (whole.info.height + whole.info.width);
     for (std::size_t cell = 0; cell < cells; ++cell) {
       const std::size_t row = cell / some.info.width, column = cell % some.info.width;
@@ -414,7 +416,7 @@ TEST_F(CutTwice, ScansAreThoseOfTheComposedRange) {
     };
     LaserScan two = of(of(whole, t.first), t.second);
     const LaserScan one = of(whole, t.both);
-    // Two steps round the least angle and the increment once more than one step does.
+    // Cutting in two steps rounds the least angle and the increment once more than cutting in one step.
     ASSERT_NEAR(two.angle_min, one.angle_min, 1.5 * two_ulp(whole));
     ASSERT_NEAR(two.angle_max, one.angle_max, 1.5 * two_ulp(whole));
     ASSERT_FLOAT_EQ(two.angle_increment, one.angle_increment);

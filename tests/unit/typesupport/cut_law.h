@@ -30,15 +30,16 @@ using test::Cut;
 using test::is_encoded;
 namespace cut_reference = test::cut_reference;
 
-/// Adapts `expected` to `taken` if two results are right: a part without bytes may have the rows and columns
-/// of its ranges, or none at all.
+/// Adapts `expected` to `taken` if two results are right: a part without bytes may have the rows and
+/// columns of its ranges, or 0 rows and 0 columns.
 inline void settle(const PointCloud2& taken, PointCloud2& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.row_step == 0) expected.row_step = 0;
   if (taken.height == 0 && taken.width == 0) expected.height = expected.width = expected.row_step = 0;
 }
 
-/// Adapts `expected` in the same way. Besides, a Bayer pattern without pixels may begin with any colour.
+/// Adapts `expected` for the same reason. In addition, a Bayer pattern without pixels may begin with any
+/// colour.
 inline void settle(const Image& taken, Image& expected) {
   if (!expected.data.empty()) return;
   if (expected.height == 0 && taken.step == 0) expected.step = 0;
@@ -49,8 +50,8 @@ inline void settle(const Image& taken, Image& expected) {
   }
 }
 
-/// Adapts `expected` in the same way. The reference rotates by another formula, which rounds differently. A
-/// grid without cells may have any origin.
+/// Adapts `expected` for the same reason. In addition, the reference rotates by another formula, which
+/// rounds differently, and a grid without cells may have any origin.
 inline void settle(const OccupancyGrid& taken, OccupancyGrid& expected) {
   const auto& at = taken.info.origin.position;
   auto& right = expected.info.origin.position;

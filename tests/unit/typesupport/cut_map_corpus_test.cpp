@@ -1,6 +1,6 @@
-// Windows of a recorded map, as an occupancy grid and as a grey image. Cyclone DDS can read the windows. Each
-// cell keeps its value and its place in the world, and each pixel its value. Needs the recordings beside the
-// repository.
+// Windows of a recorded map, as an occupancy grid and as a grey image. Cyclone DDS can read the windows.
+// Each cell keeps its value and its place in the world, and each pixel its value. Needs the recordings,
+// which are not in the repository (recorded_data.h).
 #include <gtest/gtest.h>
 #include <nav_msgs/msg/OccupancyGrid.h>
 #include <sensor_msgs/msg/Image.h>

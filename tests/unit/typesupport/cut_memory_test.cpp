@@ -1,5 +1,5 @@
-// A writer that sends a part takes one piece of memory for it. The message may still be in the process of
-// being copied when the part is cut.
+// A writer that sends a part takes one piece of memory for the part. Some bytes of the message may not have
+// been copied into the sample yet when the part is cut.
 #include <gtest/gtest.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>

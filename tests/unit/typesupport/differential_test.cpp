@@ -148,8 +148,8 @@ TEST_P(Differential, OfDamagedBodiesBothAcceptTheSameAndReadTheSame) {
   }
 }
 
-// Repeats the comparison with writers and readers of a domain. So the results for the serializer also hold on
-// the wire, behind the encapsulation that SFT assumes.
+// Repeats the comparison with writers and readers of a domain. So the results for the serializer also hold
+// on the wire, where the encapsulation that SFT assumes precedes the body.
 TEST_P(Differential, WhatACycloneWriterSendsIsOurEncapsulationAndOurBytes) {
   test::CycloneLoopback loopback(theirs());
   if (!loopback.ok()) GTEST_SKIP() << "no DDS participant on the loopback interface: " << loopback.error();

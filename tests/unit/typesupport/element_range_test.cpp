@@ -60,8 +60,8 @@ class Sample {
   SampleState state_;
 };
 
-/// Returns a cloud with fields named "field 0000", "field 0001" and so on, each with more characters behind
-/// the number.
+/// Returns a cloud with fields named "field 0000", "field 0001" and so on. Each name ends with 0 to 6
+/// further characters.
 PointCloud2 cloud_with_fields(std::size_t count) {
   PointCloud2 cloud;
   cloud.fields.resize(count);

@@ -157,7 +157,7 @@ TEST(DecodeTest, StringsBeyondTheirBoundAreRefused) {
   proof::Bounded longer;
   longer.name = "12345678";
   Changed changed(longer);
-  changed.put(0, 0, std::uint32_t{10});  // `name` now includes the padding byte behind it
+  changed.put(0, 0, std::uint32_t{10});  // `name` now includes the padding byte that follows it
   changed.put(0, 4, std::array{'1', '2', '3', '4', '5', '6', '7', '8', '9', '\0'});
   EXPECT_EQ(changed.walked(), WalkStatus::bad_length);
 }

@@ -82,7 +82,7 @@ class UserLayoutTest : public test::RandomTest {
  protected:
   Part part(std::uint32_t rows, std::uint32_t columns) {
     Part part{.rows = layouts.range(rows), .columns = layouts.range(columns)};
-    part.columns.step = part.rows.step;  // with different steps a map stays whole
+    part.columns.step = part.rows.step;  // with different steps of rows and columns a map stays whole
     part.rows = part.rows.canonical();
     part.columns = part.columns.canonical();
     return part;
@@ -319,7 +319,8 @@ TEST_F(UserLayoutTest, AMapThatContradictsItselfGivesAnEmptyPart) {
 
 // ---- types that are known only by text or description ----
 
-/// Returns the part of a compiled message that the type, which is not compiled, takes.
+/// Encodes a message of a compiled type. Returns the part of the message that `text` names, cut by `type`,
+/// which is not compiled.
 template <class T>
 std::vector<std::byte> part_by(const DynamicType& type, const T& message, std::string_view text) {
   const TypeSupport& support = type.support();

@@ -55,7 +55,8 @@ bool each_same(const Range& got, const Owned& owned, SameElement same_element) {
 class MaskedViewTest : public test::RandomTest {
  protected:
   /// Calls check(view, message) for a reader that declared R, with two samples. One sample has only the
-  /// fields of R. The other one has all fields, as readers on the publisher's host get it.
+  /// fields of R. The other sample has all fields, like a sample that a reader on the publisher's host
+  /// gets.
   template <class T, Req<T> R, class Check>
   void for_samples(Check check) {
     for (int round = 0; round < 400 && !HasFailure(); ++round) {

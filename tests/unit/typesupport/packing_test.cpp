@@ -43,7 +43,7 @@ TEST(PackingTest, PaddingWithinIsNotPacked) {
 
 constexpr StructType struct_of(std::span<const Member> members) { return {"", members}; }
 
-// {uint32, uint32, double} has padding if it begins 4 bytes behind a multiple of 8, and none if it begins at
+// {uint32, uint32, double} has padding if it begins 4 bytes after a multiple of 8, and none if it begins at
 // a multiple of 8.
 TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   const Member members[] = {member<std::uint32_t>("a", Kind::uint32, 0),
@@ -52,7 +52,7 @@ TEST(PackingTest, PaddingThatDependsOnWhatIsInFrontIsNotPacked) {
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);
 }
 
-// {double, octet} has padding behind each element of an array except the last.
+// {double, octet} has padding after each element of an array except the last.
 TEST(PackingTest, PaddingBehindIsNotPacked) {
   const Member members[] = {member<double>("a", Kind::float64, 0), member<std::uint8_t>("b", Kind::octet, 8)};
   EXPECT_EQ(struct_of(members).packed_bytes, 0U);

@@ -1,5 +1,5 @@
-// Parts of parts. A message is cut in two steps: the second step takes a part of the first step's result. The
-// same message is also cut in one step, by the selection that combines both.
+// Parts of parts. A message is cut in two steps: the second step takes a part of the first step's result.
+// The same message is also cut in one step, by the selection that combines the selections of both steps.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -86,8 +86,8 @@ struct Steps {
   Selection both;
 };
 
-/// Returns the part of the selected fields among `leaves`, which share a layout. Returns the whole if these
-/// fields are requested with different parts.
+/// Returns the part that is selected of the fields in `leaves`, which share a layout. If these fields are
+/// requested with different parts, returns the part that is the whole field.
 inline Selection::Part common_part(const Selection& selection, std::span<const std::uint32_t> leaves) {
   std::optional<Selection::Part> common;
   for (const std::uint32_t leaf : leaves) {
@@ -152,8 +152,8 @@ class PartOfPartTest : public test::RandomTest {
     return static_cast<std::uint32_t>(*type_support<T>().find(path).value().begin());
   }
 
-  /// Returns a range that mostly has some indices. Sometimes the range is empty, begins behind the end, or
-  /// has a step larger than `count`.
+  /// Returns a range that mostly has some indices. Sometimes the range is empty, begins after the last
+  /// index, or has a step larger than `count`.
   Range any_range(std::uint32_t count) {
     if (count > 0 && !layouts.one_in(3)) return layouts.range_with_some(count);
     Range range = layouts.range(count);
@@ -176,8 +176,8 @@ class PartOfPartTest : public test::RandomTest {
     return {.rows = any_range(rows), .columns = any_range(columns)};
   }
 
-  /// Returns both steps, with random other fields. The first step takes all fields that the second one needs.
-  /// `make_both` returns the combined parts of both selections.
+  /// Returns both steps, with random other fields. The first step takes all fields that the second step
+  /// needs. `make_both` returns the combined parts of both selections.
   template <class T, class MakeBoth>
   Steps steps_of(const std::vector<Part>& first, const std::vector<Part>& second, MakeBoth make_both) {
     const TypeSupport& type = type_support<T>();
@@ -187,7 +187,8 @@ class PartOfPartTest : public test::RandomTest {
     const Selection asked = selection(values.mask(type.leaves()), second);
     const Selection before = selection(type.closed(asked).mask() | values.mask(type.leaves()), first);
     const std::vector<Part> parts = make_both(before, asked);
-    // If one of the selections needs a field beside its part, the other selections have that field, too.
+    // If one of the selections needs a field in addition to its part, the other selections have that field,
+    // too.
     const FieldMask mask = type.closed(asked).mask() | type.closed(selection(asked.mask(), parts)).mask();
     return {selection(before.mask() | mask, first), selection(mask, second), selection(mask, parts)};
   }
@@ -218,7 +219,7 @@ class PartOfPartTest : public test::RandomTest {
     return text(steps.first) + " and then " + text(steps.second) + ", or " + text(steps.both);
   }
 
-  /// Returns the part that one step takes. The test fails if two steps give other bytes.
+  /// Returns the part that one step takes. The test fails if two steps give other bytes than one step.
   template <class T>
   static Taken<T> expect_same_bytes(const T& message, const Steps& steps) {
     const Taken<T> whole(message);

@@ -221,7 +221,8 @@ class ScansOfScans : public PartOfPartTest {
         });
   }
 
-  /// Returns a scan with as many intensities as ranges, with none, or sometimes with another number.
+  /// Returns a scan with as many intensities as ranges, with no intensities, or sometimes with another
+  /// number of intensities.
   LaserScan any_scan() {
     LaserScan scan = layouts.scan();
     if (layouts.one_in(8)) scan.intensities.resize(layouts.below(scan.ranges.size() + 3));
@@ -236,8 +237,8 @@ class ScansOfScans : public PartOfPartTest {
     return scan;
   }
 
-  /// The largest possible differences between numbers that one way of cutting rounds once and the other way
-  /// twice.
+  /// The largest possible differences between numbers that are rounded once if cut in one step, and twice
+  /// if cut in two steps.
   struct Bounds {
     double angle_min;
     double angle_max;

@@ -50,7 +50,7 @@ class PointsTest : public test::RandomTest {
   PointCloud2 cloud(std::uint32_t height, std::uint32_t width) {
     return test::random_cloud(random, height, width);
   }
-  /// Returns the cloud without padding behind the rows.
+  /// Returns the cloud without padding after the rows.
   PointCloud2 dense_cloud(std::uint32_t height, std::uint32_t width) {
     PointCloud2 dense = cloud(height, width);
     dense.row_step = width * dense.point_step;

@@ -78,7 +78,7 @@ PointCloud2 cloud_with_data(std::size_t bytes) {
 TEST(ProjectionTest, LargeBlocksStayWhereTheyAre) {
   const Projected projected(cloud_with_data(reference_bytes_min), ~PointCloud2::Field::height);
   EXPECT_EQ(projected.referenced_bytes(), reference_bytes_min);
-  // three segments: the bytes before the reference, the referenced bytes, and the bytes behind
+  // three segments: the bytes before the reference, the referenced bytes, and the bytes after them
   EXPECT_EQ(projected.segments(), 3U);
 }
 
@@ -153,8 +153,8 @@ TEST(ProjectionTest, ElementsAtChangingDistancesAreCopiedOneByOne) {
   EXPECT_EQ(projected.decoded().pairs[999].b, 499.5);
 }
 
-/// Only a type that was made by hand can have elements without bytes. Visiting all four billion would take a
-/// minute.
+/// Only a type that was made by hand can have elements without bytes. A visit of all four billion elements
+/// would take a minute.
 TEST(ProjectionTest, AHugeCountOfElementsWithoutBytesCostsNothing) {
   const std::vector<Member> nothing{{.name = "a", .kind = Kind::uint8, .shape = Shape::array, .count = 0},
                                     {.name = "b", .kind = Kind::uint8, .shape = Shape::array, .count = 0}};

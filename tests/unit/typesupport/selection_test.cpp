@@ -191,7 +191,7 @@ TEST_F(SelectionTest, HaveAllOfWhatTheyWereJoinedTo) {
   }
 }
 
-/// Returns the indices below `count` that a range keeps.
+/// Returns the indices less than `count` that a range keeps.
 std::vector<std::uint32_t> kept(const Range& range, std::uint32_t count) {
   std::vector<std::uint32_t> indices;
   for (std::uint32_t i = range.begin; i < std::min(range.end, count); i += range.step) indices.push_back(i);

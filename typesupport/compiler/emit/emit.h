@@ -13,7 +13,7 @@ struct sft_output {
   /// Directories, separated by colons. A file <root>/a/b/C.idl is included as <a/b/C.hpp>. If several roots
   /// contain a file, the innermost root is used.
   const char* roots;
-  const char* base_dir;  ///< another root; null: there is none
+  const char* base_dir;  ///< another root; null: there is no further root
   /// The namespace around all types, such as "my::robot". Includes of generated headers begin with its
   /// folder, <my/robot/...>. "": there is no such namespace.
   const char* outer_namespace;

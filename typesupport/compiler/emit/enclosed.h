@@ -1,4 +1,5 @@
-// Puts the types of a file into a namespace around all of them. Their names in type tables stay as they are.
+// Puts all types of a file into one more namespace, around their own. Their names in type tables do not
+// change.
 #pragma once
 
 #include <deque>
@@ -10,8 +11,8 @@
 
 namespace sft::idl {
 
-/// A copy of the declarations of a file, with other scoped names. It refers to the rest of the file's model,
-/// and must not outlive the model.
+/// A copy of the declarations of a file, with other scoped names. The copy refers to the rest of the file's
+/// model, and must not outlive the model.
 class Enclosed {
  public:
   /// `outer` has the form "my::robot". If it is empty, the file stays as it was. Throws std::runtime_error

@@ -36,7 +36,8 @@ struct Message {
 /// X_Constants of the same scope, as in ROS.
 Message make_message(const sft_file& file, const sft_declaration& declaration);
 
-/// Returns true if a constant belongs to a struct of this file. Otherwise it belongs to its namespace.
+/// Returns true if a constant belongs to a struct of this file. If not, the constant belongs to its
+/// namespace.
 bool belongs_to_struct(const sft_file& file, const sft_declaration& constant);
 
 /// Returns true if a loan can reserve the field to be written in place: a sequence of primitives or

@@ -24,8 +24,8 @@ std::string namespace_of(std::string_view scoped);
 /// Returns true for an identifier that generated code can use unchanged as a namespace.
 bool is_plain_namespace(std::string_view name);
 
-/// Returns the name "::pkg::msg::X". It begins at the global namespace, and so means the same in every
-/// scope.
+/// Returns the name "::pkg::msg::X". The name begins at the global namespace, and so means the same in
+/// every scope.
 std::string qualified_type(std::string_view scoped);
 
 /// Returns the C++ names of members and constants of the struct whose C++ name is `type_name`, in the order

@@ -14,8 +14,8 @@ class Roots {
   /// directory of `main_file` is the root.
   Roots(const char* list, const char* base_dir, const std::filesystem::path& main_file);
 
-  /// Returns the path of `file` relative to the innermost root that contains it. Throws std::runtime_error if
-  /// no root does.
+  /// Returns the path of `file` relative to the innermost root that contains it. Throws std::runtime_error
+  /// if no root contains the file.
   std::filesystem::path relative(const std::filesystem::path& file) const;
 
  private:

@@ -8,7 +8,7 @@
 /// Resizes `memory`, which may be null, to `bytes`.
 void* sft_resized(void* memory, size_t bytes);
 
-/// Returns `items` with room for one more item behind the `count` present items. The new item is filled
+/// Returns `items` with memory for one more item after the `count` present items. The new item is filled
 /// with zeros.
 void* sft_grown(void* items, size_t count, size_t item_bytes);
 

@@ -1,5 +1,5 @@
-// The content of one .msg file, or of a part of a .srv file. Names and values are checked; nested types are
-// known by name only.
+// The content of one .msg file, or of a part of a .srv file. Names and values have been checked. Of nested
+// types, only the names are known.
 #pragma once
 
 #include <cstdint>

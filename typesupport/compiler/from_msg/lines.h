@@ -12,7 +12,7 @@ namespace sft::msg {
 struct Line {
   std::uint32_t number;      ///< the number of the line, from 1
   std::string_view code;     ///< the text before the comment, without spaces around it; may be empty
-  std::string_view comment;  ///< the text of the comment without the '#' in front
+  std::string_view comment;  ///< the text of the comment after the '#'
   bool has_comment;
   bool is_indented;
   std::uint32_t comment_column;  ///< the column in which the comment begins, from 1

@@ -140,7 +140,7 @@ int generate(const Arguments& arguments, const fs::path& root, const TypeName& t
   std::vector<fs::path> roots{root};
   roots.insert(roots.end(), arguments.roots.begin(), arguments.roots.end());
   const bool is_service = type.folder == "srv";
-  // The last two definitions of a service only carry the first two, so they need no check.
+  // The last two definitions of a service are messages that carry the first two, so they need no check.
   const auto nested =
       check(arguments, type, {definitions->begin(), is_service ? definitions->end() - 2 : definitions->end()},
             SearchPath(roots));

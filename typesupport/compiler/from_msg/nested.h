@@ -16,7 +16,7 @@ class SearchPath {
  public:
   explicit SearchPath(std::vector<std::filesystem::path> roots) : roots_(std::move(roots)) {}
 
-  /// Returns the file that defines the type; empty if there is none.
+  /// Returns the file that defines the type; empty if no directory has such a file.
   std::optional<std::filesystem::path> find(const TypeName& type) const;
 
   /// Returns the directories as text for error messages.

@@ -254,7 +254,7 @@ class Parser {
   std::string comment_;                      // the comment of the next definition
   std::optional<Layout> layout_;             // the layout of the next field
   std::vector<std::string> field_comments_;  // one comment per field
-  // The field of the previous definition; empty if that is a constant.
+  // The field of the previous definition; empty if the previous definition is a constant.
   std::optional<std::size_t> previous_field_;
   std::unordered_map<std::string, std::uint32_t> lines_of_names_;
 };

@@ -50,7 +50,7 @@ class Unescaping {
     if (name == 'u') return hexadecimal(4, false);
     if (name == 'U') return hexadecimal(8, false);
     if (name >= '0' && name <= '7') return octal();
-    result_ += '\\';  // a backslash in front of any other character stands for itself, as in ROS 2
+    result_ += '\\';  // a backslash before any other character stands for itself, as in ROS 2
     rest_.remove_prefix(1);
     return true;
   }

@@ -8,7 +8,7 @@
 
 namespace sft::msg {
 
-/// Returns the position behind the closing quote of the string at the beginning of `text`; npos if there is
+/// Returns the position after the closing quote of the string at the beginning of `text`; npos if there is
 /// no closing quote. REQUIRES: `text` begins with a quote.
 std::size_t quoted_end(std::string_view text);
 

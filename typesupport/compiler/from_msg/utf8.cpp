@@ -9,7 +9,7 @@ bool is_continuation(char c) { return (static_cast<unsigned char>(c) & 0xC0) == 
 
 bool is_character(char32_t c) { return c <= 0x10FFFF && (c < 0xD800 || c > 0xDFFF); }
 
-/// Returns the length of the sequence that begins with `lead`; 0 if no sequence begins with it.
+/// Returns the length of the byte sequence that begins with `lead`; 0 if no sequence begins with this byte.
 std::size_t sequence_bytes(unsigned char lead) {
   if (lead < 0x80) return 1;
   if (lead >= 0xC2 && lead < 0xE0) return 2;

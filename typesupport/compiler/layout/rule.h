@@ -64,7 +64,7 @@ struct SeenMember {
 class SeenTypes {
  public:
   virtual ~SeenTypes() = default;
-  /// Returns a member of a struct; nothing if `i` is behind the last member.
+  /// Returns member number `i` of a struct, from 0; nothing if the struct has no such member.
   virtual std::optional<SeenMember> member(const void* type, std::size_t i) const = 0;
 };
 

@@ -20,8 +20,8 @@ CellGrid CellGrid::of(const SampleState& source, const Cut& cut) {
                 .column_step = static_cast<std::uint32_t>(cut.column_stride()),
                 .rows = cut.rows(),
                 .columns = cut.columns()};
-  // If there is only one column or row, the step to the next one is not needed, and might not fit into its
-  // member.
+  // If there is only one column or row, the step to the next column or row is not needed, and might not fit
+  // into its member.
   if (grid.columns == 1) grid.column_step = cut.cell_bytes();
   if (grid.rows == 1) grid.row_step = grid.row_bytes();
   return grid;
@@ -36,7 +36,7 @@ tl::unexpected<Error> malformed_cells(const CellsPlace& place) {
   return fail(Errc::malformed, quoted(*place.member) + " is not within the bytes of the sample");
 }
 
-/// Notes a read of the member. Returns an error if the sample was sent without it.
+/// Notes a read of the member. Returns an error if the sample was sent without the member.
 Result<void> note_member(const CellsPlace& place, std::size_t leaf, const Member& member) {
   const std::size_t leaves = leaf_count(member);
   const bool was_sent = note_leaves(*place.sample, leaf, leaves);
@@ -49,8 +49,8 @@ const Layout* rows_of(const CellsPlace& place) {
   return place.layout != nullptr && place.layout->has_rows() ? place.layout : nullptr;
 }
 
-// All members are noted before an error for a missing one is returned, so that the subscriber requests all
-// of them at once.
+// All members are noted before an error for a missing member is returned, so that the subscriber requests
+// all members at once.
 Result<void> note_cells(const CellsPlace& place) {
   Result<void> sent = note_member(place, place.leaf, *place.member);
   const Layout* const layout = rows_of(place);
@@ -65,8 +65,8 @@ Result<void> note_cells(const CellsPlace& place) {
   return sent;
 }
 
-/// Returns true if the byte order differs from that of the machine; nothing if the field for it is not
-/// within the sample's bytes.
+/// Returns true if the byte order differs from that of the machine; nothing if the field for the byte order
+/// is not within the sample's bytes.
 std::optional<bool> is_swapped(const SampleState& s, const Layout& layout) {
   const Layout::Field& order = layout[LayoutRole::byte_order];
   if (!order) return false;
@@ -91,7 +91,8 @@ Result<CellGrid> cells_of_cut(const CellsPlace& place, const SampleState& source
   if (cut.cell_bytes() != cell_bytes) return other_size(*place.member, cut.cell_bytes(), cell_bytes);
   CellGrid grid = CellGrid::of(source, cut);
   const Layout* const layout = rows_of(place);
-  // The byte order applies only to fields of bytes.
+  // The field for the byte order only describes cells that are stored as a sequence of bytes. The byte
+  // order of elements of several bytes is that of CDR.
   const bool is_of_bytes = size_of(place.member->kind) == 1;
   const std::optional<bool> swapped =
       layout == nullptr || !is_of_bytes ? false : is_swapped(*place.sample, *layout);

@@ -167,7 +167,8 @@ std::size_t Conditions::enter(const StructType& type, std::uint32_t leaf) {
   return fields_.size() - 1;
 }
 
-/// Determines where the children of the node end, stores that and returns it.
+/// Determines the index of the node that follows the last child of this node. Stores this index and returns
+/// it.
 std::size_t Conditions::enter_children(std::size_t node) {
   std::size_t end = node + 1;
   for (std::uint32_t i = 0; i < conditions_[node].condition.children; ++i) end = enter_children(end);
@@ -176,7 +177,7 @@ std::size_t Conditions::enter_children(std::size_t node) {
 
 bool Conditions::hold(const FieldSource& sample, std::int64_t stamp_ns) {
   ++samples_;
-  // The clock was set back, so the time counts from the new stamp.
+  // If the clock was set back, the time counts from the new stamp.
   if (stamp_ns < passed_at_ns_) passed_at_ns_ = stamp_ns;
   return conditions_.empty() || holds(0, sample, stamp_ns);
 }
@@ -274,7 +275,8 @@ const std::byte* Conditions::find(const Field& field, const FieldSource& sample)
   return at == no_offset ? nullptr : s.body + at;
 }
 
-/// Returns the bytes of the number, followed by zeros. Returns 0 if the sample does not have the number.
+/// Returns the bits of the number, extended with zeros to 64 bits. Returns 0 if the sample does not have
+/// the number.
 std::uint64_t Conditions::bits_at(const Field& field, const FieldSource& sample) {
   const std::byte* const at = find(field, sample);
   if (at == nullptr) return 0;

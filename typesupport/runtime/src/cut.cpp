@@ -47,7 +47,7 @@ std::optional<double> real_at(const SampleState& s, const Layout::Field& field) 
   return value ? std::optional<double>(*value) : std::nullopt;
 }
 
-/// Returns a text with its NUL. The length of the text is at `offset`.
+/// Returns the extent of a text, including its NUL. The length of the text is at `offset`.
 Extent text_at(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
   if (!length || checked_block(s, length.first, length.count, 1) == no_offset) return {};
@@ -59,8 +59,8 @@ std::string_view text_of(const SampleState& s, const Extent& with_nul) {
   return {reinterpret_cast<const char*>(s.body + with_nul.first), with_nul.count - 1};
 }
 
-/// Returns the bytes of one value of a channel; 0 if there is no such type. The types are numbered as in
-/// sensor_msgs/PointField.
+/// Returns the size in bytes of one value of a channel; 0 if there is no such type. The types are numbered
+/// as in sensor_msgs/PointField.
 std::uint32_t channel_type_bytes(std::uint8_t type) {
   constexpr std::array<std::uint8_t, 9> bytes{0, 1, 1, 2, 2, 4, 4, 4, 8};
   return type < bytes.size() ? bytes[type] : 0;
@@ -193,8 +193,8 @@ bool Cut::find_cells(const SampleState& s, const Layout& layout, std::uint64_t d
   return true;
 }
 
-/// Computes the new scale, which is the old one times the step, and the new origin, which is the corner of
-/// the part.
+/// Computes the new scale, which is the old scale times the step, and the new origin, which is the corner
+/// of the part.
 bool Cut::find_grid(const SampleState& s, const Layout& layout, const Part& part) {
   const auto scale = real_at(s, layout[LayoutRole::scale]);
   if (!scale) return false;

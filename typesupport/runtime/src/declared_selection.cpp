@@ -18,7 +18,7 @@ Selection::Range range_of(const DeclaredRange& declared) {
 Selection::Part part_of(const DeclaredPart& declared) {
   Selection::Part part{
       .leaf = declared.leaf, .rows = range_of(declared.rows), .columns = range_of(declared.columns)};
-  const std::string_view names = declared.channels.data();  // ends at the NUL behind the last comma
+  const std::string_view names = declared.channels.data();  // ends at the NUL after the last comma
   for (std::size_t begin = 0, comma = 0; (comma = names.find(',', begin)) != names.npos; begin = comma + 1)
     part.channels.emplace_back(names.substr(begin, comma - begin));
   return part;

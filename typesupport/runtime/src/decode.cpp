@@ -92,8 +92,8 @@ class Decoder {
     return WalkStatus::ok;
   }
 
-  /// Returns true if all bytes are booleans, and replaces invalid ones. Checks the copy, since the original
-  /// in shared memory may change.
+  /// Returns true if all bytes are booleans, and replaces invalid booleans. Checks the copy, since the
+  /// original in shared memory may change.
   static bool all_booleans(std::byte* first, std::size_t n) {
     bool all = true;
     for (std::byte* b = first; b != first + n; ++b) {

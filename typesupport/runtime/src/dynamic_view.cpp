@@ -15,7 +15,7 @@ namespace {
 
 using Scalar = DynamicView::Scalar;
 
-/// Returns the offset behind a string, where the next string of a collection begins.
+/// Returns the offset at which a string ends, and the next string of a collection begins.
 std::uint64_t behind_string(const SampleState& s, std::uint64_t offset) {
   const Extent length = checked_length(s, offset);
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
@@ -134,7 +134,7 @@ DynamicView DynamicView::find(std::string_view path) const {
   return at;
 }
 
-/// Returns the place of member number `member`: its slot, or the offset behind the previous member.
+/// Returns the place of member number `member`: its slot, or the offset at which the previous member ends.
 DynamicView::Place DynamicView::place_of(std::size_t member) const {
   Place place = place_;
   place.leaf += leaf_offset(*type_, member);
@@ -146,7 +146,7 @@ DynamicView::Place DynamicView::place_of(std::size_t member) const {
   return place;
 }
 
-/// Moves `place` from a member to the next one.
+/// Moves `place` from a member to the next member.
 void DynamicView::pass(const Member& m, Place& place) const {
   if (place.slot != no_slot) {
     place.slot += slot_count(m);
@@ -168,7 +168,8 @@ DynamicView DynamicView::member_at(const Member& m, const Place& place) const {
   if (place.slot != no_slot && !is_single_struct) {
     view.is_in_place_ = state_->parts != nullptr && state_->parts->find(place.leaf).has_value();
     if (view.is_in_place_)
-      return view;  // the slot is kept, by which the field is found in the sample that is put together
+      // The slot is kept, because the field is found by its slot in the sample that is put together.
+      return view;
     view.place_.slot = no_slot;
     view.place_.offset = __atomic_load_n(state_->index + place.slot, __ATOMIC_RELAXED);
   }

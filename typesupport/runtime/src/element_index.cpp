@@ -39,9 +39,9 @@ std::uint64_t fixed_end(const FieldMask& mask, const StructType& type, std::size
   return offset;
 }
 
-/// Returns the offset of the element at `position`. Behind a member with the largest alignment, all offsets
-/// are relative to that member. So the end of an element modulo that alignment does not depend on its
-/// beginning, and all elements from the second on have the same size.
+/// Returns the offset of the element at `position`. All offsets that follow a member with the largest
+/// alignment are relative to that member. So the end of an element modulo that alignment does not depend on
+/// its beginning, and all elements from the second on have the same size.
 std::uint64_t fixed_begin(const FieldMask& mask, const StructType& type, std::size_t leaf,
                           std::uint64_t first, std::uint32_t position) noexcept {
   if (position == 0) return first;
@@ -185,7 +185,7 @@ const ElementIndex::Table* ElementIndex::table(const SampleState& s, const Eleme
   return publish(blank);
 }
 
-/// Returns an empty table; null if the sample has used up its share of tables or memory.
+/// Returns an empty table; null if the sample has reached its limit of tables or of memory.
 ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Elements& elements) {
   Table* blank = nullptr;
   {
@@ -208,7 +208,8 @@ ElementIndex::Table* ElementIndex::blank_table(const SampleState& s, const Eleme
   return blank;
 }
 
-/// Publishes the table. If another thread has published an equal table first, returns that one.
+/// Publishes the table. If another thread has published an equal table first, returns the table of that
+/// thread.
 const ElementIndex::Table* ElementIndex::publish(Table* table) noexcept {
   const std::scoped_lock lock(mutex_);
   Tables* tables = tables_.load(std::memory_order_relaxed);

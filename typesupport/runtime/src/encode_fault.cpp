@@ -19,13 +19,13 @@ class FaultFinder {
   FaultFinder(std::size_t leaves, const FieldMask& mask, std::span<const Reservation> reservations)
       : mask_(mask), reservations_(reservations), bytes_(leaves) {}
 
-  /// Returns a text about the first fault of the value; empty if there is none.
+  /// Returns a text about the first fault of the value; empty if the value has no fault.
   std::string fault_of(const StructType& type, const void* value) {
     structure(type, static_cast<const std::byte*>(value), 0, "", true);
     return fault_;
   }
 
-  /// Returns the bytes of each leaf. REQUIRES: there was no fault.
+  /// Returns the size of each leaf in bytes. Must be called only if there was no fault.
   const std::vector<std::uint64_t>& bytes() const { return bytes_; }
 
  private:

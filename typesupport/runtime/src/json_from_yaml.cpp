@@ -86,8 +86,8 @@ std::optional<double> real_of(const std::string& text) {
 /// becomes a value that cdr_from_json() refuses, with its path in the error.
 class JsonMaker {
  public:
-  /// Limits the number of values, which aliases may multiply. A text without aliases has fewer values than
-  /// bytes.
+  /// Limits the number of values that are made, because aliases may multiply them. A text without aliases
+  /// has fewer values than bytes.
   explicit JsonMaker(std::size_t text_bytes) : values_left_(values_per_byte_max * text_bytes) {}
 
   Result<Json> make(const StructType& type, const YAML::Node& root) {

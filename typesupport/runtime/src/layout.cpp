@@ -48,8 +48,8 @@ bool is_single(const Member& member, Kind kind) {
   return member.kind == kind && member.shape == Shape::single;
 }
 
-/// Returns the rule as a number for Selection::Part::rule. The number shows which readers have another
-/// rule; they must not be served by this one.
+/// Returns the rule as a number for Selection::Part::rule. If a reader has a different number, its type has
+/// another rule, and the rule of this type must not be used for its parts.
 std::uint32_t hash_of(std::string_view rule) {
   Fnv1a hash;
   hash.add(rule);
@@ -93,7 +93,7 @@ class Collector {
 
  private:
   /// Adds the layout of a member if the rule suits the type. A type with a known name may have other
-  /// members. In that case it has no layout.
+  /// members. In that case the type has no layout.
   void add(const Place& place, std::size_t member, std::string_view text, std::uint32_t hash) {
     const auto rule = layout::read_rule(text);
     if (!rule) return;

@@ -294,7 +294,7 @@ class MsgReader {
   std::optional<msg::SearchPath> search_path_;
   std::map<TypeName, Known> definitions_;
   std::map<TypeName, Made> types_;
-  std::vector<TypeName> chain_;  // types that are being made; each type nests the next one
+  std::vector<TypeName> chain_;  // types that are being made; each type nests the next type in the list
 };
 
 Result<TypeName> name_of_message(std::string_view text) {

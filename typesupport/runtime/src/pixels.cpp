@@ -9,7 +9,8 @@ namespace sft::detail {
 
 namespace {
 
-/// The index is twice the parity of the row plus the parity of the column.
+/// The index of a pattern is twice the parity of the row plus the parity of the column at which the part
+/// begins.
 constexpr std::array<const char*, 4> bayer_patterns{"rggb", "grbg", "gbrg", "bggr"};
 constexpr std::string_view bayer = "bayer_";
 constexpr std::uint32_t samples_max = 512;  // the maximum number of values in a pixel, in OpenCV
@@ -27,8 +28,8 @@ bool is_one_of(std::string_view name, std::span<const std::string_view> names) {
   return std::ranges::find(names, name) != names.end();
 }
 
-/// Returns the bytes of a pixel with an encoding of OpenCV, "8UC3" or "32FC1"; 0 if the encoding has no
-/// such name.
+/// Returns the size in bytes of a pixel in an encoding of OpenCV, "8UC3" or "32FC1"; 0 if the name is not
+/// that of such an encoding.
 std::uint32_t opencv_bytes(std::string_view encoding) {
   std::uint32_t bits = 0;
   const char* const end = encoding.data() + encoding.size();

@@ -17,7 +17,7 @@ class Pixels {
 
   static Pixels of(std::string_view encoding);
 
-  /// Returns the number of bytes of a pixel; 0 if it cannot be determined.
+  /// Returns the size of a pixel in bytes; 0 if the size cannot be determined.
   std::uint64_t bytes_in(const Image& image) const;
   /// Returns true if the selected pixels, of rows with `count` pixels, are an image of the same encoding,
   /// or of the encoding that pattern_at() returns.

@@ -45,7 +45,7 @@ struct Channel {
 
   /// Returns true if the channel has one of the eight types, has elements, and lies within the point.
   bool is_there(std::uint32_t point_step) const { return end() > offset && end() <= point_step; }
-  /// Returns the offset behind the last byte of the channel; `offset` if the channel has no bytes.
+  /// Returns the offset of the first byte after the channel; `offset` if the channel has no bytes.
   std::uint64_t end() const {
     const std::uint64_t bytes = type < point_types.size() ? point_types[type].bytes : 0;
     return offset + bytes * count;
@@ -61,7 +61,7 @@ bool read_once(const SampleState& s, std::uint64_t offset, T& value) {
   return true;
 }
 
-/// Reads one channel, and advances the offset to the next one.
+/// Reads one channel, and advances the offset to the next channel.
 std::optional<Channel> next_channel(const SampleState& s, std::uint64_t& offset) {
   const Extent name = checked_length(s, offset);
   if (!name || checked_block(s, name.first, name.count, 1) == no_offset) return {};
@@ -142,7 +142,7 @@ bool find_channels(const SampleState& s, std::uint64_t fields, std::uint32_t poi
   return true;
 }
 
-/// Returns the points, or an error if not all of them are within the data. Drivers that organise a cloud
+/// Returns the points, or an error if not all points are within the data. Drivers that organise a cloud
 /// often leave row_step unchanged. So row_step is ignored if the data has exactly the bytes of all points:
 /// rows then follow each other.
 Result<CellGrid> grid_of(const Header& header, std::span<const std::byte> data) {
@@ -180,8 +180,9 @@ bool read_header(const CloudPlace& cloud, Header& header) {
   return true;
 }
 
-/// Changes the offset of a channel from the one in a packed point to the one in the larger cloud. Returns
-/// false if the channel is not within the cells of the part: its data was not cut as points of this cloud.
+/// Changes the offset of a channel from its offset in a packed point to its offset in the larger cloud.
+/// Returns false if the channel is not within the cells of the part: its data was not cut as points of this
+/// cloud.
 bool place_channel(const Cut& cut, WantedChannel& one) {
   const std::uint64_t bytes = std::uint64_t{point_types[one.type].bytes} * one.count;
   // Points are whole if no channels were requested.
@@ -293,8 +294,8 @@ NotedChannels note_channels(const SampleState& s, const LeafRange& data,
 
 }  // namespace
 
-// All channels are noted before an error for a missing one is returned, so that the subscriber requests all
-// of them at once.
+// All channels are noted before an error for a missing channel is returned, so that the subscriber requests
+// all channels at once.
 Result<void> note_points(const SampleState& s, const CloudLeaves& leaves,
                          std::span<const WantedChannel> wanted) {
   const NotedChannels noted = note_channels(s, leaves[data_field], wanted);

@@ -109,7 +109,7 @@ void ProjectionPlan::measure(Run& run) const {
 }
 
 /// Copies selected members from a source position to the end of the projected body, each with its
-/// alignment. Without parts, as in most plans, the code for parts is not compiled in.
+/// alignment. Most plans have no parts. For these plans the code for parts is not compiled in.
 template <bool with_parts>
 class Projection::Writer {
  public:
@@ -270,7 +270,7 @@ class Projection::Writer {
   bool has_memory() const { return with_parts && memory_.data() != nullptr; }
   std::span<std::byte> memory() { return has_memory() ? memory_ : std::span(out_.staging_); }
 
-  /// Returns the address of these bytes of the body; null if they are in several places.
+  /// Returns the address of these bytes of the body; null if these bytes are in several places.
   const std::byte* source(std::uint64_t first, std::size_t bytes) const {
     const std::byte* const data = s_.body + first;
     return !with_parts || postponed_ == nullptr ? data : postponed_->locate(data, bytes);
@@ -307,8 +307,8 @@ class Projection::Writer {
     return true;
   }
 
-  /// Projects a member. `has_slot` is true if the next member is found by the index, so that the end of
-  /// this one is not needed.
+  /// Projects a member. `has_slot` is true if the next member is found by the index, so that the end of the
+  /// present member is not needed.
   bool member(const Member& m, std::size_t leaf, bool has_slot) {
     if (m.kind == Kind::structure && m.shape == Shape::single) return structure(*m.type, leaf);
     std::uint32_t n = m.count;
@@ -368,7 +368,7 @@ class Projection::Writer {
   }
 
   bool same_selection(std::size_t leaf, std::size_t leaves) const {
-    // The whole range is copied, since the source has all leaves, too.
+    // If all leaves are in the mask, the source has all of them, too, and the whole range is copied.
     if (mask_.all_of(leaf, leaves)) return true;
     for (std::size_t i = leaf; i < leaf + leaves; ++i) {
       if (mask_.contains(i) != s_.mask->contains(i)) return false;
@@ -478,7 +478,7 @@ bool Projection::project(const SampleState& source, const ProjectionPlan& plan, 
 
 std::size_t Projection::bytes_most(const SampleState& source, const ProjectionPlan& plan) {
   if (!source.mask->contains(plan.mask()) || !find_cuts(source, plan)) return 0;
-  // Limit of the padding in front of each member and of each length, in bytes.
+  // The maximum padding before each member and before each length, in bytes.
   constexpr std::size_t padding = 7;
   std::uint64_t bytes = source.body_bytes + 2 * padding * (plan.steps_.size() + plan.blocks_.size() + 1);
   for (std::size_t i = 0; i < plan.parts_.size(); ++i) bytes -= cuts_[i].bytes_less();

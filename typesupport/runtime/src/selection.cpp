@@ -125,7 +125,7 @@ Selection::Number canonical(const Selection::Number& number) {
   return number;
 }
 
-/// Returns a text about the mistake in the condition; empty if there is none.
+/// Returns a text about the mistake in the condition; empty if the condition has no mistake.
 std::string fault_of(const Condition& condition, std::size_t leaves) {
   const auto exists = [leaves](std::uint32_t leaf) { return leaf < leaves; };
   if (!std::ranges::all_of(condition.leaves, exists)) return "a condition is on a field that the type lacks";
@@ -182,7 +182,7 @@ bool is_readable_channel(std::string_view name) {
          detail::is_printable(name);
 }
 
-/// Returns a text about the mistake in the canonical part; empty if there is none.
+/// Returns a text about the mistake in the canonical part; empty if the part has no mistake.
 std::string fault_of(const Part& part, std::size_t leaves) {
   if (part.leaf >= leaves) return "a part is of a field that the type lacks";
   if (part.channels.size() > Selection::channels_max)

@@ -1,5 +1,5 @@
-// Writes the bytes of a selection (selection.md, "Bytes"). Numbers are in LEB128; everything else is
-// specified there.
+// Writes the bytes of a selection (selection.md, "Bytes"). Numbers are in LEB128; selection.md specifies
+// everything else.
 #pragma once
 
 #include <cstddef>

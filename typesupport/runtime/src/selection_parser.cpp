@@ -100,7 +100,7 @@ Result<Selection> SelectionParser::parse() {
   return gated ? std::move(gated) : wrong(begin, gated.error().message, gated.error().code);
 }
 
-/// Returns the selection of the text in front of the gate.
+/// Returns the selection of the text before the gate.
 Result<Selection> SelectionParser::fields() {
   std::vector<Selection::Part> parts;
   for (auto& [leaf, wish] : wishes_) {
@@ -284,7 +284,7 @@ Result<Selection::Gate> SelectionParser::gate() {
   return gate;
 }
 
-/// Parses the text behind "at".
+/// Parses the text after "at".
 Result<std::chrono::microseconds> SelectionParser::least_period() {
   skip_blanks();
   if (!take_word("most")) return wrong("'most' stands behind 'at'");
@@ -343,7 +343,7 @@ Result<SelectionParser::Conditions> SelectionParser::term(std::size_t depth) {
   return as_list(comparison());
 }
 
-/// Parses the text behind "changed".
+/// Parses the text after "changed".
 Result<Condition> SelectionParser::changed() {
   Condition condition{.kind = Condition::Kind::changed};
   const std::size_t begin = at_;
@@ -379,7 +379,7 @@ Result<Condition> SelectionParser::changed() {
   return condition;
 }
 
-/// Parses the text behind "every".
+/// Parses the text after "every".
 Result<Condition> SelectionParser::every() {
   const std::size_t begin = at_;
   std::uint64_t count = 0;

@@ -70,8 +70,8 @@ class SelectionParser {
   char next() const { return at_ < text_.size() ? text_[at_] : '\0'; }
   bool take(std::string_view sign);
   bool take_word(std::string_view word);
-  /// Takes the word with the blanks behind it. Does not take it if it is a field, because an operator or
-  /// the rest of a path follows.
+  /// Takes the word and the blanks after it. Does not take the word if an operator or the rest of a path
+  /// follows, because the word is then a field.
   bool take_keyword(std::string_view word);
   std::string_view word() const;
   std::string_view take_path();

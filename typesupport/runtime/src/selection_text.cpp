@@ -63,7 +63,7 @@ std::string ordinal_text(std::uint64_t n) {
   return shortest(n) + ending;
 }
 
-/// Prints conditions, which are stored one behind the other as nodes of a tree.
+/// Prints conditions, which are stored one after the other as nodes of a tree.
 class ConditionPrinter {
  public:
   ConditionPrinter(const TypeSupport& type, const Selection& selection)

@@ -148,7 +148,8 @@ std::string outline(const Member& m) {
 class Comparison {
  public:
   std::string structs(const StructType& here, const StructType& there, const std::string& prefix) const {
-    // A difference inside members is reported first, but only up to the first member whose name differs.
+    // Differences inside members are searched for first, but only in the members before the first member
+    // whose name differs.
     for (std::size_t i = 0; i < std::min(here.members.size(), there.members.size()); ++i) {
       if (here.members[i].name != there.members[i].name) break;
       std::string found = members(here.members[i], there.members[i], prefix);

@@ -124,7 +124,7 @@ Selection TypeSupport::closed(const Selection& selection) const {
   std::vector<Selection::Part> parts(selection.parts().begin(), selection.parts().end());
   FieldMask fields = closed(selection.mask());
   // An added field can make the parts of related fields whole. Each round has fewer parts or more fields
-  // than the previous one, so the loop ends.
+  // than the previous round, so the loop ends.
   for (bool is_changed = !parts.empty(); is_changed;) {
     std::vector<Selection::Part> suited = suited_parts(parts, fields);
     FieldMask with_layouts = closed(with_fields_of_layouts(suited, fields));
@@ -132,7 +132,8 @@ Selection TypeSupport::closed(const Selection& selection) const {
     parts = std::move(suited);
     fields = std::move(with_layouts);
   }
-  // With a longer mask, the limits may leave too little room for the parts and the gate.
+  // With the larger mask, the parts and the gate may exceed the limits of a selection. In that case the
+  // parts are left out, and if necessary also the gate.
   return Selection::make(fields, std::move(parts), selection.gate())
       .or_else([&](const Error&) { return Selection::make(fields, {}, selection.gate()); })
       .value_or(fields);

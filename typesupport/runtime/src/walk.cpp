@@ -57,7 +57,7 @@ class Walker {
 
   bool elements(const StructType& type, std::size_t leaf, std::uint32_t n) {
     if (is_packed(type, leaf)) return packed(type, n);
-    // Nothing is selected, so the elements take no bytes.
+    // If no leaf is selected, the elements take no bytes.
     if (!s_.mask->any_of(leaf, leaf_count(type))) return true;
     for (std::uint32_t i = 0; i < n; ++i) {
       const std::uint64_t before = at_;

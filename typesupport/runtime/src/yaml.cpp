@@ -209,7 +209,7 @@ class YamlWriter {
     out_ += "# ... " + std::to_string(size - printed) + " more\n";
   }
 
-  /// Begins a line. The first line of an element of a block has a dash in its indentation.
+  /// Begins a line. The first line of a sequence's element has a dash in its indentation.
   void line(std::size_t indent) {
     check_length();
     out_.append(dash_ ? indent - 2 : indent, ' ');

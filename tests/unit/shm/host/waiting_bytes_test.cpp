@@ -1,4 +1,4 @@
-// The number of samples that may wait if their bytes are limited.
+// The maximum number of samples that may wait if their bytes are limited.
 #include "shm_transport/host/waiting_bytes.h"
 
 #include <gtest/gtest.h>

@@ -77,7 +77,7 @@ class ChunkQueueTest : public ::testing::Test {
     forge(size, [](auto& queue) { return queue.size(); });
     ASSERT_EQ(port_->m_chunkReceiverData.m_queue.size(), size);
   }
-  /// Takes all samples, and gives each back before the next one is taken. Returns their number.
+  /// Takes all samples, and gives each sample back before the next sample is taken. Returns their number.
   std::uint64_t take_all() {
     std::uint64_t taken = 0;
     for (ChunkSlot* slot = queue_->take().slot; slot != nullptr; slot = queue_->take().slot, ++taken)

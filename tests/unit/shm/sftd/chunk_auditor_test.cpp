@@ -152,7 +152,7 @@ TEST_F(ChunkAuditorTest, CorrectsTheCountOfTakenChunks) {
 
 TEST_F(ChunkAuditorTest, LeavesMemoryAloneIfTheListOfFreeChunksWasOverwritten) {
   allocate();
-  // Iceoryx puts the list first in that memory.
+  // The list of free chunks is at the beginning of the management memory.
   auto* const next = reinterpret_cast<std::uint32_t*>(management_.data());
   ASSERT_EQ(next[3], 4U);
   for (const std::uint32_t nonsense : {2U, 3U, chunks + 1, 0xffffffffU}) {

@@ -1,4 +1,4 @@
-// A publisher that rings for several readers leaves waking the sleeping ones to the waker.
+// A publisher that rings for several readers leaves it to the waker to wake the readers that sleep.
 #include "shm_transport/wake/doorbells.h"
 
 #include <gtest/gtest.h>

@@ -17,19 +17,21 @@
 // contiguous. A loop over all cells checks after each cell whether the row ends.
 //
 // The layout of a field defines its rows and columns (typesupport/runtime/selection.md, "Parts"). A field
-// without rows is one row. A cell is an element of the field, or its size is given by the encoding of the
-// image or by the member for the size of a cell. The type of a cell is an arithmetic type or a std::array of
-// such a type. In a field of numbers of several bytes it is the type of the number. The result is an error if
+// without rows counts as one row. A cell is one element of the field, unless the encoding of the image or
+// the member for the size of a cell gives another size. The type of a cell is an arithmetic type or a
+// std::array of such a type. If the elements of the field are numbers of several bytes, it must be the type
+// of these numbers. The result is an error if
 //   - a cell has another size, or the encoding has no such cells: type_mismatch
 //   - the sample was sent without a field that gives the number of rows or columns or the size of a cell:
 //     unavailable. If fields are recorded, the subscriber requests that field from then on. A mask that is
 //     declared without one of these fields does not compile. A program that declares a part need not declare
 //     these fields.
 //   - the bytes of the sample are inconsistent or end early: malformed
-// Values in big-endian fields of bytes are swapped. A field with fewer bytes than its cells need is empty.
+// Values in big-endian fields of bytes are swapped. A field with fewer bytes than its cells need counts as
+// empty.
 //
 // The points of clouds are read with points() (points.h). In templates, as in a
-// callback that takes `const auto& sample`, C++ wants `sample->template data<Rgb>()`.
+// callback that takes `const auto& sample`, C++ requires `sample->template data<Rgb>()`.
 #pragma once
 
 #include <array>
@@ -111,9 +113,9 @@ struct CellReader {
 
 }  // namespace detail
 
-/// The cells of a field: a range with random access, row by row, that works with std::ranges. It is a small
-/// value, and valid as long as the sample. The same holds for its iterators, which do not need the range.
-/// Any number of threads may read it. Its functions do not throw.
+/// The cells of a field: a range with random access, row by row, that works with std::ranges. The range is
+/// a small value, and valid as long as the sample. Its iterators are valid as long as the sample, too, even
+/// if the range is destroyed. Any number of threads may read a range. Its functions do not throw.
 template <class Cell>
 class Cells : public std::ranges::view_base {
  public:
@@ -142,9 +144,9 @@ class Cells : public std::ranges::view_base {
     assert(row < rows() && column < columns());
     return reader_(grid_.at(row, column));
   }
-  /// Returns a row as a span if its cells are in memory like an array of Cell. Returns nothing otherwise:
-  /// in a part with a step, in another byte order, and at unaligned addresses. Points never have such rows.
-  /// REQUIRES: row < rows().
+  /// Returns a row as a span if its cells are in memory like an array of Cell. Returns nothing in a part
+  /// with a step, in another byte order, and at unaligned addresses. Points never have such rows. REQUIRES:
+  /// row < rows().
   std::optional<std::span<const Cell>> row(std::size_t row) const requires detail::is_cell<Cell> {
     assert(row < rows());
     if (empty()) return std::span<const Cell>();
@@ -166,7 +168,7 @@ class Cells : public std::ranges::view_base {
 
   /// Returns an iterator to the first cell. Iterators go over the cells row by row.
   iterator begin() const { return {grid_.joined(), reader_, 0}; }
-  /// Returns the end, behind the last cell.
+  /// Returns the iterator past the last cell.
   iterator end() const { return {grid_.joined(), reader_, size()}; }
 
  private:

@@ -19,7 +19,8 @@ namespace sft {
 /// (type.h).
 class DynamicType {
  public:
-  /// Limits for a description or a text. The limits from `leaves` on count a struct as often as it is used.
+  /// Limits for a description or a text. `leaves` and the limits after it count a struct as often as it is
+  /// used.
   struct Limits {
     std::size_t bytes = 65'536;               ///< the maximum length of the description
     std::size_t name_bytes = 255;             ///< the maximum length of each name and unit
@@ -31,8 +32,8 @@ class DynamicType {
     std::size_t path_bytes = 1 << 20;  ///< the approximate maximum for the paths of all leaves
   };
 
-  /// Reads a description (type_description.md). The bytes may be hostile: time and memory are proportional
-  /// to their number. The error names the refused part.
+  /// Reads a description (type_description.md). The bytes may be hostile: the time and the memory for
+  /// reading are proportional to the number of bytes. The error names the refused part.
   static Result<DynamicType> parse(std::span<const std::byte> description, const Limits& limits);
   // There are two overloads, because a default argument cannot use the default member values of Limits:
   // they are known only after DynamicType.

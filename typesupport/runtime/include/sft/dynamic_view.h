@@ -72,8 +72,8 @@ class DynamicView {
 
   /// Returns a member of a struct.
   DynamicView operator[](std::string_view member) const;
-  /// Returns an element of an array or a sequence, counted from 0. For elements that are strings or structs
-  /// it walks over all previous elements. Use elements() to read all of them.
+  /// Returns an element of an array or a sequence, counted from 0. If the elements are strings or structs,
+  /// a call walks over all previous elements. Use elements() to read all of them.
   template <std::integral I>
   DynamicView operator[](I i) const {
     return element(std::in_range<std::size_t>(i) ? static_cast<std::size_t>(i) : SIZE_MAX);
@@ -83,9 +83,9 @@ class DynamicView {
   /// Returns all members of a struct in order, including absent ones; none if the view is not a struct.
   Members members() const;
   /// Returns all elements of an array or a sequence; none if the view is neither. If only the length of a
-  /// sequence was sent, the result is empty. But if the subscriber records, the result then has absent
-  /// elements, so that the missing fields can be noted. If the bytes end early, the last element is an
-  /// error.
+  /// sequence was sent, the result is empty. If the subscriber records which fields are read, the result
+  /// instead has absent elements, so that the missing fields can be noted. If the bytes end early, the last
+  /// element is an error.
   Elements elements() const;
 
   // ---- kind and type ----
@@ -97,7 +97,7 @@ class DynamicView {
   }
   /// Returns true if the sample was sent without this field.
   bool is_absent() const { return error_ == nullptr && !present_; }
-  /// Returns the error, valid as long as the view; null if there is none.
+  /// Returns the error of the view; null if the view has no error. The error is valid as long as the view.
   const Error* error() const { return error_.get(); }
 
   /// Returns true for a struct, even if it is an element.
@@ -147,7 +147,7 @@ class DynamicView {
   friend Result<detail::CellGrid> detail::find_cells(const DynamicView& message, std::string_view path,
                                                      std::size_t cell_bytes, bool (*holds)(detail::Kind));
   enum class Node : std::uint8_t { structure, collection, value };
-  /// The place of the members of a struct: at slots of the index from `slot` on, or one behind the other
+  /// The place of the members of a struct: at slots of the index from `slot` on, or one after the other
   /// from `offset` on.
   struct Place {
     std::size_t leaf = 0;  ///< the first leaf of the struct, or of the next member
@@ -167,8 +167,8 @@ class DynamicView {
     return present_ && state_->mask->all_of(leaf, count) &&
            (declared_ == nullptr || declared_->all_of(leaf, count));
   }
-  /// Returns false if the value here differs from the published one because the sample has only some
-  /// channels of a cloud.
+  /// Returns false if the value in this sample differs from the published value because the sample has only
+  /// some channels of a cloud.
   bool is_as_published(std::size_t leaf, std::size_t count) const {
     return state_->log == nullptr || state_->log->is_as_published(leaf, count);
   }
@@ -238,7 +238,7 @@ class DynamicView::Members {
   explicit Members(DynamicView of) : of_(std::move(of)) {}
   /// Returns an iterator to the first member.
   iterator begin() const { return {&of_, 0}; }
-  /// Returns the end, behind the last member.
+  /// Returns the iterator past the last member.
   iterator end() const {
     return {&of_, of_.is_struct() && of_.error() == nullptr ? of_.type_->members.size() : 0};
   }
@@ -282,7 +282,7 @@ class DynamicView::Elements {
   explicit Elements(DynamicView of);
   /// Returns an iterator to the first element.
   iterator begin() const { return {&of_, first_, left_}; }
-  /// Returns the end, behind the last element.
+  /// Returns the iterator past the last element.
   iterator end() const { return {&of_, 0, 0}; }
 
  private:

@@ -34,7 +34,7 @@ struct JsonOptions {
   /// The maximum number of elements that are written of each array and sequence, except in base64.
   std::size_t elements_max = SIZE_MAX;
   bool bytes_as_base64 = true;  ///< false: bytes are written as numbers
-  /// The approximate maximum in bytes; a longer text is an error.
+  /// The approximate maximum size of the output in bytes; a longer output is an error.
   std::size_t output_bytes_max = 64 * 1024 * 1024;
 };
 
@@ -45,8 +45,8 @@ Result<std::string> to_json(const DynamicView& view, const JsonOptions& options 
 struct FromJsonOptions {
   std::size_t bytes_max = 64 * 1024 * 1024;  ///< the maximum size of the body
   /// The time for the words "now" and "auto". "now" may stand in the place of a builtin_interfaces/Time.
-  /// "auto" may stand in the place of a std_msgs/Header, whose other members are then zero or empty. If it
-  /// is not set, these words are errors.
+  /// "auto" may stand in the place of a std_msgs/Header, whose other members are then zero or empty. If
+  /// `now` is not set, these words are errors.
   std::optional<std::chrono::sys_time<std::chrono::nanoseconds>> now{};
 };
 

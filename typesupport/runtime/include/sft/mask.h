@@ -14,8 +14,8 @@
 // are the same template argument. A set does not know the names of its type: to_string() and TypeSupport
 // (type_support.h) print it and read it from text.
 //
-// Sets are values: several threads may read a set. If a thread changes a set, no other thread may use it.
-// No function here fails; a FieldMask of more than 64 leaves allocates when it is made or copied.
+// Sets are values: several threads may read a set. While a thread changes a set, no other thread may use
+// that set. No function here fails; a FieldMask of more than 64 leaves allocates when it is made or copied.
 #pragma once
 
 #include <array>
@@ -52,7 +52,7 @@ struct Mask {
 
   /// Returns true if the leaf is in the mask.
   constexpr bool contains(std::size_t leaf) const { return (words[leaf / 64] >> (leaf % 64) & 1) != 0; }
-  /// Returns true if all leaves of the other mask are in this one.
+  /// Returns true if all leaves of the other mask are in this mask.
   constexpr bool contains(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & ~words[i]) != 0) return false;
@@ -67,7 +67,7 @@ struct Mask {
     }
     return false;
   }
-  /// Returns true if any leaf of the other mask is in this one.
+  /// Returns true if any leaf of the other mask is in this mask.
   constexpr bool intersects(const Mask& other) const {
     for (std::size_t i = 0; i < words.size(); ++i) {
       if ((other.words[i] & words[i]) != 0) return true;
@@ -86,7 +86,7 @@ struct Mask {
 
   /// Returns an iterator to the first leaf of the set. Leaves come in ascending order.
   constexpr iterator begin() const { return iterator::first(*this); }
-  /// Returns the end, behind the last leaf.
+  /// Returns the iterator past the last leaf.
   constexpr iterator end() const { return iterator::end(*this); }
   /// Returns word i, counted from 0.
   constexpr std::uint64_t word(std::size_t i) const { return words[i]; }
@@ -196,7 +196,7 @@ namespace detail {
 template <class T>
 struct Declared {
   Mask<T> whole{};        ///< the fields of which no part is declared
-  DeclaredParts parts{};  ///< the parts, followed by the unused places
+  DeclaredParts parts{};  ///< the parts, followed by unused entries
 
   constexpr Mask<T> mask() const {
     Mask<T> all = whole;
@@ -225,16 +225,16 @@ struct FieldPart {
   Mask<T> beside{};  ///< fields that are needed to interpret the part
   DeclaredPart part{};
 
-  /// Keeps each n-th element, or each n-th point or pixel of a row, within the range that was given before.
-  /// n >= 1.
+  /// Keeps each n-th element, or each n-th point or pixel of a row. If range() or columns() was called
+  /// before, counts within that range. n >= 1.
   constexpr FieldPart every(std::uint32_t n) const {
     FieldPart other = *this;
     if (other.part.columns.step != 0) a_range_is_given_twice();
     other.part.columns.step = declared_range(0, 0, n).step;
     return other;
   }
-  /// Keeps the elements [begin, end), or these points or pixels of each row. An `end` of 0 means all up to
-  /// the last one.
+  /// Keeps the elements [begin, end), or these points or pixels of each row. An `end` of 0 means that the
+  /// range has no end.
   constexpr FieldPart range(std::uint32_t begin, std::uint32_t end, std::uint32_t step = 1) const {
     return columns(begin, end, step);
   }
@@ -349,7 +349,7 @@ struct Req {
 };
 
 /// A set of leaves at run time. A default-constructed set is that of a type without leaves. All numbers of
-/// leaves that are passed to it must be below leaves().
+/// leaves that are passed to it must be less than leaves().
 /// Larger than usual: it is a set with all of its operators.
 class FieldMask {
  public:
@@ -391,9 +391,9 @@ class FieldMask {
 
   /// Returns true if the leaf is in the set. REQUIRES: leaf < leaves().
   bool contains(std::size_t leaf) const { return (word(leaf / 64) >> (leaf % 64) & 1) != 0; }
-  /// Returns true if all leaves of the other set, which must be of the same type, are in this one.
+  /// Returns true if all leaves of the other set, which must be of the same type, are in this set.
   bool contains(const FieldMask& other) const;
-  /// Returns true if any leaf of the other set, which must be of the same type, is in this one.
+  /// Returns true if any leaf of the other set, which must be of the same type, is in this set.
   bool intersects(const FieldMask& other) const;
   /// Returns true if all leaves of a Mask<T>, or of a field that is given by its name, are in this set:
   /// `sample.mask().contains(F::data)`.
@@ -414,7 +414,7 @@ class FieldMask {
   bool all_of(std::size_t first, std::size_t count) const {
     return more_.empty() ? (~first_ & bits(first, count)) == 0 : all_of_words(first, count);
   }
-  /// Returns the lowest leaf of [first, end) that is in the set, or `end` if there is none.
+  /// Returns the lowest leaf of [first, end) that is in the set, or `end` if the set has no such leaf.
   std::size_t next(std::size_t first, std::size_t end) const noexcept;
   /// Returns true if no leaf is in the set.
   bool empty() const;
@@ -446,7 +446,7 @@ class FieldMask {
   /// Returns an iterator to the first leaf of the set. Leaves come in ascending order. The set must not
   /// change during an iteration.
   iterator begin() const { return iterator::first(*this); }
-  /// Returns the end, behind the last leaf.
+  /// Returns the iterator past the last leaf.
   iterator end() const { return iterator::end(*this); }
 
   /// Returns a hash. Equal sets have equal hashes. If the type has at most 64 leaves, the hash consists of

@@ -40,9 +40,9 @@ Result<std::string> to_msg(const DynamicType& type);
 Result<DynamicType> from_msg(std::string_view name, std::string_view text,
                              const DynamicType::Limits& limits = {});
 
-/// Makes the type `name` from the first of `roots` that has it. A root is a directory of packages, such as
-/// /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested messages are searched
-/// for in the same way. The error is Errc::unavailable if no root has the message.
+/// Makes the type `name` from the first of `roots` that has a file for the type. A root is a directory of
+/// packages, such as /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested
+/// messages are searched for in the same way. The error is Errc::unavailable if no root has the message.
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
                              const DynamicType::Limits& limits = {});
 

@@ -16,15 +16,15 @@ template <class V>
 class Optional : public std::optional<V> {
  public:
   using std::optional<V>::optional;
-  /// Returns the value itself. REQUIRES: there is one.
+  /// Returns the value itself. REQUIRES: the Optional has a value.
   V operator*() const { return *operator->(); }
-  /// Gives access to the members of the value. REQUIRES: there is one.
+  /// Gives access to the members of the value. REQUIRES: the Optional has a value.
   const V* operator->() const {
     if (!this->has_value()) [[unlikely]]
       detail::stop_at_absent_field();
     return std::optional<V>::operator->();
   }
-  /// Returns the value itself. Throws std::bad_optional_access if there is none.
+  /// Returns the value itself. Throws std::bad_optional_access if there is no value.
   V value() const { return std::optional<V>::value(); }
 };
 

@@ -23,15 +23,15 @@
 //     subscriber requests this field or channel from then on. If a mask without one of the fields is
 //     declared, points() does not compile.
 //   - the bytes of the sample are inconsistent or end early: malformed
-// If fields are recorded, channels are recorded, too: if a program reads a cloud only by points(), only these
-// channels are sent. If a program reads `fields`, `point_step`, `row_step` or `data` itself, whole points are
-// sent. In a sample with only some channels, these four fields count as not sent. If
-// channels of a cloud overlap, whole points are recorded.
-// If a channel has several elements, the first one is read. If several channels have one name, the first one
-// counts.
+// If fields are recorded, channels are recorded, too: if a program reads a cloud only by points(), only the
+// channels that it names there are sent. If a program reads `fields`, `point_step`, `row_step` or `data`
+// itself, whole points are sent. In a sample with only some channels, these four fields count as not sent.
+// If channels of a cloud overlap, whole points are recorded.
+// If a channel has several elements, the first element is read. If several channels have one name, the
+// first of these channels is read.
 // Values of big-endian clouds are swapped. A cloud with fewer bytes of data than its points need is empty.
 //
-// In templates, as in a callback that takes `const auto& sample`, C++ wants
+// In templates, as in a callback that takes `const auto& sample`, C++ requires
 // `sample->template points<float>("x")`.
 #pragma once
 
@@ -52,7 +52,7 @@ namespace sft {
 
 namespace detail {
 
-/// Returns the number of the type in sensor_msgs/PointField; 0 if it has none.
+/// Returns the number of the type in sensor_msgs/PointField; 0 if the type has no number.
 template <class T>
 constexpr std::uint8_t point_type() {
   if (std::same_as<T, std::int8_t>) return 1;

@@ -4,8 +4,8 @@
 // A selection without parts and without a gate is a field mask, and costs the same: copies of it share
 // nothing, and a comparison compares the masks. All other data is in one immutable object, which copies
 // share. A selection is made for one message type, and has no meaning for another type. Any number of
-// threads may read a selection. If a thread changes a selection, no other thread may use it, as with a
-// FieldMask.
+// threads may read a selection. While a thread changes a selection, no other thread may use that selection,
+// as with a FieldMask.
 #pragma once
 
 #include <chrono>
@@ -34,7 +34,7 @@ class Selection {
     static constexpr std::uint32_t no_end = (std::numeric_limits<std::uint32_t>::max)();
 
     std::uint32_t begin = 0;     ///< the first index
-    std::uint32_t end = no_end;  ///< the index behind the last one; no_end: all indices up to the last one
+    std::uint32_t end = no_end;  ///< the first index after the range; no_end: the range has no end
     std::uint32_t step = 1;      ///< the distance of two indices that are kept; at least 1
 
     /// Returns true if every index is kept.
@@ -43,8 +43,8 @@ class Selection {
     bool is_empty() const { return begin >= end; }
     /// Returns the number of indices that the range keeps if there are `count` indices.
     std::uint32_t size_of(std::uint32_t count) const;
-    /// Returns the range of a part of a part, in indices of the whole: `inner` applies to the indices that
-    /// this range keeps. Empty if one of the indices would be too large.
+    /// Applies `inner` to the indices that this range keeps, and returns the result as a range of indices
+    /// of the whole field. Returns an empty range if an index would be too large.
     Range then(const Range& inner) const;
     /// Returns the range in canonical form that keeps the same indices.
     Range canonical() const;
@@ -80,8 +80,10 @@ class Selection {
       any_of,   ///< at least one child holds
       compare,  ///< a scalar leaf is compared with a number
       changed,  ///< a leaf differs from its value in the last sample that passed
-      nth,      ///< each n-th sample, counted from the first one of the stream, whether samples pass or not
-      elapsed   ///< no sample has passed for a period
+      /// Each n-th sample of the stream, from the first sample on; all samples count, whether they pass or
+      /// not.
+      nth,
+      elapsed  ///< no sample has passed for a period
     };
     /// The relation between the field and the number.
     enum class Comparison : std::uint8_t { less, less_or_equal, greater, greater_or_equal, equal, not_equal };
@@ -90,7 +92,7 @@ class Selection {
     Comparison comparison{};  ///< the comparison of a `compare` condition
     /// True if the deadband of `changed` is a percentage of the former value. False if the deadband is 0.
     bool is_percent = false;
-    /// One leaf in `compare`; the leaves in ascending order and each once in `changed`.
+    /// In `compare`, one leaf. In `changed`, the leaves in ascending order, each once.
     std::vector<std::uint32_t> leaves{};
     std::uint32_t children = 0;  ///< the number of children of all_of and any_of: at least two
     /// The number in `compare`, the deadband in `changed`, n in `nth`, and the microseconds in `elapsed`.
@@ -98,11 +100,11 @@ class Selection {
     friend bool operator==(const Condition&, const Condition&) = default;
   };
 
-  /// The gate decides when a sample is sent. Changes are relative to the last sample that passed, as for
+  /// The gate decides which samples are sent. Changes are relative to the last sample that passed, as for
   /// ON_CHANGE in gNMI, whose heartbeat is `elapsed` here. The deadband is that of OPC UA part 4, section
   /// 7.22.2, except that a deadband in percent refers to the former value. After a request, `changed`,
   /// `nth` and `elapsed` hold until a sample has passed. `compare` is evaluated for each sample, including
-  /// the first one.
+  /// the first sample.
   struct Gate {
     std::vector<Condition> conditions{};  ///< all nodes of the tree; empty: every sample passes
     /// The minimum time between two samples; 0: there is no minimum.
@@ -137,7 +139,7 @@ class Selection {
   const FieldMask& mask() const { return mask_; }
   /// Returns the parts by leaf in ascending order. A leaf that is selected whole has no part.
   std::span<const Part> parts() const;
-  /// Returns the part of the leaf. Returns null if the whole leaf is selected, or nothing of it.
+  /// Returns the part of the leaf; null if the leaf is selected whole, or is not selected.
   const Part* part(std::size_t leaf) const;
   /// Returns the gate, which decides when samples are sent.
   const Gate& gate() const;
@@ -146,16 +148,16 @@ class Selection {
 
   /// Returns the same selection with another gate. The error says which limit is exceeded.
   Result<Selection> with_gate(Gate gate) const;
-  /// Returns the same fields and parts, but for every sample.
+  /// Returns a selection of the same fields and parts without a gate, so that every sample is sent.
   Selection without_gate() const;
   /// Returns the same selection without a maximum rate; the conditions stay.
   Selection without_rate() const;
 
   /// Returns the selection that one sample must have to serve both selections, which must be of the same
-  /// type. It has all fields of both. For a leaf that both select, it has the channels of both. It has
-  /// their rows and columns if these are the same in both, and all rows and columns otherwise. It has their
-  /// gate if it is the same in both, and none otherwise. If the result exceeds a limit, its fields are
-  /// whole; if it still does, it has no gate.
+  /// type. The result has all fields of both selections. A leaf that both select has the channels of both,
+  /// and it has the rows and columns of the selections if these are the same in both, otherwise all rows
+  /// and columns. The result has the gate of the selections if it is the same in both, otherwise no gate.
+  /// If the result exceeds a limit, its fields are whole. If it then still exceeds a limit, it has no gate.
   Selection joined(const Selection& other) const;
 
   friend bool operator==(const Selection& a, const Selection& b);

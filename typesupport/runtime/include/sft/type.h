@@ -1,7 +1,7 @@
 // The structure of a message type: its members with their names, kinds, shapes and units. A program that
-// handles types with which it was not compiled walks this tree. For example, `sft type` prints it, and a
-// program can make a table of columns from it. TypeSupport::type(), DynamicType::type() and DynamicView
-// lead to it.
+// handles types with which it was not compiled walks this tree. For example, `sft type` prints the tree,
+// and a program can make a table of columns from it. TypeSupport::type(), DynamicType::type() and
+// DynamicView give access to the tree.
 //
 // Generated code and DynamicType make these structs; a program only reads them. All of them are immutable,
 // so that any thread may read them at any time. The structs of a compiled type live as long as the program.
@@ -9,9 +9,9 @@
 // the same lifetime.
 //
 // Leaves are the units in which fields are requested and sent. They are counted depth-first. A primitive, a
-// string, and an array or a sequence of those is one leaf each. A nested struct has the leaves of its
-// members. An array of structs has those of its element. A sequence of structs has one leaf for its length,
-// followed by those of its element.
+// string, and an array or a sequence of primitives or strings is one leaf each. A nested struct has the
+// leaves of its members. An array of structs has the leaves of its element. A sequence of structs has one
+// leaf for its length, followed by the leaves of its element.
 #pragma once
 
 #include <cstddef>
@@ -90,7 +90,7 @@ struct StructType {
 
   // The following members are for SFT's own code.
   std::size_t index_slots = 0;  ///< number of offsets in a sample's index (detail/type_table.h)
-  /// Size of a packed struct, such as a point. CDR always encodes such a struct with that many bytes,
+  /// Size of a packed struct, such as a point. CDR always encodes such a struct with this number of bytes,
   /// without padding, from the next multiple of `alignment` on. A packed struct has no strings, sequences
   /// or booleans, since these have to be checked. 0 for other structs.
   std::uint32_t packed_bytes = 0;
@@ -98,8 +98,8 @@ struct StructType {
   /// True: the struct is packed, and the compiled struct has the same bytes.
   bool is_packed_in_memory = false;
   /// Only in a DynamicType: the first leaf of each member, counted from the first leaf of the struct. With
-  /// it a walk finds the members with selected leaves without visiting all other members. A type that was
-  /// received may have very many members.
+  /// these numbers a walk finds the members with selected leaves without visiting all other members. A type
+  /// that was received may have very many members.
   std::span<const std::uint32_t> first_leaves{};
 
   constexpr StructType() = default;

@@ -18,7 +18,7 @@
 namespace sft {
 
 /// A type with the paths of its leaves (type.h). It is immutable, and any thread may use it. All numbers of
-/// leaves that are passed to it must be below leaves(), and all masks must be of this type.
+/// leaves that are passed to its functions must be less than leaves(), and all masks must be of this type.
 class TypeSupport {
  public:
   /// Lists the leaves of `type`, which must outlive this object.
@@ -56,16 +56,17 @@ class TypeSupport {
   /// 1, of the mistake.
   Result<Selection> parse_selection(std::string_view text) const;
   /// Returns the shortest text from which parse_selection() makes exactly this selection: "header.stamp,
-  /// data{x,y,z}[:100]". A selection that came as bytes can have parts and conditions that do not suit
-  /// their fields. Its text is only for people.
+  /// data{x,y,z}[:100]". A selection that was received as bytes can have parts and conditions that do not
+  /// suit their fields. The text of such a selection is only for people.
   std::string format_selection(const Selection& selection) const;
 
-  /// Returns the fields that are sent for `mask`: the length of a sequence is sent with any leaf of its
-  /// elements, and key members are always sent. A closed mask stays the same if it is closed again.
+  /// Returns the fields that are sent for `mask`: `mask`, the length of each sequence of structs of which
+  /// the mask has a leaf, and the key members. A closed mask stays the same if it is closed again.
   FieldMask closed(FieldMask mask) const;
-  /// Returns the selection that is sent for this one: its fields as for a mask, the fields that a part
-  /// changes or that are needed to understand it, and the same part of all fields that belong together
-  /// (selection.md, "Parts"). A closed selection stays the same if it is closed again.
+  /// Returns the selection that is sent if `selection` is requested. It has the closed mask of the selected
+  /// fields, and the fields that a part changes or that are needed to understand the part. Fields that
+  /// belong together have the same part (selection.md, "Parts"). A closed selection stays the same if it is
+  /// closed again.
   Selection closed(const Selection& selection) const;
   /// For SFT's own code: returns how the field is made of rows and columns; null if the field has no
   /// layout.

@@ -28,8 +28,8 @@ namespace sft {
 
 /// Options for writing YAML.
 struct YamlOptions {
-  /// The maximum number of elements that are written of each array and sequence; a comment gives the number
-  /// of the remaining ones.
+  /// The maximum number of elements that are written of each array and sequence. A comment gives the number
+  /// of the elements that are left out.
   std::size_t elements_max = 128;
   std::size_t text_bytes_max = 4096;                ///< limit of the bytes that are written of each string
   bool units = false;                               ///< true: comments give the units of members
@@ -40,10 +40,10 @@ struct YamlOptions {
 Result<std::string> to_yaml(const DynamicView& view, const YamlOptions& options = {});
 
 /// Turns one document of YAML into the JSON of the same message, which cdr_from_json() (json.h) takes and
-/// checks. The type of the field decides about a scalar: in `frame_id: 7` it is a text, in `x: 7` a number.
-/// JSON is also YAML, and is returned unchanged. Returns an error if the text is not YAML, if a mapping has
-/// a name twice, or if aliases would make a large text from a small one. The function is for texts that
-/// people write: it takes many times the memory and time of JSON.
+/// checks. The type of the field decides how a scalar is read: in `frame_id: 7` the scalar is a text, in
+/// `x: 7` a number. JSON is also YAML, and is returned unchanged. Returns an error if the text is not YAML,
+/// if a mapping has a name twice, or if aliases would make a large text from a small one. The function is
+/// meant for texts that people write, because it takes many times the memory and time that JSON takes.
 Result<std::string> json_from_yaml(const StructType& type, std::string_view yaml);
 
 }  // namespace sft

@@ -1,6 +1,6 @@
 // The log of the leaves that getters of one recorded sample read, one bit per leaf. Reads of the points of
-// clouds are noted channel by channel: each channel has a number of its own behind those of the leaves, and
-// a bit. Any number of threads may read the sample.
+// clouds are noted channel by channel: each channel has a bit and a number, which is greater than the
+// numbers of all leaves. Any number of threads may read the sample.
 #pragma once
 
 #include <atomic>
@@ -20,8 +20,8 @@ struct ChannelsSent {
   FieldMask changed;    ///< the fields that differ: those with the points, and those that describe the points
 };
 
-/// The read leaves of a group of 64. There are two words, so that one bit tells a getter both that there is
-/// nothing left to note and that the sample has the leaf.
+/// The bits of 64 leaves that were read. There are two words, so that a getter needs only the bit in
+/// `found` to know that the read was noted before and that the sample has the leaf.
 struct AccessWord {
   std::atomic<std::uint64_t> found{0};   ///< leaves that were read and that the sample has
   std::atomic<std::uint64_t> missed{0};  ///< leaves that were read and that the sample lacks
@@ -35,8 +35,8 @@ class AccessLog {
     /// block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
     /// Returns the number of a channel of the cloud that has its points in this leaf. The number is the
-    /// same in all samples. Returns nothing if channels of that leaf are not, or no longer, noted one by
-    /// one.
+    /// same in all samples. Returns nothing if channels of that leaf are not noted one by one, or not any
+    /// more.
     virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
                                                          std::string_view /*name*/) noexcept {
       return {};
@@ -46,7 +46,7 @@ class AccessLog {
     ~Listener() = default;
   };
 
-  /// `words` must have room for all leaves and channels, be zero at first, and outlive the log. `listener`
+  /// `words` must have a bit for each leaf and channel, be zero at first, and outlive the log. `listener`
   /// may be null.
   AccessLog(std::span<AccessWord> words, Listener* listener) : words_(words.data()), listener_(listener) {}
 
@@ -68,14 +68,14 @@ class AccessLog {
   /// Sets which channels of its clouds the sample has. Null, the initial value, means all channels. `sent`
   /// must outlive the use of the log.
   void set_channels_sent(const ChannelsSent* sent) noexcept { sent_ = sent; }
-  /// Returns false if any of these leaves has another value in the sample than in the published message. A
-  /// getter of such a field behaves as if the field was not sent.
+  /// Returns false if the value of any of these leaves in the sample differs from the value in the
+  /// published message. A getter of such a field behaves as if the field was not sent.
   bool is_as_published(std::size_t leaf, std::size_t leaves) const noexcept {
     return sent_ == nullptr || !sent_->changed.any_of(leaf, leaves);
   }
   /// Notes a read of a channel of the cloud that has its points in this leaf. Returns whether the sample
-  /// was sent with the channel. `present` is true if the sample has the leaf, at least a part of it. Notes
-  /// and returns nothing if channels of that leaf are not noted one by one.
+  /// was sent with the channel. `present` is true if the sample has the leaf, at least a part of it. If
+  /// channels of that leaf are not noted one by one, notes nothing and returns nothing.
   std::optional<bool> touch_channel(std::size_t leaf, std::string_view name, bool present) noexcept;
 
  private:

@@ -27,7 +27,7 @@ struct CellGrid {
   std::uint32_t column_step = 0;     ///< distance of two cells of a row in bytes
   std::uint32_t rows = 0;
   std::uint32_t columns = 0;
-  bool is_swapped = false;  ///< true if the values have the other byte order
+  bool is_swapped = false;  ///< true if the byte order of the values is not that of this machine
 
   /// Returns the cells of a part in the larger sample `source`, at the places in `cut`.
   static CellGrid of(const SampleState& source, const Cut& cut);
@@ -65,8 +65,8 @@ struct CellsPlace {
   std::uint64_t offset = 0;  ///< the offset of the field in the body
 };
 
-/// Finds the cells, which must have a size of `cell_bytes`. Notes which fields it reads if reads are
-/// recorded.
+/// Finds the cells, which must have a size of `cell_bytes`. If reads are recorded, notes which fields the
+/// function reads.
 Result<CellGrid> find_cells(const CellsPlace& place, std::size_t cell_bytes);
 
 /// Finds the cells of the field with this path in a message whose type is not compiled in. `holds` returns

@@ -37,8 +37,8 @@ class FieldSource {
   const SampleState* sample_;  ///< the encoded sample; null: message_ is used
 };
 
-/// The conditions of one gate, and the values that they need of the last sample that passed. Used by one
-/// thread.
+/// The conditions of one gate, and the values in the last sample that passed that the conditions need. Not
+/// thread-safe.
 class Conditions {
  public:
   using Condition = Selection::Condition;
@@ -47,21 +47,22 @@ class Conditions {
   /// conditions from another process.
   static Result<void> check(const StructType& type, std::span<const Condition> conditions);
 
-  /// Makes an object without conditions. It holds for each sample.
+  /// Makes an object without conditions, for which hold() always returns true.
   Conditions() = default;
   /// Makes conditions for messages of `type`. REQUIRES: check() has accepted the conditions.
   Conditions(const StructType& type, std::vector<Condition> conditions);
 
   bool empty() const { return conditions_.empty(); }
   /// Starts for a reader that knows no earlier sample. Until a sample has passed, all conditions about
-  /// earlier samples (`changed`, `every`) hold. New conditions are in this state, too.
+  /// earlier samples (`changed`, `every`) hold. A new object is in this state, too.
   void begin() { begins_ = true; }
   /// Returns true until a sample has passed since begin().
   bool begins() const { return begins_; }
-  /// Returns true if the conditions hold for this sample, the next one of the stream. Must be called once
-  /// per sample.
+  /// Returns true if the conditions hold for this sample, which is the next sample of the stream. Must be
+  /// called once per sample.
   bool hold(const FieldSource& sample, std::int64_t stamp_ns);
-  /// Notes that the sample of the last call of hold() has passed. Later samples are compared with it.
+  /// Notes that the sample of the last call of hold() has passed. Later samples are compared with this
+  /// sample.
   void passed(const FieldSource& sample, std::int64_t stamp_ns);
 
  private:
@@ -71,14 +72,15 @@ class Conditions {
     std::uint32_t leaf = 0;
     std::size_t slot = 0;
     std::size_t offset = 0;  ///< the offset in a message of the program
-    // The value in the last sample that passed. Set only for fields that are compared with it.
+    // The value in the last sample that passed. Set only for fields whose conditions compare with this
+    // value.
     std::uint64_t bits = 0;  ///< the bits of a number; a hash of a text
     std::size_t length = 0;  ///< the length of a text
   };
   struct Node {
     Condition condition;
     std::vector<std::size_t> fields{};  ///< one index into fields_ for each leaf of the condition
-    std::size_t end = 0;                ///< the index behind the last child
+    std::size_t end = 0;                ///< the index of the node that follows the last child
   };
 
   std::size_t enter(const StructType& type, std::uint32_t leaf);

@@ -53,12 +53,13 @@ struct ConvertedSize {
   std::uint32_t bytes = 0;
 };
 
-/// Returns the size of the body that convert() will write. It is the size of the payload's body if nothing
-/// is converted, otherwise at most 3/2 of it. Reads lengths only.
+/// Returns the size of the body that convert() will write. This is the size of the payload's body if
+/// nothing is converted, and at most 3/2 of that size otherwise. Reads only the lengths in the body.
 ConvertedSize converted_size(const Payload& payload, const StructType& type) noexcept;
 
 /// Writes the body, exactly converted_size() bytes. The lengths and delimiters in the body are those of the
-/// payload, and are checked to lie within it. build_index() checks everything else that makes a body valid.
+/// payload, and are checked to lie within the payload. build_index() checks everything else that makes a
+/// body valid.
 WalkStatus convert(const Payload& payload, const StructType& type, std::span<std::byte> body) noexcept;
 
 }  // namespace sft::detail

@@ -1,5 +1,5 @@
-// The part of one field of one sample: the places of its bytes, and the new values of the fields that
-// depend on it (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may
+// A part of one field of one sample: the places of its bytes, and the new values of the fields that depend
+// on the part (selection.md, "Parts"). The header of a sample may be hostile, and in shared memory it may
 // change while it is read. So each number of the header is read once, checked, and stored here.
 #pragma once
 
@@ -29,17 +29,17 @@ class Cut {
     std::uint8_t type;
   };
 
-  /// Finds a part of the field `data`. In a field of strings, nothing is found. `layout` is null for a list
-  /// without a layout. The sample must have all fields of the layout. Returns false if the bytes of the
-  /// sample are malformed.
+  /// Finds a part of the field `data`. Finds nothing in a field of strings. If the field is a list and has
+  /// no layout, `layout` is null. The sample must have all fields of the layout. Returns false if the bytes
+  /// of the sample are malformed.
   bool find(const SampleState& s, const Layout* layout, const Layout::Field& data,
             const Selection::Part& part);
 
-  /// Finds all cells of a field with rows, but not the values of the fields that depend on it.
+  /// Finds all cells of a field with rows, but not the values of the fields that depend on the part.
   bool find_all(const SampleState& s, const Layout& layout, const Layout::Field& data);
 
-  /// Returns true if the part is the whole field. Then the field and all fields that depend on it stay as
-  /// they are.
+  /// Returns true if the part is the whole field. In that case, the field and all fields that depend on the
+  /// part do not change.
   bool is_whole() const { return is_whole_; }
 
   std::uint64_t bytes() const { return std::uint64_t{rows_} * columns_ * cell_bytes_; }
@@ -58,12 +58,12 @@ class Cut {
   std::uint32_t cell_bytes() const { return cell_bytes_; }
   std::span<const Run> runs() const { return {runs_.data(), run_count_}; }
 
-  // Return the new values of the fields with a role.
+  // Return the new values of the fields that have a role in the layout.
   std::uint32_t natural(LayoutRole role) const;  ///< the roles rows, columns, cell_bytes and row_bytes
   double real(LayoutRole role) const { return reals_[static_cast<std::size_t>(role)]; }
   const std::array<double, 3>& position() const { return position_; }
   std::span<const Channel> channels() const { return {channels_.data(), channel_count_}; }
-  /// Returns four letters that replace those in the name of the encoding; null: the name stays.
+  /// Returns four letters that replace four letters of the encoding's name; null: the name does not change.
   const char* pattern() const { return pattern_; }
 
   /// The position of the letters of pattern() in the name.

@@ -9,10 +9,11 @@
 // constexpr, and the name of the function describes the mistake. Other mistakes are errors of
 // Node::subscriber().
 //
-// Two compilers limit how this is written. g++ 14 refuses concepts of ranges and iterators in compile-time
-// code here if a program has included certain headers before. So there are loops in place of algorithms.
-// Clang 14 and 15 refuse a consteval function that passes its parameters to another one. So all functions
-// are constexpr. They are evaluated at compile time anyway, since they are used in template arguments.
+// Two compilers limit how this file is written. g++ 14 refuses concepts of ranges and iterators in
+// compile-time code here if a program has included certain headers before. So there are loops in place of
+// algorithms. Clang 14 and 15 refuse a consteval function that passes its parameters to another consteval
+// function. So all functions are constexpr. They are evaluated at compile time anyway, since they are used
+// in template arguments.
 #pragma once
 
 #include <array>
@@ -21,19 +22,19 @@
 
 namespace sft::detail {
 
-/// Every step-th index of [begin, end). All of its members are 0 if it keeps all indices, because compilers
-/// leave zeros out of the names of functions.
+/// Every step-th index of [begin, end). If all indices are kept, all members are 0, because compilers leave
+/// zeros out of the names of functions.
 struct DeclaredRange {
   std::uint32_t begin = 0;
-  std::uint32_t end = 0;   ///< the end of the range; 0: all indices up to the last one
+  std::uint32_t end = 0;   ///< the first index after the range; 0: the range has no end
   std::uint32_t step = 0;  ///< the step; 0: a step of 1
 
   friend constexpr bool operator==(const DeclaredRange&, const DeclaredRange&) = default;
 };
 
-/// The part of one leaf. It is unused if all of its members are 0.
+/// The part of one leaf. If all members are 0, the object is unused.
 struct DeclaredPart {
-  /// The maximum length of all names together, with a comma behind each and a final NUL.
+  /// The maximum length of all names together, with a comma after each name and a NUL at the end.
   static constexpr std::size_t channel_bytes_max = 128;
 
   std::uint32_t leaf = 0;

@@ -7,8 +7,8 @@ namespace sft::detail {
 
 /// Writes the members that are in `s.mask` to `value`, an owned struct of `type`. Other members keep their
 /// values. The body may be hostile: if the status is not ok, only some members were written. Allocates only
-/// the memory that the owned struct needs, and that the bytes can justify: if only the length of a sequence
-/// of structs was sent, at most max_empty_elements are made.
+/// the memory that the owned struct needs, and never more elements than the remaining bytes can hold. If
+/// only the length of a sequence of structs was sent, at most max_empty_elements are made.
 WalkStatus decode(const SampleState& s, const StructType& type, void* value);
 
 /// The place of a struct in a sample.

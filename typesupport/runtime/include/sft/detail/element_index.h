@@ -2,8 +2,8 @@
 // itself has no such table and can only be walked through.
 //
 // Elements whose selected leaves contain no strings and sequences have a constant stride from the second
-// element on, and nothing is stored. For other elements an ElementIndex stores offsets, from the first jump
-// on.
+// element on. For them no offsets are stored. For other elements an ElementIndex stores offsets as soon as
+// a program first jumps to an element without reading the elements before it.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@
 
 namespace sft::detail {
 
-/// Strings (`type` is null) or structs in a body, one behind the other.
+/// Strings (`type` is null) or structs in a body, one after the other.
 struct Elements {
   const StructType* type = nullptr;
   std::size_t leaf = 0;     ///< the first leaf of the structs in the root type
@@ -27,7 +27,7 @@ struct Elements {
   friend bool operator==(const Elements&, const Elements&) = default;
 };
 
-/// Returns the offset just behind the element that begins at `offset`; no_offset if the body ends before
+/// Returns the offset at which the element that begins at `offset` ends; no_offset if the body ends before
 /// that.
 std::uint32_t next_element(const SampleState& s, const Elements& elements, std::uint64_t offset) noexcept;
 
@@ -37,14 +37,14 @@ struct KnownElement {
   std::uint32_t offset = 0;
 };
 
-/// Returns the offset of the element at `position`, or no_offset. Walks if the element is close behind
-/// `known`, or if no offsets can be stored. Like every offset, the result is a hint, which has to be
-/// checked before the read.
+/// Returns the offset of the element at `position`, or no_offset. Walks if the element is only a few
+/// positions after `known`, or if no offsets can be stored. Like every offset, the result is a hint, which
+/// has to be checked before the read.
 std::uint32_t element_begin(const SampleState& s, const Elements& elements, std::uint32_t position,
                             KnownElement known) noexcept;
 
 /// The offsets of elements in one sample, for those collections in which a jump occurred. Any number of
-/// threads may use it at once.
+/// threads may use an ElementIndex at once.
 class ElementIndex {
  public:
   /// The maximum number of tables, one per collection. In further collections of a sample, a jump is done

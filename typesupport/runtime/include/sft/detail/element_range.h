@@ -2,7 +2,8 @@
 // and the algorithms and views of std::ranges. It owns nothing: the range and its iterators are valid as long
 // as the sample. Elements are values (a View, a std::string_view) that are made when they are read.
 //
-// A step forward reads the bytes in between and costs nothing else. element_index.h says what jumps cost.
+// A step to the next element reads the bytes of the present element and costs nothing else. element_index.h
+// says what jumps cost.
 #pragma once
 
 #include <algorithm>
@@ -18,7 +19,7 @@
 
 namespace sft::detail {
 
-/// The type Step defines the elements (as in struct Elements) and how one is read. The functions of
+/// The type Step defines the elements (as in struct Elements) and how an element is read. The functions of
 /// std::ranges::view_interface are written out: Clang up to 15 checks the constraints of its members while
 /// the derived class is still incomplete, and then refuses that class.
 template <class Step>
@@ -105,8 +106,8 @@ class ElementRange : public std::ranges::view_base {
   };
 
   ElementRange() = default;
-  /// If the bytes of the sample cannot contain so many elements, the range is empty and the sample is
-  /// flagged.
+  /// Makes the range of the elements at `extent`. If the bytes of the sample cannot contain so many
+  /// elements, the range is empty and the sample is flagged.
   ElementRange(const SampleState& s, Extent extent)
       : s_(&s), extent_(checked_elements(s, extent, Step::type == nullptr ? 4 : 1)) {
     if (!extent_) extent_ = without_bytes(s, extent);
@@ -136,8 +137,8 @@ class ElementRange : public std::ranges::view_base {
   static bool have_bytes(const SampleState& s) {
     return Step::type == nullptr || s.mask->any_of(Step::leaf, leaf_count(*Step::type));
   }
-  /// Returns the extent of elements of which no field was sent. They take no bytes, so that no bytes
-  /// confirm their number.
+  /// Returns the extent of elements of which no field was sent. Such elements take no bytes, so the size of
+  /// the sample does not confirm their number.
   [[gnu::noinline]] static Extent without_bytes(const SampleState& s, Extent extent) {
     const Extent empty_ones = have_bytes(s) ? Extent{} : checked_elements(s, extent, 0);
     if (empty_ones) return empty_ones;

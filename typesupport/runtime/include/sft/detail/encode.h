@@ -32,9 +32,9 @@ EncodedSize encoded_size(const StructType& type, const void* value, const FieldM
 
 /// Writes the body of the type projected to `mask` to `body` (8-aligned, exactly encoded_size() bytes), and
 /// the offset of every slot to `index` (slot_count(type) entries; no_offset if absent). Padding is zero.
-/// Elements of reserved sequences are left as they are, and their length is the reserved one. `postponed`
-/// must be empty; long runs are added to it and not written to `body`. If it is null, everything is
-/// written.
+/// The elements of reserved sequences are left as they are, and the reserved length is written as their
+/// length. `postponed` must be empty; long runs are added to it and not written to `body`. If `postponed`
+/// is null, everything is written.
 void encode(const StructType& type, const void* value, const FieldMask& mask, std::span<std::byte> body,
             std::span<std::uint32_t> index, std::span<const Reservation> reservations = {},
             PostponedCopies* postponed = nullptr) noexcept;

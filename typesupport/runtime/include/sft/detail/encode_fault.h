@@ -1,5 +1,5 @@
 // Explains in a sentence why a value cannot be encoded. encoded_size() only reports the failure, which
-// costs nothing extra. This function visits the value again and allocates memory, so it is called only
+// costs nothing extra. encode_fault() visits the value again and allocates memory, so it is called only
 // after a failure.
 #pragma once
 

@@ -97,7 +97,7 @@ struct FieldsOf : FieldNode<Root, First, leaf_count_of<S>> {
                          FieldNode<Root, first<M>, leaf_count(TypeTable<S>::members[M])>>;
 };
 
-/// The names below a sequence of structs E: `fields` means all of it, `fields.size` its length, and
+/// The names below a sequence of structs E: `fields` means all its leaves, `fields.size` its length, and
 /// `fields.each.name` a leaf of the elements (written `fields[].name` in text).
 template <class E, class Root, std::size_t First>
 struct SequenceFields : FieldNode<Root, First, 1 + leaf_count_of<E>> {

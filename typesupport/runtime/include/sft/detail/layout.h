@@ -26,8 +26,8 @@ enum class LayoutRole : std::uint8_t {
   origin,
   first,    ///< the value that belongs to the first element
   last,     ///< the value that belongs to the last element
-  step,     ///< the difference between the values of two neighbours
-  interval  ///< the time between two neighbours
+  step,     ///< the difference between the values of two neighbouring elements
+  interval  ///< the time between two neighbouring elements
 };
 inline constexpr std::size_t layout_roles = 13;
 

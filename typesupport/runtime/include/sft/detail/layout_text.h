@@ -1,5 +1,6 @@
 // Reads the texts of layouts (layout.h) at compile time, to find the members that the cells of a field
-// need. So a mask without one of them does not compile. selection.md, "Layout rules", explains the texts.
+// need. So a mask without one of these members does not compile. selection.md, "Layout rules", explains the
+// texts.
 #pragma once
 
 #include <cstddef>
@@ -47,7 +48,7 @@ constexpr bool is_listed(std::string_view list, std::string_view name) {
   return false;
 }
 
-/// Returns the rule of that member; empty if it has none.
+/// Returns the layout rule of that member; empty if the member has no rule.
 constexpr std::string_view rule_of(const StructType& type, const Member& member) {
   bool is_annotated = false;
   for (const Member& m : type.members) {

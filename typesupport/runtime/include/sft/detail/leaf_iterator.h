@@ -8,8 +8,8 @@
 
 namespace sft::detail {
 
-/// Set has word_count() words word(i), in which bit b stands for leaf 64 * i + b. The iterator refers to the
-/// set, which must not change meanwhile.
+/// Set has word_count() words word(i), in which bit b stands for leaf 64 * i + b. The iterator refers to
+/// the set, which must not change during the iteration.
 template <class Set>
 class LeafIterator {
  public:

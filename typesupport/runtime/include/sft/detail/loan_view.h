@@ -14,7 +14,7 @@
 namespace sft::detail {
 
 /// Reserves `length` elements for the sequence at `leaf`, which has its own `slot`. encode() does not write
-/// these elements. Without a length the sequence is encoded normally.
+/// these elements. If `length` is empty, the sequence is encoded normally.
 struct Reservation {
   std::size_t leaf = 0;
   std::optional<std::uint32_t> length{};
@@ -22,7 +22,7 @@ struct Reservation {
 };
 
 /// Returns the reservations for member M of T: a sequence, or the sequences in a struct S. Generated code
-/// calls it.
+/// calls this function.
 template <class T, std::size_t M>
 constexpr std::array<Reservation, 1> reservations_of(std::optional<std::uint32_t> length) {
   return {{{leaf_offset(TypeTable<T>::type, M), length, slot_offset(TypeTable<T>::type, M)}}};
@@ -53,7 +53,8 @@ constexpr auto joined(const std::array<Reservation, N>&... parts) {
 template <class T>
 class LoanedPlace {
  public:
-  /// `slot` is the first slot of T in the root type. Without a body (the loan has ended) all spans are empty.
+  /// `slot` is the first slot of T in the root type. If `body` is null, because the loan has ended, all
+  /// spans are empty.
   LoanedPlace(std::byte* body, const SampleState& state, std::size_t slot = 0)
       : body_(body), state_(state), slot_(slot) {}
 

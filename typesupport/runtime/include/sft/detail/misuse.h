@@ -1,6 +1,6 @@
 // Ends programs that would otherwise silently get wrong data, or corrupt their memory. Each function writes
 // one line to the standard error, which says what to write instead, and calls std::abort(). Any thread may
-// call them.
+// call these functions.
 #pragma once
 
 #include <string_view>

@@ -10,7 +10,8 @@
 
 namespace sft::detail {
 
-/// True if the reader has requested each field of the struct at that place, or may get each of them.
+/// True if any field of the struct at that place can be read: the reader has requested each field, or its
+/// samples may lack fields.
 template <class Place>
 concept has_whole_struct = Place::has_whole;
 
@@ -19,8 +20,8 @@ template <class Place>
 concept has_declared_struct = Place::has_whole && !Place::may_lack;
 
 /// Copies the struct S at that place. If samples may lack fields, the result is an Optional, which is empty
-/// if this sample lacks one. If the bytes are malformed, the struct has its default values, and the sample
-/// is flagged as malformed.
+/// if this sample lacks a field of the struct. If the bytes are malformed, the struct has its default
+/// values, and the sample is flagged as malformed.
 template <class S, class Place>
 auto owned_at(const Place& place) {
   static_assert(sizeof(S) <= (1 << 20), "the struct is too large for the stack: read its fields one by one");

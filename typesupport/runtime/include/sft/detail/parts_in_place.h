@@ -19,8 +19,8 @@ struct PartInPlace {
   Layout::Field data{};
   const Cut* cut = nullptr;  ///< the places of its cells
 
-  /// Returns all bytes in place if they are contiguous. Returns nothing if they are not, or if they are
-  /// malformed.
+  /// Returns the bytes of the part in the larger sample if they are contiguous. Returns nothing if they are
+  /// not contiguous, or if the bytes of the larger sample are malformed.
   std::optional<std::span<const std::byte>> contiguous() const noexcept;
   /// Copies the cells of the part to `to`, cut->bytes() bytes. Must not be called for a part that is the
   /// whole field, which is contiguous.
@@ -31,13 +31,13 @@ class PartsInPlace {
  public:
   /// Returns the part of that leaf; nothing if the sample itself has the field. Any thread may call this.
   virtual std::optional<PartInPlace> find(std::size_t leaf) noexcept = 0;
-  /// Returns the bytes of the part, contiguous: in the larger sample, or in a copy that the first call
-  /// makes. Returns nothing if the sample itself has the field, and no bytes if there is no memory. Any
-  /// thread may call this. The result is valid as long as the sample.
+  /// Returns the bytes of the part in contiguous memory: in the larger sample, or in a copy that the first
+  /// call makes. Returns nothing if the sample itself has the field. Returns an empty span if there is no
+  /// memory for the copy. Any thread may call this. The result is valid as long as the sample.
   virtual std::optional<std::span<const std::byte>> bytes_of(std::size_t leaf) noexcept = 0;
-  /// Returns the sample with its parts, which the first call puts together. It is empty if there is no
-  /// memory, or if the bytes are malformed. Any thread may call this. The result is valid as long as the
-  /// sample.
+  /// Returns the sample with its parts, which the first call puts together. The returned sample has no body
+  /// if there is too little memory, or if the bytes are malformed. Any thread may call this. The result is
+  /// valid as long as the sample.
   virtual const SampleState& put_together() noexcept = 0;
 
  protected:

@@ -49,7 +49,7 @@ constexpr bool has_kinds(const StructType& type, std::initializer_list<Kind> kin
   return true;
 }
 
-/// Returns the number of the member of that name; members.size() if there is none.
+/// Returns the number of the member of that name; members.size() if there is no such member.
 constexpr std::size_t number_of(std::span<const Member> members, std::string_view name) {
   std::size_t number = 0;
   while (number < members.size() && members[number].name != name) ++number;

@@ -1,6 +1,6 @@
 // Long runs of primitives that encode() does not copy at once. A transport that sends a body immediately
-// can send these runs from the value. It copies them afterwards, or not at all if the body is not needed
-// any more.
+// can send these runs from the value. The transport copies the runs afterwards, or not at all if the body
+// is not needed any more.
 #pragma once
 
 #include <algorithm>
@@ -37,8 +37,8 @@ class PostponedCopies {
   void make(std::size_t bytes_max) noexcept;
   void make_all() noexcept { make(static_cast<std::size_t>(-1)); }
 
-  /// Returns the address where `bytes` from `data` on can be read at present; null if they are in several
-  /// places.
+  /// Returns the address where `bytes` bytes from `data` on can be read at present; null if these bytes are
+  /// in several places.
   const std::byte* locate(const std::byte* data, std::size_t bytes) const;
 
   /// Appends the present addresses of the bytes of these segments, which may refer to the body.

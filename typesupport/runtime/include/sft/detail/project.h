@@ -42,7 +42,7 @@ class ProjectionPlan {
   std::size_t parts() const { return parts_.size(); }
   /// Returns the field of part number i.
   const Layout::Field& data(std::size_t i) const { return parts_[i].data; }
-  /// Returns true if views can read the parts in place. They cannot read parts of sequences of texts in
+  /// Returns true if views can read the parts in place. Views cannot read parts of sequences of texts in
   /// place.
   bool can_stay_in_place() const;
   std::uint64_t parts_hash() const { return parts_hash_; }  ///< the value of Selection::parts_hash()
@@ -95,29 +95,29 @@ class ProjectionPlan {
   std::vector<PlannedPart> parts_;
   std::vector<Step> steps_;
   std::vector<Block> blocks_;
-  std::size_t next_slot_ = 0;  ///< the slot behind the last block, while steps are added
+  std::size_t next_slot_ = 0;  ///< the slot that follows the last block, while steps are added
 };
 
 class Projection {
  public:
   /// Projects `source` to the plan's mask. Uses source.index, which must be valid. Returns false if the
-  /// source does not have all fields of the mask, or if its bytes are malformed. Allocates nothing in steady
-  /// state.
+  /// source does not have all fields of the mask, or if its bytes are malformed. Allocates nothing if the
+  /// memory of earlier projections suffices.
   bool project(const SampleState& source, const ProjectionPlan& plan);
 
-  /// Projects with a plan with parts, all in one piece in `memory`. bytes_most() bytes suffice for nearly
-  /// all messages; returns false if they do not. If `memory` is empty, the projection uses memory of its
-  /// own. Bytes that the source still lacks because their copies are `postponed` are read from their
-  /// original place.
+  /// Projects with a plan that has parts, and writes the whole body to `memory`, in one piece. bytes_most()
+  /// bytes suffice for nearly all messages; returns false if they do not. If `memory` is empty, the
+  /// projection uses memory of its own. Bytes that the source still lacks because their copies are
+  /// `postponed` are read from their original place.
   bool project(const SampleState& source, const ProjectionPlan& plan, std::span<std::byte> memory,
                const PostponedCopies* postponed = nullptr);
-  /// Projects the fields around the parts of the plan, and leaves the parts empty. cuts() are valid
-  /// afterwards.
+  /// Projects the fields around the parts of the plan, and leaves the parts empty. After the call cuts()
+  /// are valid.
   bool project_around_parts(const SampleState& source, const ProjectionPlan& plan);
   /// Returns the places of the plan's parts in the source that was projected last.
   std::span<const Cut> cuts(const ProjectionPlan& plan) const { return std::span(cuts_).first(plan.parts()); }
-  /// Returns the number of bytes that the body of a plan with parts can have, without the padding of
-  /// structs in sequences. Returns 0 if project() would fail.
+  /// Returns the maximum number of bytes of the body of a plan with parts, without the padding of structs
+  /// in sequences. Returns 0 if project() would fail.
   std::size_t bytes_most(const SampleState& source, const ProjectionPlan& plan);
 
   /// Projects with a plan that exists only for this call.
@@ -136,8 +136,8 @@ class Projection {
     }
   };
   Memory memory() const { return {staging_.size(), segments_.capacity()}; }
-  /// Takes at least this much memory. So a projection that needed no allocation in a Projection with this
-  /// memory needs none here. Invalidates segments().
+  /// Reserves at least this much memory. A sample that a Projection with this memory projects without an
+  /// allocation needs no allocation here either. Invalidates segments().
   void reserve(const Memory& memory);
 
   /// Returns the projected body, in order. Valid until the next project() and as long as the source.

@@ -22,7 +22,7 @@ inline constexpr std::array<std::uint8_t, encapsulation_bytes> encapsulation_cdr
 struct SampleHeader {
   std::uint32_t magic = sample_magic;
   std::uint16_t index_slots = 0;
-  /// The number of gates in the table behind the body (core/seam/gate_table.h).
+  /// The number of gates in the table that follows the body (core/seam/gate_table.h).
   std::uint16_t gates = 0;
   std::uint64_t writer = 0;          ///< the writer's random id, which is different after a restart
   std::uint64_t sequence = 0;        ///< number of the sample, counted from 1
@@ -30,9 +30,9 @@ struct SampleHeader {
   std::uint64_t type_hash = 0;
   std::uint32_t body_offset = 0;  ///< the offset of the body from the header's first byte
   std::uint32_t body_bytes = 0;
-  // Sequence and stamp of the writer's newest earlier sample that was sent only by UDP, because shared
-  // memory was not in use yet or could not take it. That sample may arrive later than this one. 0: there is
-  // no such sample.
+  // Sequence and stamp of the newest earlier sample of the writer that was sent only by UDP, because shared
+  // memory was not in use yet or could not take the sample. That sample may arrive later than this sample.
+  // 0: there is no such sample.
   std::uint64_t diverted_sequence = 0;
   std::int64_t diverted_stamp_ns = 0;
 };

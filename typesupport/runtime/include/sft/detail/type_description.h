@@ -1,5 +1,5 @@
-// Describes a message type in a few hundred bytes, which travel with its topic (type_description.md).
-// DynamicType::parse (dynamic_type.h) reads them.
+// Describes a message type in a few hundred bytes, which are announced with its topic
+// (type_description.md). DynamicType::parse (dynamic_type.h) reads them.
 #pragma once
 
 #include <cstddef>

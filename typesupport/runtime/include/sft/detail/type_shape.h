@@ -16,9 +16,9 @@ std::string format_shape(const StructType& type);
 /// "pkg::msg::Color".
 std::string format_type(const StructType::Member& member);
 
-/// Returns the first difference of two types in one line: "fields[].offset: uint32 here, uint64 there". Only
-/// differences that structure_hash() distinguishes count: names of types and units do not. Empty if nothing
-/// differs.
+/// Returns the first difference of two types in one line: "fields[].offset: uint32 here, uint64 there".
+/// Only differences that change structure_hash() count: the names of types and the units do not count.
+/// Empty if nothing differs.
 std::string first_difference(const StructType& here, const StructType& there);
 
 /// Returns a 64-bit hash of a type's canonical structure: see TypeSupport::hash().

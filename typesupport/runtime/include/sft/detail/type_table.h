@@ -127,7 +127,7 @@ constexpr void StructType::find_packing() {
       bytes = 0;
     }
   }
-  // A packed struct never needs padding in front of it or between two of them.
+  // A packed struct never needs padding before it or between two of them.
   if (!is_packed || detail::alignment_of(members[0]) != alignment || bytes % alignment != 0) return;
   packed_bytes = static_cast<std::uint32_t>(bytes);
   is_packed_in_memory = is_same_in_memory;

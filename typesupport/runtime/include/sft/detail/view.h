@@ -1,5 +1,5 @@
-// Lazy views. A generated View<Place> has one getter per member, and the Place says where the members are: at
-// slots of the index (IndexedPlace), or one behind the other in an element of a sequence (ElementPlace). A
+// Lazy views. A generated View<Place> has one getter per member. The Place says where the members are: at
+// slots of the index (IndexedPlace), or one after the other in an element of a sequence (ElementPlace). A
 // view owns nothing and must not outlive the sample to which it refers.
 //
 //   scalar               -> its value             string               -> std::string_view
@@ -30,7 +30,8 @@ namespace sft::detail {
 
 static_assert(std::endian::native == std::endian::little, "views read little-endian CDR in place");
 
-/// True if the mask that the reader declared has the field or a leaf below it. Generated getters require it.
+/// True if the mask that the reader declared has the field or a leaf below it. Generated getters require
+/// this concept.
 template <class Place, std::size_t Member>
 concept field_is_in_declared_mask = Place::template has<Member>;
 
@@ -114,14 +115,15 @@ struct ElementStep {
   }
 };
 
-/// Returns the beginning of the elements of member M, which itself begins at `offset`, and their number.
+/// Returns the offset of the first element of member M, and the number of elements. The member begins at
+/// `offset`.
 inline Extent elements_of(const SampleState& s, const Member& m, std::uint64_t offset) noexcept {
   if (m.shape == Shape::sequence) return checked_length(s, offset);
   return {offset < no_offset ? static_cast<std::uint32_t>(offset) : no_offset, m.count};
 }
 
-/// Reads member number Index of struct S, whose first leaf is Leaf. The member begins at `offset`. As is
-/// the nested struct or the enumeration that the generated code names, otherwise void.
+/// Reads member number Index of struct S, whose first leaf is Leaf. The member begins at `offset`. `As` is
+/// the nested struct or the enumeration that the generated code names; for other members it is void.
 template <auto R, class S, std::size_t Index, std::size_t Leaf, class As>
 auto read_leaf(const SampleState& s, std::uint64_t offset) {
   constexpr Member M = TypeTable<S>::members[Index];
@@ -151,8 +153,8 @@ auto read_leaf(const SampleState& s, std::uint64_t offset) {
   }
 }
 
-/// Not inlined into the getters, which are many and short, since a call is needed only once for each leaf
-/// and sample.
+/// This function is not inlined into the getters, which are many and short, since it is called only once
+/// for each leaf and sample.
 [[gnu::noinline]] inline bool note_first(const SampleState& s, std::size_t leaf,
                                          std::size_t leaves) noexcept {
   if (s.log == nullptr) return s.mask->any_of(leaf, leaves);
@@ -248,8 +250,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
   std::uint64_t begin_of() const {
     return __atomic_load_n(s_->index + slot_of<M>, __ATOMIC_RELAXED);
   }
-  /// Returns the sample with the parts of its fields, and the offset of the struct in it. If there is no
-  /// memory for that, the sample has no body.
+  /// Returns the sample with the parts of its fields, and the offset of the struct in that sample. If there
+  /// is no memory to put the parts together, the returned sample has no body.
   WholeStruct whole() const {
     const SampleState* const sample = s_->parts == nullptr ? s_ : &put_together(*s_);
     if (sample->body == nullptr) return {sample, no_offset};
@@ -263,7 +265,8 @@ class IndexedPlace : public PlaceBase<R, S, Leaf> {
   const SampleState* s_;
 };
 
-/// The members of one struct S inside a collection. It begins at an offset, and is walked to reach a member.
+/// The members of one struct S inside a collection. The struct begins at an offset. A member is found by a
+/// walk over the members before it.
 template <auto R, class S, std::size_t Leaf>
 class ElementPlace : public PlaceBase<R, S, Leaf> {
   using Base = PlaceBase<R, S, Leaf>;

@@ -24,7 +24,7 @@ inline constexpr std::uint32_t max_empty_elements = 65'536;
 class ElementIndex;
 class PartsInPlace;
 
-/// A CDR body under a mask, in the state at the time of the take. Owns nothing.
+/// A CDR body under a mask, and the objects with which a reader reads it. Owns nothing.
 struct SampleState {
   const std::byte* body = nullptr;  ///< the first byte, aligned to 8
   std::uint32_t body_bytes = 0;
@@ -59,8 +59,8 @@ inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, s
   return checked_block(s, offset, count, element_bytes, element_bytes);
 }
 
-/// Reads a number on which a decision depends, such as how far to read. A compiler assumes that these bytes
-/// do not change. So it might read them again where the number is used, after it was checked. The empty
+/// Reads exactly once a number that is checked and then used. A compiler assumes that the bytes in memory
+/// do not change. So it might read the number again where it is used, after the check. The empty
 /// instruction claims to change the number, so that the compiler cannot replace the number by the value in
 /// memory.
 template <std::integral T>
@@ -77,7 +77,8 @@ struct Extent {
   explicit operator bool() const { return first != no_offset; }
 };
 
-/// Reads the u32 at `offset`, which must be aligned to 4. Returns the number with the offset behind it.
+/// Reads the u32 at `offset`, which must be aligned to 4. Returns the number, and the offset of the first
+/// byte after it.
 inline Extent checked_length(const SampleState& s, std::uint64_t offset,
                              std::endian byte_order = std::endian::little) noexcept {
   const std::uint32_t at = checked_block(s, offset, 1, 4);
@@ -94,8 +95,8 @@ inline Extent checked_sequence(const SampleState& s, std::uint64_t offset,
   return {checked_block(s, length.first, length.count, element_bytes), length.count};
 }
 
-/// Returns the bytes of the part that replaces that leaf (PartsInPlace); nothing if the body has the leaf.
-/// REQUIRES: s.parts is not null.
+/// Returns the bytes of the part that takes the place of that leaf (PartsInPlace); nothing if the body has
+/// the leaf. REQUIRES: s.parts is not null.
 std::optional<std::span<const std::byte>> bytes_in_place(const SampleState& s, std::size_t leaf) noexcept;
 
 /// Returns the sample with its parts: see PartsInPlace. REQUIRES: s.parts is not null.
@@ -113,29 +114,29 @@ inline Extent checked_string(const SampleState& s, std::uint64_t offset) noexcep
   return {length.first, length.count == 0 ? 0 : length.count - 1};
 }
 
-/// Returns the offset just behind a string whose length is at `offset`.
+/// Returns the offset at which a string ends whose length is at `offset`.
 inline std::uint32_t skip_string(const SampleState& s, std::uint64_t offset) noexcept {
   const Extent length = checked_length(s, offset);
   return length ? checked_block(s, length.first + std::uint64_t{length.count}, 0, 1) : no_offset;
 }
 
-/// Checks contiguous elements of at least `bytes_min` each at `extent`. Returns an extent without elements
-/// if the body cannot hold so many.
+/// Checks contiguous elements of at least `bytes_min` bytes each at `extent`. Returns an extent without
+/// elements if the body cannot contain extent.count elements.
 inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_t bytes_min) noexcept {
   if (extent.first > s.body_bytes) return {};
   const bool fits = std::uint64_t{extent.count} * bytes_min <= s.body_bytes - extent.first;
   return fits ? extent : Extent{};
 }
 
-/// Returns the offset just behind the selected leaves of a member (or of a whole struct) that begins at
-/// `offset`. Returns no_offset if the body ends before. `leaf` is the number of the member's first leaf in
-/// the root type.
+/// Returns the offset at which the selected leaves of a member (or of a whole struct) end that begins at
+/// `offset`. Returns no_offset if the body ends before that. `leaf` is the number of the member's first
+/// leaf in the root type.
 std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 
-/// Returns the offset just behind `n` contiguous structs, in the same way as skip(). Structs of which
+/// Returns the offset at which `n` contiguous structs end, in the same way as skip(). Structs of which
 /// nothing is selected take no bytes.
 std::uint32_t skip_elements(const SampleState& s, const StructType& type, std::size_t leaf, std::uint32_t n,
                             std::uint64_t offset) noexcept;
@@ -157,14 +158,15 @@ enum class WalkStatus : std::uint8_t {
 };
 const char* to_string(WalkStatus status);
 
-/// The maximum number of bytes behind the last member of a body. Other implementations pad payloads to a
-/// multiple of 4.
+/// The maximum number of bytes after the last member of a body. Other implementations pad payloads to a
+/// multiple of 4 bytes.
 inline constexpr std::uint32_t max_trailing_bytes = 3;
 
 /// Walks a whole body of `type` under `s.mask`, checks it, and writes the offset of every slot to `index`
 /// (slot_count(type) entries). The check covers lengths, bounds, booleans (0 or 1), strings (a NUL at the
-/// end and none before it), and the bytes behind the last member (max_trailing_bytes at most). Time is
-/// bounded by the body's bytes. `body_end`, if given, is set to the end of the last member.
+/// end and none before it), and the bytes after the last member (max_trailing_bytes at most). The time is
+/// limited by the number of bytes of the body. If `body_end` is given, it is set to the end of the last
+/// member.
 WalkStatus build_index(const SampleState& s, const StructType& type, std::span<std::uint32_t> index,
                        std::uint32_t* body_end = nullptr) noexcept;
 
