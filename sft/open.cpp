@@ -21,8 +21,8 @@ namespace sft {
 
 namespace {
 
-/// The numbers of descriptors and threads that a node needs on one network interface and the loopback, with
-/// its first publishers and subscribers.
+/// The numbers of descriptors and threads that a node with a few publishers and subscribers needs on one
+/// network interface and the loopback.
 constexpr std::size_t descriptors_of_a_node = 48;
 constexpr std::size_t threads_of_a_node = 16;
 
@@ -37,7 +37,7 @@ NodeOptions with_defaults(const NodeOptions& options, std::uint32_t domain, Node
   return result;
 }
 
-/// Opens UDP. The defaults in `options` must have been resolved.
+/// Opens the UDP transport. The defaults in `options` must have been replaced by actual values.
 Result<std::unique_ptr<core::Network>> open_udp(const NodeOptions& options,
                                                 std::shared_ptr<core::BufferPool> heap) {
   Result<std::vector<std::string>> interfaces =
@@ -60,7 +60,7 @@ Result<std::unique_ptr<core::SharedMemory>> open_shm(const NodeOptions& options)
   shm::ShmOptions shm;
   shm.daemon_path = options.shm.daemon_path;
   // secure_getenv() ignores the environment if the program has more rights than the user who started it,
-  // since that user controls the environment.
+  // because that user controls the environment.
   const char* daemon = secure_getenv("SFT_DAEMON");
   if (shm.daemon_path.empty() && daemon != nullptr && *daemon != '\0') {
     shm.daemon_path = daemon;

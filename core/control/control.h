@@ -17,7 +17,7 @@ namespace sft::core {
 /// Request::parts.
 inline constexpr std::size_t mask_words_max = 64;
 inline constexpr std::size_t wants_bytes_max = 2304;
-/// The most fields of a type; a word of a mask has 64 bits.
+/// The maximum number of fields of a type. A word of a mask has 64 bits.
 inline constexpr std::size_t leaves_max = 64 * mask_words_max;
 inline constexpr std::size_t writers_per_reader_max = 1024;
 inline constexpr std::size_t addresses_max = 16;
@@ -27,7 +27,7 @@ inline constexpr std::size_t accounts_max = 32;
 inline constexpr std::size_t name_bytes_max = 255;
 inline constexpr std::size_t type_description_bytes_max = 65'536;
 
-/// The greatest sequence of an accepted request. It leaves room for the sequences of later requests.
+/// The greatest sequence of an accepted request. Later requests can still have greater sequences.
 inline constexpr std::uint64_t request_sequence_max = std::uint64_t{1} << 63;
 
 using NodeId = std::uint64_t;  ///< random, new each time that a node is opened; never 0
@@ -36,7 +36,8 @@ enum class Role : std::uint8_t { writer, reader };
 
 constexpr Role other(Role role) { return role == Role::writer ? Role::reader : Role::writer; }
 
-/// The process that has announced an endpoint, or the number of another node of this process; 0: unknown.
+/// The process that has announced an endpoint, or, for an endpoint of this process, the number of the node
+/// that has announced it; 0: unknown.
 using AnnouncerId = std::uint64_t;
 
 /// A selective transmission request (STR).
@@ -44,23 +45,24 @@ struct Request {
   EndpointId reader = 0;
   std::uint64_t sequence = 0;
   std::vector<std::uint64_t> mask_words;
-  std::uint32_t min_period_us = 0;  ///< the least time between two samples; 0: all samples
+  std::uint32_t min_period_us = 0;  ///< the minimum time between two samples, in microseconds; 0: all samples
   /// The encoded selection (Selection::to_bytes()) without its maximum rate, if it has parts of fields or
-  /// conditions; empty: whole fields of all samples. The receiving process may not know the type, so the
-  /// bytes are decoded only when the reader is served.
+  /// conditions; empty: the reader requests whole fields of all samples. The receiving process may not know
+  /// the type, so the bytes are decoded only when the reader is served.
   std::vector<std::byte> parts{};
   std::vector<EndpointId> listening;  ///< writers whose datagrams the reader accepts
   std::vector<EndpointId> attached;   ///< writers to whose shared memory the reader is attached
-  /// Durable writers from which the reader has received samples that were sent to the reader alone.
+  /// The durable writers whose first retained sample for this reader alone has arrived.
   std::vector<EndpointId> begun;
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-/// The amount that one writer has sent.
+/// How much one writer has sent.
 struct Progress {
   EndpointId writer = 0;
-  std::uint64_t samples = 0;  ///< samples that were sent to the writer's readers so far
-  std::uint64_t bytes = 0;    ///< bytes of their bodies over the network; a body counts once for each reader
+  std::uint64_t samples = 0;  ///< the number of samples that were sent to the writer's readers so far
+  std::uint64_t bytes = 0;    ///< the bytes of their bodies that were sent over the network; a body counts
+                              ///< once for each reader
   friend bool operator==(const Progress&, const Progress&) = default;
 };
 
@@ -74,11 +76,11 @@ struct PairId {
 /// Identifies an account. Each side of a pair has its own account of the pair.
 struct AccountId {
   PairId pair{};
-  Role said_by{};  ///< the side whose node counts
+  Role said_by{};  ///< the side of the pair whose node has counted
   friend auto operator<=>(const AccountId&, const AccountId&) = default;
 };
 
-/// The counts of one side of a pair. The members for the other side's counts are empty.
+/// The counts of one side of a pair. The members that only the other side counts are empty.
 struct Account {
   AccountId id{};
   struct OfWriter {
@@ -89,9 +91,10 @@ struct Account {
     std::uint64_t bytes_sent = 0;
     std::uint64_t bytes_saved = 0;
     std::uint64_t diverted = 0;
-    /// The bytes of the largest sample that was too large for shared memory.
+    /// The size in bytes of the largest sample that was too large for shared memory.
     std::uint64_t too_large_bytes = 0;
-    std::uint64_t chunk_bytes = 0;  ///< the bytes that would have fitted into the largest chunk at that time
+    std::uint64_t chunk_bytes = 0;  ///< the largest size in bytes that would have fitted into a chunk at that
+                                    ///< time
     friend bool operator==(const OfWriter&, const OfWriter&) = default;
   };
   OfWriter by_writer{};
@@ -107,14 +110,16 @@ struct Account {
 /// A request of a node for information that records do not contain.
 struct Inquiry {
   std::string topic{};  ///< the topic; empty: all topics
-  /// True: asks for the accounts of pairs; false: for the progress of writers, and for the living ones.
+  /// True: asks for the accounts of pairs. False: asks for the progress of writers, and for the ids of
+  /// living writers.
   bool wants_accounts = false;
   friend auto operator<=>(const Inquiry&, const Inquiry&) = default;
 };
 
 /// A report of a node about its own endpoints, for the nodes that inquire.
 struct NodeReport {
-  std::vector<EndpointId> living{};  ///< writers that are alive although their samples alone do not show it
+  std::vector<EndpointId> living{};  ///< writers that are alive, although they send too few samples to show
+                                     ///< it
   std::vector<Progress> progress{};
   std::vector<Account> accounts{};
 
@@ -130,13 +135,14 @@ struct Endpoint {
   NodeId node_id = 0;
   std::string node;
   std::string topic;
-  std::string given_topic;  ///< the topic name that the endpoint's program uses; empty if that is `topic`
+  std::string given_topic;  ///< the topic name that the endpoint's program uses; empty if it equals `topic`
   std::string type_name;
   std::uint64_t type_hash = 0;
   /// The encoded fields of the type; may be empty (described_type.h).
   std::vector<std::byte> type_description;
   HostToken host;
-  /// The reason why the endpoint's node has no shared memory; empty: the node has it, or may get it.
+  /// The reason why the endpoint's node has no shared memory. Empty if the node has shared memory, or may
+  /// still get it.
   std::string memory_failure;
   std::uint64_t network = 0;
   bool may_use_memory = false;

@@ -1,5 +1,5 @@
-// The type descriptions that are announced with endpoints. Own descriptions are encoded here, and those of
-// other processes decoded.
+// Encodes the type descriptions that are announced with our endpoints, and decodes those of other
+// processes' endpoints.
 #pragma once
 
 #include <cstddef>

@@ -42,7 +42,7 @@ std::string_view fault_of_announced_topic(std::string_view topic) {
 
 std::string_view fault_of_topic(std::string_view topic) {
   if (const std::string_view fault = fault_of_announced_topic(topic); !fault.empty()) return fault;
-  constexpr std::size_t most = 246;  // RMW_TOPIC_MAX_NAME_LENGTH, without the slash in front
+  constexpr std::size_t most = 246;  // RMW_TOPIC_MAX_NAME_LENGTH, without the leading slash
   if (without_slash(topic).size() > most) return "has more than 246 characters, the most that ROS 2 allows";
   if (!std::ranges::all_of(topic, is_of_words)) {
     return "has a character in it that is no letter of a to z, no digit, no '_' and no '/': ROS 2 allows no "
@@ -56,7 +56,7 @@ std::string_view fault_of_topic(std::string_view topic) {
 
 std::string_view fault_of_namespace(std::string_view name) {
   if (name.empty() || name == "/") return {};
-  constexpr std::size_t most = 244;  // RMW_NAMESPACE_MAX_LENGTH, without the slash in front
+  constexpr std::size_t most = 244;  // RMW_NAMESPACE_MAX_LENGTH, without the leading slash
   if (without_slash(name).size() > most) return "has more than 244 characters, the most that ROS 2 allows";
   return fault_of_topic(name);
 }

@@ -10,7 +10,8 @@ namespace {
 
 using std::chrono::nanoseconds;
 
-constexpr std::uint32_t history_depth_max = 128;  // a writer can hold 256 chunks at a time
+constexpr std::uint32_t history_depth_max = 128;  // less than the number of chunks that a writer can hold at
+                                                  // a time, which is 256
 constexpr std::uint32_t depth_max = 1'000'000;    // more is surely a mistake
 
 constexpr std::chrono::milliseconds shortest_watched{1};  // the shortest period that the agent can watch
@@ -41,7 +42,8 @@ Result<void> check_liveliness(Liveliness kind, nanoseconds lease) {
   return fail(Errc::invalid_argument, "liveliness manual_by_topic needs a liveliness_lease");
 }
 
-/// Returns true if `offered` is at most `requested`. 0 means none, which is longer than any duration.
+/// Returns true if `offered` is at most `requested`. The value 0 means no limit, and so counts as longer
+/// than any duration.
 bool at_most(nanoseconds offered, nanoseconds requested) {
   if (requested.count() == 0) return true;
   return offered.count() != 0 && offered <= requested;
@@ -72,7 +74,7 @@ class Conflicts {
 
  private:
   QosConflict conflict_;
-  /// The options that either side has to set so that the two match.
+  /// The options that each side has to set for the two sides to match.
   std::string of_publisher_, of_subscriber_;
 };
 

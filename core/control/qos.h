@@ -1,4 +1,5 @@
-// The policies of one endpoint, their checks on entry, and the rules by which an offer satisfies a request.
+// The policies of one endpoint, their checks when an endpoint is opened, and the rules by which an offer
+// satisfies a request.
 #pragma once
 
 #include <chrono>
@@ -17,8 +18,8 @@ using sft::Qos;
 /// These functions return the checked policies of the options. Errors name the option and its valid values.
 Result<Qos> qos_of(const PublisherOptions& options);
 Result<Qos> qos_of(const SubscriberOptions& options);
-/// Returns the least time between two samples at a maximum rate, in microseconds, as requests contain it. 0:
-/// no maximum rate.
+/// Returns the minimum time between two samples that a maximum rate allows, in microseconds, as requests
+/// contain it. 0: no maximum rate.
 Result<std::uint32_t> min_period_us_of(double max_rate_hz);
 
 /// These functions return a sentence for each option that was set and has no effect because of the other
@@ -28,8 +29,9 @@ std::vector<std::string> options_without_effect(const PublisherOptions& options,
 std::vector<std::string> options_without_effect(const SubscriberOptions& options, bool shm, bool recorded);
 
 struct QosConflict {
-  QosPolicy policy = QosPolicy::none;  ///< the first policy that does not fit
-  /// A text that names all policies that do not fit, both values of each, and the options to set.
+  QosPolicy policy = QosPolicy::none;  ///< the first policy whose offered value does not satisfy the request
+  /// A text with all policies whose offers do not satisfy the requests, both values of each, and the
+  /// options to set.
   std::string reason;
 };
 QosConflict conflict_between(const Qos& offered, const Qos& requested);

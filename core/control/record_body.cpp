@@ -47,8 +47,8 @@ class BodyWriter {
   std::vector<std::byte> bytes_;
 };
 
-/// Reads bytes that BodyWriter has written. From the first member that does not fit into the bytes, all
-/// members keep their previous values.
+/// Reads bytes that BodyWriter has written. If the bytes end too early, the member that is incomplete and
+/// all later members keep their previous values.
 class BodyReader {
  public:
   explicit BodyReader(std::span<const std::byte> bytes) : rest_(bytes) {}
@@ -101,7 +101,8 @@ class BodyReader {
   bool is_sound_ = true;
 };
 
-// Each of these functions lists the members of one type in their order, both for writing and for reading.
+// Each of these functions lists the members of one type in the order of the format. The lists are used for
+// both writing and reading.
 
 template <class Body, class AnyAddress>
 void each_member_of_address(Body& body, AnyAddress& address) {
@@ -168,8 +169,7 @@ void each_member(Body& body,
   body.flag(inquiry.wants_accounts);
 }
 
-/// Lists the members of an account. An account is transmitted only with the counts of the side that reports
-/// it.
+/// Lists the members of an account. An account is transmitted with the counts of the reporting side only.
 template <class Body, class AnyAccount>
 void each_member_of_account(Body& body, AnyAccount& account) {
   body.number(account.id.pair.writer);

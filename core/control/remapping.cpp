@@ -14,7 +14,7 @@ constexpr std::string_view blanks = " \t\r\n";
 constexpr std::string_view forms =
     "; a rule is FROM:=TO, NODE:FROM:=TO, __node:=NAME or __ns:=/NAMESPACE, as 'ros2 run ... -r' takes it";
 
-/// Does what fault_of_topic() does, but allows private names.
+/// Does the same as fault_of_topic(), but allows private names.
 std::string_view fault_of_given(std::string_view name) {
   if (name == "~") return {};
   return fault_of_topic(name.starts_with("~/") ? name.substr(1) : name);
@@ -24,8 +24,8 @@ std::string joined(std::string_view space, std::string_view name) {
   return space.empty() ? std::string(name) : std::string(space) + '/' + std::string(name);
 }
 
-/// Returns the part of a service's topic behind the name of the service: "/call" or "/reply". The result is
-/// empty for other topics.
+/// Returns the part of a service's topic that follows the name of the service: "/call" or "/reply". The
+/// result is empty for other topics.
 std::string_view end_of_service(std::string_view topic, std::string_view type) {
   if (type.find("::srv::") == type.npos) return {};
   if (type.ends_with("_Call") && topic.ends_with("/call")) return "/call";
@@ -129,8 +129,8 @@ Result<Remapping> Remapping::of(const NodeOptions& options, const char* environm
   return made;
 }
 
-/// Returns true if the rule is for this node. `cam` means any node with that name; a text that contains a
-/// slash is the full name of a node.
+/// Returns true if the rule is for this node. A rule's node without a slash, such as `cam`, means any node
+/// with that name. A text with a slash is the full name of a node.
 bool Remapping::is_for_node(const Rule& rule) const {
   return rule.node.empty() || rule.node == name_ || without_slash(rule.node) == node();
 }
@@ -161,7 +161,7 @@ Result<void> Remapping::add_topic_rule(const Rule& rule) {
 
 std::string Remapping::node() const { return name_.empty() ? name_ : joined(namespace_, name_); }
 
-/// Returns the full name of the topic, without a slash in front. `given` must be valid.
+/// Returns the full name of the topic, without a leading slash. `given` must be valid.
 Result<std::string> Remapping::full(std::string_view given) const {
   const std::string whole = given.starts_with('~')   ? node() + std::string(given.substr(1))
                             : given.starts_with('/') ? std::string(given.substr(1))

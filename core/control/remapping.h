@@ -18,10 +18,10 @@ namespace sft::core {
 
 /// A topic: the name that the program of a node uses, and the name that other nodes see.
 struct TopicName {
-  std::string topic;  ///< the resolved name, without a slash in front
-  /// The name that the program uses; empty if that is `topic`, apart from a slash in front.
+  std::string topic;  ///< the resolved name, without a leading slash
+  /// The name that the program uses. Empty if it equals `topic`, apart from a leading slash.
   std::string given{};
-  /// All rules that match the name, as they were written. The first rule was applied.
+  /// All rules that match the name, as they were written. Only the first of them was applied.
   std::vector<std::string> rules{};
   /// Returns the error with the name that the program uses added to its text.
   Error explained(Error error) const;
@@ -31,9 +31,9 @@ class Remapping {
  public:
   /// Makes an object without a namespace and rules, for a node without a name.
   Remapping() = default;
-  /// Makes the rules and names of a node. `environment` is the value of SFT_REMAP, or null; its rules come
-  /// before those of the options. The error says what is wrong with a rule, the name of the node or its
-  /// namespace.
+  /// Makes the remapping of a node from its options. `environment` is the value of SFT_REMAP, or null; its
+  /// rules come before those of the options. The error says what is wrong with a rule, the name of the node
+  /// or its namespace.
   static Result<Remapping> of(const NodeOptions& options, const char* environment);
 
   /// Returns the full name of the node: "left/cam". The result is empty if the node has no name.

@@ -43,18 +43,19 @@ ParticipantGuid guid_of(const dds_guid_t& guid) {
   return octets;
 }
 
-/// Records are reliable, and kept for participants that come later.
+/// Records are reliable, and are kept for participants that are found later.
 DdsQos record_qos() {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
   dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
-  // Missing heartbeats show that a process has ended, so its records are not disposed of.
+  // Missing heartbeats show that a process has ended, so its writers do not dispose of its records.
   dds_qset_writer_data_lifecycle(qos.get(), false);
   return qos;
 }
 
-/// Returns the QoS of a reader for the QoS of its writers. It gets no samples of its own participant.
+/// Returns the QoS for a reader, derived from the QoS `written` of its writers. The reader gets no samples
+/// of its own participant.
 DdsQos reading_qos(const dds_qos_t* written) {
   DdsQos qos(dds_create_qos());
   dds_copy_qos(qos.get(), written);
@@ -85,7 +86,8 @@ std::string user_data_of(const dds_qos_t* qos) {
   return user_data;
 }
 
-/// Creates the topic in that participant, and an endpoint on it by `create(topic)`.
+/// Creates the topic in that participant. Then calls `create(topic)`, which creates an endpoint on the
+/// topic.
 template <class Create>
 Result<dds_entity_t> create_on_topic(dds_entity_t participant, const TopicName& name, const dds_qos_t* qos,
                                      Create create) {
@@ -127,7 +129,7 @@ ControlLink::ControlLink(const Place& place, ControlLinkListener& listener)
       topics_{{.link = this, .role = Role::writer}, {.link = this, .role = Role::reader}} {}
 
 ControlLink::~ControlLink() {
-  if (participant_ > 0) dds_delete(participant_);  // Cyclone waits for listeners that run
+  if (participant_ > 0) dds_delete(participant_);  // Cyclone waits until running listeners have returned
 }
 
 Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, ControlLinkListener& listener) {
@@ -184,8 +186,8 @@ Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
   return made;
 }
 
-/// A write may block while other participants are slow to acknowledge earlier records. So after a failure all
-/// records wait for write_again(), which is called once a second.
+/// A write may block while other participants are slow to acknowledge earlier records. So after a failure
+/// all further records are queued for write_again(), which is called once a second.
 void ControlLink::write(Role role, const OwnRecords::Change& change) {
   if (unwritten_.empty() && try_to_write(role, change.key, change.record)) return;
   unwritten_.insert_or_assign({role, change.key}, change.record);
@@ -256,7 +258,7 @@ Result<void> ControlLink::use_topic() {
   return {};
 }
 
-/// Once the topic is created, it is kept. Other participants do not learn of it.
+/// Once the topic is created, it is kept. A topic alone is not announced to other participants.
 Result<void> ControlLink::use_reports(bool reads, bool writes) {
   if (reads == (report_reader_ != 0) && writes == (report_writer_ != 0)) return {};
   const DdsQos qos = heartbeat_qos();
@@ -325,8 +327,8 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// The user data of a participant that is new here may be old. So the listener ignores their `asks` then
-/// (`is_new`).
+/// The user data of a participant that is new here may be old. So the listener is told that the participant
+/// is new, and ignores `asks` in this case.
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);
@@ -362,7 +364,8 @@ std::optional<ParticipantGuid> ControlLink::participant_of(
   return guid;
 }
 
-/// SFT neither disposes of records nor unregisters them: only forgers do. So only samples with data count.
+/// SFT neither disposes of records nor unregisters them: only forged samples do. So only samples with data
+/// are used.
 void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
   const Lock lock(taking_);
   take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample, const dds_sample_info_t& info) {

@@ -24,17 +24,17 @@ namespace sft::core {
 
 class CycloneDomain;
 
-/// Is notified of what other participants announce on the links. Several of Cyclone's threads call it at
-/// once. They hold locks of Cyclone, so nothing of Cyclone must be created, deleted or awaited in these
-/// calls.
+/// Is notified of what other participants announce on the links. Several of Cyclone's threads call the
+/// listener at the same time. They hold locks of Cyclone, so a listener must not create, delete or await
+/// anything of Cyclone.
 class ControlLinkListener {
  public:
   /// Cyclone has found a participant of a process of this release, or its user data have changed.
   virtual void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) = 0;
   virtual void participant_gone(const RemoteParticipant& id) = 0;
   virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
-  /// A participant that is not one of SFT, on a link without DDS Security. Told again when its user data have
-  /// changed.
+  /// A participant that does not belong to SFT was found on a link without DDS Security. Called again if
+  /// its user data have changed.
   virtual void vanilla_came(const RemoteParticipant& id) = 0;
   virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
   virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
@@ -52,24 +52,24 @@ class ControlLink {
     std::shared_ptr<const CycloneDomain> domain{};
     ProcessId process = 0;
     bool is_secured = false;  ///< the domain uses DDS Security
-    /// Empty if heartbeats go by Cyclone alone.
+    /// The address of the heartbeat socket. Empty if heartbeats are sent through Cyclone only.
     std::optional<HeartbeatSocket::Place> heartbeats{};
   };
-  /// The listener outlives the link.
+  /// `listener` must outlive the link.
   static Result<std::unique_ptr<ControlLink>> open(const Place& place, ControlLinkListener& listener);
-  /// Waits until no listener runs any more.
+  /// Waits until no call of a listener is running.
   ~ControlLink();
   ControlLink(const ControlLink&) = delete;
   ControlLink& operator=(const ControlLink&) = delete;
 
-  // One thread at a time.
+  // An object must be used by only one thread at a time.
 
   /// Starts to read the records that other participants write for that role.
   Result<void> hear(Role role);
   /// Writes a record. If that fails, the record is kept for write_again().
   void write(Role role, const OwnRecords::Change& change);
-  /// Writes the records that could not be written before, and opens the topic of heartbeats if use_topic()
-  /// has failed. Returns the error if either fails again.
+  /// Writes the records that could not be written before. Opens the topic of heartbeats if use_topic() has
+  /// failed before. Returns the error if either of them fails again.
   Result<void> write_again();
   void give_heartbeat(const PerRole<std::uint64_t>& digests);
   /// Opens or closes the reader and the writer of reports.
@@ -81,22 +81,25 @@ class ControlLink {
   void take_heartbeats(Hear hear) {
     if (socket_) socket_->take(hear);
   }
-  /// Sends and receives heartbeats by the topic as well, and announces that. If this fails, write_again()
-  /// tries it again.
+  /// Starts to send and receive heartbeats by the topic as well, and announces this. If it fails,
+  /// write_again() tries again.
   Result<void> use_topic();
   bool uses_topic() const { return data_.uses_topic; }
-  /// Announces the participant to all others once more. If `asks` is true, they are asked to do the same.
+  /// Announces the participant to all others once more. If `asks` is true, the others are asked to announce
+  /// themselves, too.
   void announce(bool asks);
-  /// Waits until the other participants have acknowledged what was written, for `timeout` at most.
+  /// Waits until the other participants have acknowledged the written records, but no longer than
+  /// `timeout`.
   void flush(std::chrono::milliseconds timeout);
 
  private:
-  /// The records of one role.
+  /// The DDS topic with the records of one role.
   struct Topic {
     ControlLink* link = nullptr;
     Role role{};
     dds_entity_t writer = 0, reader = 0;
-    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< by writer; under taking_
+    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< the participant of each DDS writer;
+                                                                      ///< guarded by `taking_`
   };
 
   ControlLink(const Place& place, ControlLinkListener& listener);
@@ -125,9 +128,10 @@ class ControlLink {
   dds_entity_t heartbeat_writer_ = 0, report_topic_ = 0, report_writer_ = 0, report_reader_ = 0;
   PerRole<Topic> topics_;
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
-  bool wants_topic_ = false;  ///< heartbeats should use the topic, too
+  bool wants_topic_ = false;  ///< heartbeats should be sent by the topic as well
 
-  /// Held while samples are taken and passed to the listener, so that it gets them in their order.
+  /// Held while samples are taken and passed to the listener, so that the listener gets the samples in
+  /// order.
   Mutex taking_;
   std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
   std::map<dds_instance_handle_t, ParticipantGuid> heartbeat_writers_ SFT_GUARDED_BY(taking_), report_writers_

@@ -16,8 +16,8 @@ using Names = std::vector<std::string>;
 using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names,
                             std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
 
-/// Returns everything that must be equal for nodes to share discovery. The text of the configuration has
-/// neither the user's interfaces nor the user's number of the domain, so these are added.
+/// Returns all values that must be equal for nodes to share discovery. The text of the configuration
+/// contains neither the user's interfaces nor the user's domain number, so these are added.
 PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
   const ThreadSettings& threads = options.threads;
   return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
@@ -43,11 +43,12 @@ Names peers_in_numbers(const DdsConfig& config) {
   return peers;
 }
 
-/// Returns what to do if multicast heartbeats come from that address, and no unicast does. Returns an empty
-/// text for an address of this host.
+/// Returns advice for people for the case that multicast heartbeats come from that address, but no unicast
+/// datagrams do. Returns an empty text for an address of this host.
 std::string way_through_firewalls(const IpAddress& from, const DdsConfig& config) {
   if (from.is_any() || in_one_network(from, loopback_ipv4, 8) || !config.heartbeat_port) return "";
-  constexpr unsigned first = 6, last = 47;  // of processes that peers ask, behind the port of heartbeats
+  constexpr unsigned first = 6, last = 47;  // the offsets, from the heartbeats' port, of the ports at which
+                                            // processes are searched as peers
   const auto port = [&](unsigned offset) { return std::to_string(*config.heartbeat_port + offset); };
   return "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all "
          "UDP of it, or name both hosts as DiscoverySettings::peers of each other and let in the ports " +
@@ -63,7 +64,7 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
   return interfaces;
 }
 
-/// The Discovery of one node, by way of the shared control plane.
+/// The Discovery of one node, which uses the shared control plane.
 class SharedPlane final : public Discovery {
  public:
   SharedPlane(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
@@ -91,7 +92,7 @@ class SharedPlane final : public Discovery {
   Time look_after(Time now) override { return plane_->look_after(now); }
 
  private:
-  const std::shared_ptr<ControlPlane> plane_;  ///< the last node destroys it
+  const std::shared_ptr<ControlPlane> plane_;  ///< destroyed with the last node that uses it
   const std::shared_ptr<ListeningNode> node_;
 };
 
@@ -173,8 +174,8 @@ Result<void> ControlPlane::hear(const Node& node, Role role) {
   return heard;
 }
 
-/// The request is written first: other processes use the announcement of a subscriber only together with its
-/// request. If the topic cannot be read yet, try_again() tries it again.
+/// The request is written first, because other processes use the announcement of a subscriber only together
+/// with its request. If reading of the topic cannot begin yet, try_again() tries it again.
 void ControlPlane::announce(const Node& node, const Endpoint& endpoint) {
   {
     const Lock lock(mutex_);
@@ -247,11 +248,12 @@ void ControlPlane::inquire(const Node& node, const std::set<Inquiry>& inquiries)
   give_heartbeats(now);
 }
 
-/// Every inquiry is written to the topic of subscribers, which publishers read. Inquiries about accounts are
-/// for subscribers, too, so they are also written to the topic of publishers, which subscribers read.
+/// Every inquiry is written to the topic of subscribers' records, which processes with publishers read.
+/// Inquiries about accounts are for subscribers, too. So these are also written to the topic of publishers'
+/// records, which processes with subscribers read.
 void ControlPlane::write_inquiries(Time now) {
   const auto wanted = known_.with([](Peers&, Directory& directory) { return directory.own_inquiries(); });
-  use_reports();  // first, because reports come soon
+  use_reports();  // called first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
     if (wanted.contains(inquiry)) return false;
@@ -269,7 +271,7 @@ void ControlPlane::write_inquiries(Time now) {
 }
 
 /// Opens and closes readers and writers of reports as inquiries require. Returns true if other processes
-/// inquire. If this fails, try_again() tries it again.
+/// inquire. If a reader or writer cannot be opened, try_again() tries it again.
 bool ControlPlane::use_reports() {
   const auto [reads, writes] = known_.with([](Peers&, Directory& directory) {
     return std::pair(!directory.own_inquiries().empty(), directory.do_others_inquire());
@@ -298,7 +300,7 @@ Time ControlPlane::look_after(Time now) {
   return next;
 }
 
-/// Returns the time by which it must be called again.
+/// Returns the time by which look() must be called again.
 Time ControlPlane::look(Time now) {
   Time next = Time::max();
   if (monitors_ && (monitor_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
@@ -318,7 +320,7 @@ Time ControlPlane::look(Time now) {
   return std::min({next, todo.next, own_.heartbeat_due()});
 }
 
-/// A failure that lasts is reported once.
+/// A failure is reported only once while it lasts.
 void ControlPlane::try_again(Time now) {
   try_again_at_ = now + timing_.try_again;
   const Result<void> tried = links_.try_again();
@@ -402,9 +404,9 @@ void ControlPlane::describe(const DesiredLinks& desired) {
   configuration_ = std::move(present);
 }
 
-/// Closes the links if possible, since Cyclone's threads would keep a core busy with closed sockets. The
-/// numbers of their descriptors must still be unused: otherwise Cyclone might close files that the program
-/// has opened since.
+/// Closes the links if possible, since Cyclone's threads would keep a core busy with closed sockets. This
+/// is possible only if the numbers of the closed descriptors are still unused. Otherwise Cyclone might
+/// close files that the program has opened since then.
 void ControlPlane::give_up() {
   monitors_ = false;
   if (has_no_open_files()) links_.close_all();

@@ -1,6 +1,6 @@
-// Discovery as the nodes of a process share it if their options are equal: one participant on each link, one
-// table of what other processes have, one heartbeat. So a process costs others no more than a single node
-// does, apart from what its nodes announce. Any thread.
+// The discovery that all nodes of a process with equal options share. It has one participant on each link,
+// one table of what other processes have announced, and one heartbeat. So a process costs other processes
+// no more than a single node does, apart from what its nodes announce. Any thread may use it.
 #pragma once
 
 #include <cstdint>
@@ -28,7 +28,8 @@ namespace sft::core {
 /// user.
 class ControlPlane {
  public:
-  /// Returns the control plane that nodes of this process with equal options share, or a new one.
+  /// Returns the control plane that nodes of this process with equal options share. If there is none yet,
+  /// makes a new one.
   static Result<std::shared_ptr<ControlPlane>> of(const DiscoveryOptions& options);
 
   ControlPlane(DdsConfig config, const ThreadSettings& threads);
@@ -41,7 +42,7 @@ class ControlPlane {
   /// more.
   void leave(const Node& node);
 
-  // These functions do what those of Discovery do.
+  // These functions do what the functions of Discovery with the same names do.
   Discovery::Configuration configuration() const;
   Result<void> hear(const Node& node, Role role);
   void announce(const Node& node, const Endpoint& endpoint);
@@ -81,21 +82,24 @@ class ControlPlane {
   const ProcessId process_;
   KnownPeers known_;
 
-  /// Held while records are written, so that all links get them in one order, and while links are opened and
-  /// closed. Agents take it, and threads that open or close a node. The only lock that a thread may hold then
-  /// is OpenPlanes::mutex.
+  /// Held while records are written, so that all links get the records in the same order, and while links
+  /// are opened and closed. Agents and threads that open or close a node lock this mutex. The only lock
+  /// that they may already hold then is OpenPlanes::mutex.
   Mutex mutex_;
-  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< watches interfaces; false once the sockets are closed
+  bool monitors_ SFT_GUARDED_BY(mutex_) = true;  ///< true: interfaces are watched; false once the program has
+                                                 ///< closed the sockets
   NetworkMonitor monitor_ SFT_GUARDED_BY(mutex_);
   Time look_at_interfaces_at_ SFT_GUARDED_BY(mutex_){};
   Time try_again_at_ SFT_GUARDED_BY(mutex_){};
-  std::string failure_ SFT_GUARDED_BY(mutex_);  ///< of the last try_again(); empty if it succeeded
+  std::string failure_ SFT_GUARDED_BY(mutex_);  ///< the error of the last try_again(); empty if it succeeded
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
   std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< the roles of our own endpoints
-  std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< and the owners of their records
+  std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< our inquiries, and the owner
+                                                                       ///< number of each one's record
   OwnRecords own_ SFT_GUARDED_BY(mutex_);
-  Links links_ SFT_GUARDED_BY(mutex_);  ///< destroyed before `known_`, which its threads use
+  Links links_ SFT_GUARDED_BY(mutex_);  ///< declared after `known_`, so that it is destroyed first, since its
+                                        ///< threads use `known_`
 
   mutable Mutex configuration_mutex_;
   Discovery::Configuration configuration_ SFT_GUARDED_BY(configuration_mutex_);

@@ -57,8 +57,8 @@ class DocumentReader {
     static constexpr ddsrt_xmlp_callbacks all{&on_open, &on_attribute, &on_data, &on_close, &on_error};
     return all;
   }
-  /// Returns an element that contains all outer elements. The error begins with the source, and names the
-  /// malformed place.
+  /// Returns a root element that contains the outermost elements of the text. The error begins with
+  /// `source`, and names the malformed part.
   Result<CycloneElement> parse(const Parser& parser, const std::string& source) {
     if (ddsrt_xmlp_parse(parser.get()) < 0)
       return fail(Errc::invalid_argument, source + " is malformed: " + error_);
@@ -96,7 +96,7 @@ class DocumentReader {
 
   const std::uint32_t domain_;
   const bool may_be_short_;
-  std::vector<CycloneElement> open_{1};  ///< not yet closed; the first one contains all others
+  std::vector<CycloneElement> open_{1};  ///< the elements that are not closed yet; the first one is the root
   bool has_variables_ = false;
   std::string error_;
 };
@@ -181,7 +181,8 @@ Result<void> CycloneSettings::read_file(const std::string& name) {
   });
 }
 
-/// The elements around the groups of settings, <CycloneDDS> and <Domain>, may be missing.
+/// Adds the settings of a document. The elements around the groups of settings, <CycloneDDS> and <Domain>,
+/// may be missing.
 void CycloneSettings::add_document(const CycloneElement& document, bool has_variables) {
   depends_on_domain_ |= has_variables;
   for (const CycloneElement& outer : document.elements) {
@@ -204,7 +205,8 @@ void CycloneSettings::add_domain(const CycloneElement& element, bool may_be_shor
   }
 }
 
-/// Settings that had another name or group in older releases of Cyclone get the present one.
+/// Adds a group of settings. Settings that had another name or group in older releases of Cyclone are
+/// renamed to the present one.
 void CycloneSettings::add_group(CycloneElement group) {
   if (group.name.starts_with('@')) return;  // an XML namespace, for example
   if (equals(group.name, "Unsupported")) group.name = "Internal";
@@ -226,7 +228,7 @@ bool CycloneSettings::is_for_us(const std::string& id) {
   const auto [end, error] = std::from_chars(id.data(), id.data() + id.size(), number);
   const bool is_number = error == std::errc{} && end == id.data() + id.size();
   depends_on_domain_ |= is_number;
-  if (equals(id, "any") || !is_number || number == domain_) return true;  // Cyclone refuses others
+  if (equals(id, "any") || !is_number || number == domain_) return true;  // Cyclone refuses other ids
   has_others_ = true;
   return false;
 }

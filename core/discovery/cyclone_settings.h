@@ -1,7 +1,7 @@
-// The settings that a user's configuration of Cyclone DDS (CYCLONEDDS_URI) makes for a domain, as Cyclone
-// will understand them. Cyclone accepts more than XML: `</>` closes any element, and closing tags may be
-// missing. Outside of files, names may be shortened and the outer elements left out. So this class uses
-// Cyclone's own parser, and its rules for names.
+// The settings that a user's configuration of Cyclone DDS (CYCLONEDDS_URI) makes for a domain, in the way
+// in which Cyclone will understand them. Cyclone accepts more than XML: `</>` closes any element, and
+// closing tags may be missing. In text that does not come from a file, names may be shortened and outer
+// elements left out. So this class uses Cyclone's own parser, and its rules for names.
 #pragma once
 
 #include <cstdint>
@@ -17,10 +17,10 @@ namespace sft::core {
 /// Compares names or values of settings, ignoring case.
 bool equals(std::string_view a, std::string_view b);
 
-/// An element of the configuration. Its attributes are elements, too, whose names begin with "@".
+/// An element of the configuration. Attributes are stored as elements whose names begin with "@".
 struct CycloneElement {
   std::string name;
-  bool may_be_short = false;           ///< the name may be shortened to its beginning
+  bool may_be_short = false;           ///< true: `name` may be only the beginning of the full name
   std::optional<std::string> value{};  ///< nothing if the element has no text
   std::vector<CycloneElement> elements{};
 };
@@ -28,25 +28,27 @@ struct CycloneElement {
 class CycloneSettings {
  public:
   /// `config`: XML texts and names of files (or file:// URIs), separated by commas; may be empty. The error
-  /// names the file that cannot be read, or the place that cannot be parsed. Names that Cyclone does not know
-  /// are no error.
+  /// names the file that cannot be read, or the part of the text that cannot be parsed. Names of settings
+  /// that Cyclone does not know are no error.
   static Result<CycloneSettings> read(const std::string& config, std::uint32_t domain);
 
-  /// Returns the value of an element. Paths are those of Cyclone's documentation, below <Domain>:
-  /// "General/FragmentSize"; an attribute is "@name". If a setting occurs twice, the last value holds.
+  /// Returns the value of an element. Paths are those of Cyclone's documentation, relative to <Domain>,
+  /// such as "General/FragmentSize". An attribute is "@name". If a setting occurs twice, the last value
+  /// holds.
   std::optional<std::string> value(std::string_view path) const;
   /// Returns the values of an element that may occur several times, in order.
   std::vector<std::string> values(std::string_view path) const;
-  /// Returns true if anything is set at the path or below.
+  /// Returns true if the configuration sets the element at the path, or any element inside it.
   bool sets(std::string_view path) const;
-  /// Returns true if there are settings, but all of them are for other domains.
+  /// Returns true if the configuration has settings, but none of them applies to this domain.
   bool only_for_others() const;
 
-  /// Returns the configuration for a Cyclone domain that has another number inside of the process. It applies
-  /// to any domain, has its variables replaced, and omits what is set at or below the paths of `left_out`.
+  /// Returns the configuration as text that applies to any domain, since links have other domain numbers
+  /// within this process. Variables are replaced. The elements at the paths of `left_out`, and all elements
+  /// inside them, are omitted.
   std::string for_any_domain(const std::vector<std::string_view>& left_out) const;
-  /// Returns false if Cyclone understands the user's own text in the same way as for_any_domain({}). The
-  /// user's text is preferable then, because messages name its lines.
+  /// Returns false if the user's own text and for_any_domain({}) mean the same to Cyclone. Pass the user's
+  /// text to Cyclone then, because Cyclone's messages name its lines.
   bool depends_on_domain() const { return depends_on_domain_; }
 
  private:

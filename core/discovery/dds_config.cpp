@@ -23,7 +23,7 @@ namespace {
 constexpr Timing usual_times;
 constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_heartbeat", "sft_report"};
 
-/// A setting that SFT cannot do without. It replaces the user's value unless that is acceptable.
+/// A setting that SFT requires. It replaces the user's value if that value is not acceptable.
 struct Demand {
   std::string_view path;
   std::string_view value;
@@ -59,9 +59,9 @@ constexpr Demand predictable_port{
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
-// The offset of the first port of nodes that find each other on the loopback without multicast. It keeps
-// these ports apart from those of the other links, which would otherwise take the first ports, of which there
-// are few.
+// The offset of the first port of nodes that find each other on the loopback without multicast. Because of
+// the offset, these nodes do not use the first ports, of which there are few and which the other links
+// need.
 constexpr int loopback_port_offset = 120;
 
 // Ports of multicasts on the loopback. Linux gives a multicast datagram to each socket that is bound to its
@@ -106,8 +106,8 @@ std::vector<std::string> split(const std::string& text) {
   return parts;
 }
 
-/// Returns the bytes of a size that is written as Cyclone does: "8 kB". Cyclone itself refuses malformed
-/// sizes.
+/// Returns the number of bytes in a size that is written in Cyclone's form, such as "8 kB". Cyclone itself
+/// refuses malformed sizes.
 double bytes_of(std::string_view text) {
   double number = 0;
   const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
@@ -126,8 +126,8 @@ bool is_refused(const Demand& demand, const std::string& value) {
   return std::ranges::any_of(demand.refused, is_value) || bytes_of(value) < demand.bytes_min;
 }
 
-/// Returns the setting as XML, also if no value of the user was found, because Cyclone might find one.
-/// Returns an empty text if the user's value is acceptable.
+/// Returns the setting as XML. This is also done if no value of the user was found, because Cyclone might
+/// still find one. Returns an empty text if the user's value is acceptable.
 std::string insist_on(const Demand& demand, const CycloneSettings& user, std::vector<std::string>& warnings) {
   const auto value = user.value(demand.path);
   if (value && !is_refused(demand, *value)) return "";
@@ -156,7 +156,7 @@ bool chooses_interfaces(const CycloneSettings& user) {
   return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress");
 }
 
-/// One `Address` of Cyclone's configuration may list several peers.
+/// Returns the user's peers. One `Address` element of Cyclone's configuration may list several peers.
 std::vector<std::string> peers_of(const CycloneSettings& user) {
   std::vector<std::string> peers;
   for (const std::string& listed : user.values("Discovery/Peers/Peer/@Address"))
@@ -179,26 +179,26 @@ std::string passed_through(const std::string& user_config, const CycloneSettings
 }
 
 /// Acknowledgements without delay and early heartbeats make a newcomer's first request arrive within
-/// milliseconds, and soon if datagrams get lost. What repeats while nothing happens is kept rare. A link
-/// whose address is gone must not wait for acknowledgements when it is deleted.
+/// milliseconds, or soon after that if datagrams get lost. Messages that are repeated while nothing happens
+/// are kept rare. A link whose address is gone must not wait for acknowledgements when it is deleted.
 ///
 /// Each heartbeat of a writer that is repeated for one newcomer asks all readers. So a reader that has
-/// already acknowledged everything waits for `AckDelay` before it does so again. New samples and gaps are not
-/// delayed.
+/// already acknowledged everything waits for `AckDelay` before it acknowledges again. Acknowledgements of
+/// new samples and requests for missing ones are not delayed.
 ///
-/// A domain puts received packets into its buffer one behind the other, so it touches all of the buffer in
-/// the end. Control traffic does not need the usual 1 MiB.
+/// A domain stores received packets in its buffer one after the other, so in time it touches the memory of
+/// the whole buffer. Control traffic does not need the usual 1 MiB.
 constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize>256 KiB</></><Internal>
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
 /// Messages fit into packets of 1280 bytes, as fragments of samples do (General/FragmentSize, above). The
-/// kernel would cut longer ones into packets as long as the own interface takes. Some tunnels drop these
-/// without an error, and nodes would not find each other.
+/// kernel would divide a longer message into packets of the size that this host's interface allows. Some
+/// tunnels drop such packets without an error, and then nodes would not find each other.
 constexpr std::string_view message_max = "1232 B";
 
-/// A peer is asked at every port that a node there may have, each time. So peers are asked seldom, at few
-/// ports.
+/// Returns SFT's own settings. A peer is asked at every port that a node on its host may have, each time.
+/// So peers are asked rarely, and at few ports.
 std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
   const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
   std::string discovery =
@@ -255,8 +255,8 @@ Result<void> check_names(const std::vector<std::string>& names, const char* what
   return {};
 }
 
-/// SFT cannot remove a partition from the user's list of ignored ones, so it refuses those of its control
-/// topics.
+/// SFT cannot remove a partition from the user's list of ignored ones, so a list that matches the partition
+/// of SFT's control topics is an error.
 Result<void> check_partitions(const CycloneSettings& user) {
   for (const std::string& pattern :
        user.values("Partitioning/IgnoredPartitions/IgnoredPartition/@DCPSPartitionTopic")) {
@@ -269,7 +269,8 @@ Result<void> check_partitions(const CycloneSettings& user) {
   return {};
 }
 
-/// Returns an empty list, which excludes no interface, if the configuration lets Cyclone choose.
+/// Returns the names of the interfaces that the user's configuration or the settings choose. An empty list
+/// excludes no interface; it is returned if the configuration lets Cyclone choose.
 std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
   if (!chooses_interfaces(user)) return settings.interfaces;
   const std::vector<std::string> any = user.values("General/Interfaces/NetworkInterface/@autodetermine");
@@ -292,8 +293,8 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   if (!user) return tl::unexpected(user.error());
   if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
   const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
-  // With configured peers, multicast serves discovery only: it may not reach those peers, so all else goes to
-  // them by unicast.
+  // With configured peers, multicast serves discovery only: multicast might not reach those peers, so all
+  // other data are sent to them by unicast.
   const std::string ours = !settings.multicast ? "false" : has_peers ? "spdp" : "default";
   const std::string multicast = user->value("General/AllowMulticast").value_or(ours);
 
@@ -367,9 +368,9 @@ std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> lin
 }
 
 /// Datagrams from any interface may arrive at a port of this host. Without DontRoute, each link would also
-/// send to addresses outside of its network. Peers may be behind a router, so with peers it is not set. Nodes
-/// of one host find each other on the loopback. Multicasts of other links do not return to the host, or nodes
-/// would find each other there once more.
+/// send to addresses outside its network. With peers, DontRoute is not set, since peers may be reachable
+/// only through a router. Nodes of one host find each other on the loopback. Multicasts of other links are
+/// not looped back to the host, since nodes of this host would otherwise find each other a second time.
 std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) const {
   const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
   std::string general = element(

@@ -1,5 +1,5 @@
 // The configuration of Cyclone DDS for a domain. SFT's settings come first. The user's settings follow and
-// override them. Last come the settings that SFT cannot do without.
+// override them. The settings that SFT requires come last.
 #pragma once
 
 #include <cstdint>
@@ -20,30 +20,33 @@ namespace sft::core {
 struct DdsConfig {
   std::string text;            ///< the settings that all links have in common
   std::string domain_on_wire;  ///< the number of all links on the network, whatever theirs in this process
-  bool multicast = true;       ///< nodes are sent multicasts after they are found, too
-  bool found_by_multicast = true;  ///< false: nodes on other hosts are found by peers only
+  bool multicast = true;       ///< multicast is also used between nodes that have found each other
+  bool found_by_multicast = true;  ///< true: nodes on other hosts are found by multicast; false: only by
+                                   ///< peers
   bool is_secured = false;         ///< the user's configuration has DDS Security
-  /// The port of heartbeats (heartbeat.h). Empty if they go by Cyclone only: with DDS Security, since
-  /// heartbeats have no certificates, and if the user's configuration or the lack of multicast may keep them
-  /// from arriving.
+  /// The port of heartbeats (heartbeat.h). Empty if heartbeats are sent through Cyclone only. This is the
+  /// case with DDS Security, because heartbeats have no certificates. It is also the case if the user's
+  /// configuration or the lack of multicast may keep heartbeats from arriving.
   std::optional<std::uint16_t> heartbeat_port{};
-  std::vector<std::string> peers;       ///< hosts to search for nodes, besides those that multicast reaches
+  std::vector<std::string> peers;       ///< hosts to search for nodes, in addition to those that multicast
+                                        ///< reaches
   std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links
-  bool text_has_user_peers = true;      ///< false if one is a name: text_for() adds their addresses
-  std::vector<std::string> interfaces;  ///< the chosen ones; empty: all
-  std::vector<std::string> warnings;    ///< the user's settings that do not apply, and why; other hints
+  bool text_has_user_peers = true;      ///< false if one of them is a name; text_for() adds the addresses of
+                                        ///< `user_peers` then
+  std::vector<std::string> interfaces;  ///< the chosen interfaces; empty: all interfaces
+  std::vector<std::string> warnings;    ///< which of the user's settings do not apply, and why; other hints
 
   LinkRules rules() const {
     return {.listed = interfaces,
             .multicast = found_by_multicast,
             .peers = !peers.empty() || !user_peers.empty()};
   }
-  /// Returns the configuration for dds_create_domain. It contains peers by name once their addresses are
-  /// known.
+  /// Returns the configuration for dds_create_domain. A peer that is given by name is included once `hosts`
+  /// has its addresses.
   std::string text_for(const LinkSpec& link, const KnownHosts& hosts = {}) const;
-  /// Returns the family of the addresses at which these links ask peers; nothing if no link asks peers.
+  /// Returns the family of the addresses of peers that these links use; nothing if no link uses peers.
   std::optional<IpFamily> family_of_peers(std::span<const LinkSpec> links) const;
-  /// Says for people how and where nodes are found.
+  /// Returns a text for people that says how and on which links nodes are found.
   std::string summary(std::span<const LinkSpec> links) const;
 };
 
@@ -60,8 +63,8 @@ struct VanillaConfig {
 Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
                                      const RosDiscovery& ros = {});
 
-/// Returns the names and addresses of the interfaces that the user's configuration chooses, or else the
-/// settings.
+/// Returns the names and addresses of the interfaces that the user's configuration chooses. If it chooses
+/// none, returns those that `settings` choose.
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,
                                                       const std::string& user_config);
 

@@ -18,13 +18,13 @@ namespace sft::core {
 namespace {
 thread_local CycloneMessages* listening = nullptr;
 
-constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network are below 233
-/// A governance document can name no number above this one. Cyclone looks up the number that the domain has
-/// in this process.
+constexpr std::uint32_t first_domain = 1000;  // DDS domains on a network have numbers below 233
+/// The greatest domain number that a governance document of DDS Security can name. Cyclone looks up the
+/// number that the domain has in this process.
 constexpr std::uint32_t last_secured_domain = 230;
 constexpr std::size_t descriptors_of_a_domain = 16;
-/// The threads that must be available: Cyclone's, those of the node that opens afterwards, and the one that
-/// creates the domain.
+/// The number of threads that must be available: those of Cyclone, those of the node that opens after the
+/// domain, and the thread that creates the domain.
 constexpr std::size_t threads_of_a_domain = 9;
 
 constexpr const char* name_of_maker = "sft-domain";
@@ -40,8 +40,8 @@ struct OpenDomains {
 };
 OpenDomains open_domains;
 
-/// Creates the domain under a free number, from the greatest one down, because programs use small ones for
-/// themselves.
+/// Creates the domain under the greatest free number, because programs use small numbers for their own
+/// domains.
 std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& config) {
   for (std::uint32_t id = last_secured_domain; id > 0; --id) {
     const dds_entity_t entity = dds_create_domain(id, config.c_str());
@@ -50,7 +50,7 @@ std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& co
   return {0, DDS_RETCODE_OUT_OF_RESOURCES};
 }
 
-/// `free_id`: the Cyclone id of the new domain, unless the domain is secured.
+/// `free_id`: the number of the new domain in this process; not used if the domain is secured.
 std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::uint32_t free_id) {
   if (plan.is_secured) return make_secured_domain(plan.config);
   return {free_id, dds_create_domain(free_id, plan.config.c_str())};
@@ -72,8 +72,8 @@ MadeDomain make(const DomainPlan& plan, std::uint32_t free_id) {
   return {id, entity, messages.text(), messages.errors()};
 }
 
-/// Cyclone's threads inherit CPUs and policy from the thread that creates the domain. So a thread is started
-/// for that.
+/// Cyclone's threads inherit CPUs and policy from the thread that creates the domain. So a thread with the
+/// configured CPUs and policy is started to create it.
 Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan, std::uint32_t free_id) {
   MadeDomain made;
   ThreadSpec maker(name_of_maker);
@@ -116,7 +116,7 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& pl
   std::erase_if(open_domains.by_plan, [](const auto& entry) { return entry.second.expired(); });
   std::weak_ptr<const CycloneDomain>& known = open_domains.by_plan[plan];
   if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
-  // Cyclone does not survive a lack of descriptors or threads while it creates a domain.
+  // Cyclone would crash if descriptors or threads ran out while it creates a domain.
   if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
     return tl::unexpected(enough.error());
   if (Result<void> enough = check_room_for_select(descriptors_of_a_domain); !enough)
@@ -132,8 +132,9 @@ Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& pl
   return domain;
 }
 
-/// Cyclone checks whether the domain exists before it reads the configuration. This configuration is invalid,
-/// so no domain is created.
+/// Tries to create the domain with an invalid configuration. Cyclone checks whether the domain exists
+/// before it reads the configuration. So no domain is created, and the error shows whether the domain
+/// exists.
 bool program_has_opened(std::uint32_t domain) {
   const CycloneMessages messages;
   return dds_create_domain(domain, "<") == DDS_RETCODE_PRECONDITION_NOT_MET;

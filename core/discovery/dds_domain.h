@@ -1,5 +1,5 @@
-// What Cyclone DDS has only once in a process, however many nodes use it: the domains, and a destination of
-// its log.
+// What Cyclone DDS has only once in a process, however many nodes use it: its domains, and the destination
+// of its log.
 #pragma once
 
 #include <dds/dds.h>
@@ -15,9 +15,9 @@
 
 namespace sft::core {
 
-/// Collects what Cyclone logs in this thread, while this object lives. From the first such object on,
-/// anything else that Cyclone logs in this process is dropped: it would go to standard error, and the library
-/// never prints.
+/// Collects what Cyclone logs in this thread, while this object lives. Once the first such object exists,
+/// all other messages that Cyclone logs in this process are dropped. Cyclone would print them to standard
+/// error, and the library must never print.
 class CycloneMessages {
  public:
   CycloneMessages();
@@ -25,7 +25,7 @@ class CycloneMessages {
   CycloneMessages(const CycloneMessages&) = delete;
   CycloneMessages& operator=(const CycloneMessages&) = delete;
 
-  /// Returns all messages in one line.
+  /// Returns all messages, joined in one line.
   std::string text() const;
   const std::vector<std::string>& errors() const { return errors_; }
 
@@ -37,9 +37,10 @@ class CycloneMessages {
   std::vector<std::string> warnings_;
 };
 
-/// A Cyclone domain for one link, under a domain number that nothing else in this process uses. It is deleted
-/// when its last owner releases it, which waits for Cyclone's threads. That owner must have deleted its own
-/// participant. It must not release the domain in a listener, or under a lock that listeners take.
+/// A Cyclone domain for one link, with a domain number that nothing else in this process uses. The domain
+/// is deleted when its last owner releases it. The release waits for Cyclone's threads. So an owner must
+/// delete its own participant first, and must not release the domain in a listener, or while it holds a
+/// lock that listeners take.
 class CycloneDomain {
  public:
   CycloneDomain(std::uint32_t id, dds_entity_t entity) : id_(id), entity_(entity) {}
@@ -56,7 +57,8 @@ class CycloneDomain {
 
 struct DomainPlan {
   std::string config;
-  bool is_secured = false;  ///< the configuration has DDS Security, which allows few domain numbers
+  bool is_secured = false;  ///< the configuration has DDS Security, which restricts the domain numbers to a
+                            ///< few
   ThreadSettings threads{};
   /// The index of the interface. When an interface is removed, sockets lose the multicast groups that they
   /// joined there. An interface that comes back with the same name and address has another index.
@@ -70,8 +72,8 @@ struct DomainPlan {
   }
 };
 
-/// Returns a domain for the plan. Callers in a process with equal plans share one. Errors that Cyclone logs
-/// are added to `complaints`. `instead_of`: a domain that must not be shared any more, or null.
+/// Returns a domain for the plan. Callers in this process with equal plans share a domain. Errors that
+/// Cyclone logs are added to `complaints`. `instead_of`: a domain that must not be returned again, or null.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
                                                             const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);

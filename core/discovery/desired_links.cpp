@@ -16,7 +16,8 @@ bool is_listed(const HostInterface& interface, const LinkRules& rules) {
   return std::ranges::any_of(rules.listed, [&](const auto& one) { return is_named(interface, one); });
 }
 
-/// Nodes find nothing on a link without multicast, unless peers are asked one by one.
+/// Returns true if a link can use the interface. On a link without multicast, nodes find each other only if
+/// peers are asked one by one.
 bool fits(const HostInterface& interface, const LinkRules& rules) {
   if (!rules.listed.empty()) return is_listed(interface, rules);
   return !belongs_to_containers(interface.name) && (interface.multicast || rules.peers);
@@ -28,7 +29,8 @@ LinkSpec link_at(const HostInterface& interface, bool reaches_own_host) {
           interface.loopback, reaches_own_host, interface.index};
 }
 
-/// One address of a network is enough: by a second one in the same network all nodes would be found twice.
+/// Returns true if a link already has an address in the network of this one. By a second address in the
+/// same network, all nodes would be found twice.
 bool cover(std::span<const LinkSpec> links, const HostInterface& interface) {
   return std::ranges::any_of(links, [&](const LinkSpec& link) {
     return link.interface == interface.name &&
@@ -36,8 +38,8 @@ bool cover(std::span<const LinkSpec> links, const HostInterface& interface) {
   });
 }
 
-/// Returns the addresses that links may have besides the loopback. IPv4 addresses that have a link now come
-/// first, so that they keep it. IPv6 addresses are returned only if there are no others.
+/// Returns the addresses other than the loopback that links may have. IPv4 addresses that have a link at
+/// present come first, so that they keep the link. IPv6 addresses are returned only if there are no others.
 std::vector<const HostInterface*> candidates(std::span<const HostInterface> interfaces,
                                              const LinkRules& rules, const auto& is_in_force) {
   const auto fits_beside_loopback = [&](const HostInterface& i) { return !i.loopback && fits(i, rules); };
@@ -64,7 +66,7 @@ bool wait_for_network(std::span<const LinkSpec> links, std::span<const HostInter
   return wants_others && std::ranges::all_of(links, &LinkSpec::loopback);
 }
 
-/// Returns why the interfaces that `listed` names are not in use; an empty text if they are.
+/// Returns why the interfaces that `listed` names are not in use; returns an empty text if they are in use.
 std::string why_unused(const std::string& listed, std::span<const HostInterface> interfaces,
                        std::span<const LinkSpec> links) {
   const auto named = [&](const HostInterface& i) { return is_named(i, listed); };

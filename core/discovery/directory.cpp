@@ -62,8 +62,8 @@ void Directory::requested(const Request& request) {
   notify(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
 }
 
-/// A node without endpoints on a topic is not notified of changes to others' endpoints on it. So it must not
-/// keep these, and is told that they have departed.
+/// A node without endpoints on a topic is not notified of changes to other nodes' endpoints on this topic.
+/// So it must not keep these endpoints, and is notified that they have departed.
 void Directory::withdrawn(EndpointId id) {
   const auto found = entries_.find(id);
   if (found == entries_.end() || found->second.node == nullptr) return;
@@ -120,7 +120,7 @@ void Directory::take_announcement(const Place& place, const Record& record) {
   show(place);
 }
 
-/// The slot may have belonged to another subscriber before, whose request is still in it.
+/// The slot may have belonged to another subscriber before, whose request is still in the slot.
 void Directory::take_request(const Place& place, const Record& record) {
   Slot& slot = slots_[place];
   slot.request.reset();
@@ -161,7 +161,8 @@ void Directory::show(const Place& place) {
   if (!shown.type_description.empty()) {
     if (const auto type = described_type(shown); !type) {
       refuse(type.error().message);
-      shown.type_description.clear();  // programs that were compiled with the type do not need it
+      shown.type_description.clear();  // programs that were compiled with the type do not need the
+                                       // description
     }
   }
   leave_out_what_is_cut(shown.announcer, shown.addresses);
@@ -184,7 +185,7 @@ void Directory::end(EndpointId id, End how) {
   show_next(id);
 }
 
-/// Shows an endpoint of another process that has announced the same id, and was refused.
+/// Notifies nodes of an endpoint of another process that has announced the same id, and was refused before.
 void Directory::show_next(EndpointId id) {
   const auto has_id = [&](const auto& item) {
     return item.second.endpoint && item.second.endpoint->id == id;
@@ -216,9 +217,9 @@ void Directory::paths_cut(const PathsCut& cut) {
   for (const Place& place : places) show(place);
 }
 
-/// Removes addresses by which the process is not reached, unless none would remain. If a cut link and one by
-/// which the process is heard lead to the same network, the addresses there stay: one link may replace the
-/// other.
+/// Removes addresses by which the process is not reached, unless none would remain. If a cut link and a
+/// link with heartbeats of the process lead to the same network, the addresses in that network are kept,
+/// since the process may have replaced the first link by the second.
 void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const {
   const auto cut = cut_.find(process);
   if (cut == cut_.end()) return;

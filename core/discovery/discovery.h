@@ -21,20 +21,21 @@ struct DiscoveryOptions {
   std::uint32_t domain = 0;
   DiscoverySettings settings{};
   std::string user_config{};  ///< XML texts or names of files
-  ThreadSettings threads{};   ///< of Cyclone's threads
+  ThreadSettings threads{};   ///< the settings of Cyclone's threads
 };
 
-/// A listener is notified of what other nodes announce: once of each item, however many links bring it. It is
-/// called by Cyclone's threads and by agents of this process, one call at a time. They must not be held up,
-/// so the listener should only post the news.
+/// A listener is notified of what other nodes announce: once of each item, even if several links bring it.
+/// Cyclone's threads and agents of this process call the listener, one at a time. A listener must not hold
+/// these threads up, so it should only post a task.
 class DiscoveryListener {
  public:
   virtual void endpoint_seen(Endpoint endpoint) = 0;
   virtual void endpoint_departed(EndpointId id) = 0;
-  /// The process of the endpoint is silent. If it returns, endpoint_seen() is called again.
+  /// No heartbeats of the endpoint's process come any more. If the process is found again, endpoint_seen()
+  /// is called again.
   virtual void endpoint_lost(EndpointId id) = 0;
   virtual void request_received(Request request) = 0;
-  /// A node has reported on its own endpoints. Called for nodes that inquire.
+  /// A node has reported on its own endpoints. Called only for nodes that have called inquire().
   virtual void report_received(NodeReport report) = 0;
   /// A control sample, or the type description in one, was refused.
   virtual void control_malformed(std::string why) = 0;
@@ -42,10 +43,11 @@ class DiscoveryListener {
   virtual void vanilla_changed() {}
   /// The interfaces in use have changed.
   virtual void links_changed(std::string /*summary*/) {}
-  /// A record of another process was missing on one link, so that link was made anew.
+  /// A record of another process was missing on one link, so this process has replaced its link by a new
+  /// one.
   virtual void link_was_renewed(std::string /*what*/) {}
-  /// The user has to know that a participant has another release, that a peer by name has no address, or that
-  /// the program has closed the sockets.
+  /// Called with a warning for the user: that a participant has another release, that the name of a peer
+  /// has no address, or that the program has closed the sockets.
   virtual void warned(std::string /*what*/) {}
 
  protected:
@@ -54,7 +56,7 @@ class DiscoveryListener {
 
 class Discovery {
  public:
-  /// `listener` outlives the discovery.
+  /// `listener` must outlive the returned object.
   static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options,
                                                  DiscoveryListener& listener);
   virtual ~Discovery() = default;
@@ -62,45 +64,45 @@ class Discovery {
   struct Configuration {
     std::string summary{};                ///< for people: how and where nodes are found
     std::vector<std::string> warnings{};  ///< for people: which of the user's settings do not apply, and why
-    std::vector<std::string> remarks{};   ///< parts of the summary: interfaces that are not there, or not yet
-    std::vector<std::string> interfaces{};  ///< in use
+    std::vector<std::string> remarks{};   ///< the parts of the summary about interfaces that are missing
+    std::vector<std::string> interfaces{};  ///< the interfaces in use
     bool waits_for_network = false;         ///< see DesiredLinks
   };
-  /// The present configuration. Any thread.
+  /// Returns the present configuration. Any thread may call this.
   virtual Configuration configuration() const = 0;
 
-  // One thread at a time.
+  // The following functions must be called by only one thread at a time.
 
   /// Reports from now on all endpoints of that role that other nodes announce, and the requests of readers.
-  /// Earlier announcements are reported soon, too. Without this call, a node is notified only of endpoints
-  /// that may match its own: those of the other role, of the same topic.
+  /// Endpoints that were announced earlier are reported soon, too. Without this call, a node is notified
+  /// only of endpoints that may match its own: those with the other role and the same topic.
   virtual Result<void> hear(Role role) = 0;
   /// A publisher that this process knows of, whatever its topic is.
   struct KnownPublisher {
     std::string topic;
     std::string node;  ///< the name of its node
   };
-  /// Returns the publishers of that type, including those of this process. The process knows all publishers
-  /// while any of its nodes has a subscriber.
+  /// Returns the publishers of that type, including those of this process. The result is complete only
+  /// while some node of this process has a subscriber.
   virtual std::vector<KnownPublisher> publishers_of(std::string_view type_name) const = 0;
-  /// Announces an endpoint of this node, or a change of it. If that cannot be written now, look_after()
-  /// warns, and writes it again until it succeeds. The same is true of the next two functions.
+  /// Announces an endpoint of this node, or a change of it. If the record cannot be written now,
+  /// look_after() warns and tries again until it succeeds. The same is true of the next two functions.
   virtual void announce(const Endpoint& endpoint) = 0;
   virtual void withdraw(EndpointId id) = 0;
   virtual void send(const Request& request) = 0;
-  /// Asks all nodes for reports, until the next call.
+  /// Asks all nodes for reports. The inquiries hold until the next call replaces them.
   virtual void inquire(const std::set<Inquiry>& inquiries) = 0;
   struct Inquiries {
-    std::set<Inquiry> all{};  ///< of all nodes, this one too
-    std::uint64_t made = 0;   ///< changes when a node begins to ask
+    std::set<Inquiry> all{};  ///< the inquiries of all nodes, including this one
+    std::uint64_t made = 0;   ///< a number that changes when a node begins to ask
   };
   virtual Inquiries inquiries() const = 0;
-  /// Sends a report to the nodes that inquire. It may get lost.
+  /// Sends a report to the nodes that have called inquire(). The report may get lost.
   virtual void report(const NodeReport& report) = 0;
-  /// Returns when a participant of another process was last found; Time{} if none was. Its announcements may
-  /// still be on their way. Any thread.
+  /// Returns when a participant of another process was last found; Time{} if none was. The announcements of
+  /// that participant may still be on their way. Any thread may call this.
   virtual Time newcomer_at() const = 0;
-  /// The participants that are not SFT's, as the links find them: nodes of DDS and ROS 2.
+  /// The participants on the links that do not belong to SFT: nodes of DDS and ROS 2.
   struct Vanilla {
     bool is_there = false;
     std::uint64_t came = 0;  ///< the number of participants that have come so far
@@ -108,9 +110,10 @@ class Discovery {
   };
   /// Any thread may call this.
   virtual Vanilla vanilla() const = 0;
-  /// Must be called often. Opens and closes links as interfaces come and go, and lets nodes that have not
-  /// found this process, or have lost it, find it. Cyclone itself does that only now and then. Returns the
-  /// time by which this node must call it again; Time::max() if there is no need.
+  /// Must be called often. Opens and closes links as interfaces come and go. Announces this process again
+  /// to nodes that have not found it, or have lost it, since Cyclone itself repeats announcements only
+  /// rarely. Returns the time by which this node must call it again; Time::max() if no further call is
+  /// needed.
   virtual Time look_after(Time now) = 0;
 };
 

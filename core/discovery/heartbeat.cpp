@@ -9,12 +9,12 @@ namespace {
 
 static_assert(std::endian::native == std::endian::little, "numbers are copied as they are");
 
-/// Returns the octets in front of the GUID.
+/// Returns the octets before the GUID: the magic number and the version.
 std::array<std::byte, 4> heartbeat_head() {
   return {std::byte{'S'}, std::byte{'H'}, std::byte{'B'}, static_cast<std::byte>(control_protocol_version())};
 }
 
-/// Calls act(at, member) for each member and its place in the datagram.
+/// Calls act(at, member) for each member, with its offset in the datagram.
 template <class AnyHeartbeat, class Act>
 void each_member(AnyHeartbeat& heartbeat, Act act) {
   act(4, heartbeat.participant);

@@ -1,6 +1,6 @@
-// The heartbeat of a participant: a datagram that says that its process lives, with digests of the records of
-// that process. Cyclone wakes a thread for each of its datagrams. Heartbeats do not go through Cyclone, and
-// wake no thread: they wait in a socket until Discovery::look_after() reads them.
+// The heartbeat of a participant: a datagram that shows that its process lives, and contains digests of the
+// records of that process. Cyclone would wake a thread for each datagram. So heartbeats use a separate
+// socket, and wake no thread: they wait in the socket until Discovery::look_after() reads them.
 #pragma once
 
 #include <array>

@@ -13,13 +13,12 @@ namespace sft::core {
 
 namespace {
 
-/// The group by which participants of DDS find each other (RTPS 2.3, 9.6.1.4): where multicast gets through
-/// for Cyclone, it does so for heartbeats.
+/// The group by which participants of DDS find each other (RTPS 2.3, 9.6.1.4): if the network forwards
+/// Cyclone's multicasts, it also forwards heartbeats to the same group.
 constexpr std::uint32_t ddsi_group = 0xefff0001;  // 239.255.0.1
 /// Cyclone's default (General/MulticastTimeToLive).
 constexpr int hops_max = 32;
-/// Room for the heartbeats of some hundreds of processes within the longest pause between two reads. The
-/// system grants less, which suffices for most domains.
+/// The same value as Cyclone's default (General/MulticastTimeToLive).
 constexpr int socket_buffer_bytes = 1 << 20;
 
 sockaddr_in ddsi_address_at(std::uint16_t port) {
@@ -36,8 +35,8 @@ std::chrono::nanoseconds since_epoch(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
-/// Returns how long ago the system received the datagram; 0 if it does not report that, or if its clock was
-/// set meanwhile.
+/// Returns how long ago the system received the datagram; 0 if it does not report that, or if the system's
+/// clock was set meanwhile.
 std::chrono::nanoseconds age_of(msghdr& datagram, std::chrono::nanoseconds now) {
   for (cmsghdr* one = CMSG_FIRSTHDR(&datagram); one != nullptr; one = CMSG_NXTHDR(&datagram, one)) {
     if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
@@ -55,9 +54,9 @@ bool set_option(const FileDescriptor& socket, int level, int name, const Value& 
 
 }  // namespace
 
-/// All processes of the host are bound to the same port, and each gets each datagram. The socket is bound to
-/// the group, so it does not receive datagrams to other addresses. Nor does it receive any from other
-/// interfaces.
+/// All processes of the host bind sockets to the same port, and each of these sockets gets each datagram.
+/// The socket is bound to the group, so it receives no datagrams to other addresses. It also receives no
+/// datagrams from other interfaces.
 std::optional<HeartbeatSocket> HeartbeatSocket::open(const Place& place) noexcept {
   FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC | SOCK_NONBLOCK, 0));
   ip_mreqn link{};
@@ -86,7 +85,7 @@ void HeartbeatSocket::send(const Heartbeat& heartbeat) const noexcept {
            sizeof to);
 }
 
-/// Returns how many datagrams have come, `batch` at most.
+/// Receives at most `batch` datagrams, and returns their number.
 std::size_t HeartbeatSocket::receive() noexcept {
   std::array<iovec, batch> places{};
   std::array<mmsghdr, batch> datagrams{};

@@ -19,21 +19,23 @@ namespace sft::core {
 class HeartbeatSocket {
  public:
   struct Place {
-    IpAddress ip;        ///< of the link; IPv4
-    unsigned index = 0;  ///< of its interface
+    IpAddress ip;        ///< the IPv4 address of the link
+    unsigned index = 0;  ///< the index of the interface of the link
     std::uint16_t port = 0;
     bool reaches_own_host = false;
   };
-  /// Returns nothing if the system refuses the socket. Heartbeats go by Cyclone then.
+  /// Returns nothing if the system refuses the socket. Heartbeats are sent through Cyclone then.
   static std::optional<HeartbeatSocket> open(const Place& place) noexcept;
 
-  /// A heartbeat that cannot be sent is lost, like one that gets lost on its way.
+  /// Sends a heartbeat. If this fails, the heartbeat is lost without an error, as it may be on the network.
   void send(const Heartbeat& heartbeat) const noexcept;
 
-  /// One call reads no more datagrams than these, so that a flood at the port does not hold the caller up.
+  /// The maximum number of datagrams that one call of take() reads, so that a flood at the port does not
+  /// hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat, age, from) for each heartbeat that has come since the last call, with the time for
-  /// which it has waited in the socket, and the address of its sender. Other datagrams are dropped.
+  /// Calls hear(heartbeat, age, from) for each heartbeat that has come since the last call, `age` is the
+  /// time for which the heartbeat has waited in the socket, `from` the address of its sender. Other
+  /// datagrams are dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {
@@ -48,7 +50,7 @@ class HeartbeatSocket {
 
  private:
   static constexpr std::size_t batch = 32;
-  /// One octet more than a heartbeat, so that longer datagrams are recognized.
+  /// Has one octet more than a heartbeat, so that longer datagrams are recognized.
   using Buffer = std::array<std::byte, heartbeat_bytes + 1>;
 
   HeartbeatSocket(FileDescriptor socket, std::uint16_t port) : socket_(std::move(socket)), port_(port) {}

@@ -13,7 +13,7 @@ KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
       }),
       timing_(timing) {}
 
-/// Actions that concern links wait for the next agent that calls look().
+/// Actions that concern links are kept until an agent calls look().
 void KnownPeers::take_actions() {
   for (PeerAction& action : peers_.take_actions()) {
     if (const auto* const changed = std::get_if<RecordChanged>(&action)) {
@@ -28,8 +28,8 @@ void KnownPeers::take_actions() {
   }
 }
 
-/// The lock is released while nodes are notified, and held again when this returns. If another thread is
-/// notifying nodes, it passes these notices on, too.
+/// The lock is released while nodes are notified, and is held again when the function returns. If another
+/// thread is notifying nodes, that thread passes these notices on, too.
 void KnownPeers::pass_on_notices(Lock& lock) {
   take_actions();
   if (std::exchange(notifies_, true)) return;
@@ -87,7 +87,7 @@ Discovery::Vanilla KnownPeers::vanilla() {
   return {!vanilla_.empty(), vanilla_came_};
 }
 
-/// Only that the last one has gone changes anything.
+/// Notifies nodes only when the last such participant has gone, since other departures change nothing.
 void KnownPeers::note_vanilla_gone() {
   if (vanilla_.empty()) directory_.vanilla_changed();
 }
@@ -126,7 +126,7 @@ void KnownPeers::vanilla_came(const RemoteParticipant& id) {
   pass_on_notices(lock);
 }
 
-/// Each participant counts once.
+/// Notes a participant of another release, unless it was noted before.
 void KnownPeers::other_release_seen(const RemoteParticipant& id, std::uint32_t version) {
   const Lock lock(mutex_);
   if (other_releases_.size() >= other_releases_max || !other_releases_.insert(id).second) return;

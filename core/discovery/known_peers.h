@@ -1,6 +1,6 @@
-// What is known of other processes, and which nodes of this process are notified of it. Several of Cyclone's
-// threads bring news at once. A mutex guards everything. It is not held while nodes are notified, and nothing
-// of Cyclone is called under it.
+// What is known of other processes, and which nodes of this process are notified of it. Several of
+// Cyclone's threads report events at the same time. One mutex guards all members. It is released while
+// nodes are notified, and no function of Cyclone is called while it is held.
 #pragma once
 
 #include <cstddef>
@@ -25,8 +25,9 @@ class KnownPeers final : public ControlLinkListener {
  public:
   KnownPeers(ProcessId self, const Timing& timing);
 
-  /// Calls act(peers, directory). The resulting notices to nodes wait for pass_on(), which the caller calls
-  /// without holding a lock. Nodes are notified in the order of the events, by one thread at a time.
+  /// Calls act(peers, directory). The resulting notices to nodes are queued until pass_on() is called. The
+  /// caller must call it, without holding a lock. Nodes are notified in the order of the events, by one
+  /// thread at a time.
   template <class Act>
   auto with(Act act) {
     const Lock lock(mutex_);
@@ -35,31 +36,33 @@ class KnownPeers final : public ControlLinkListener {
   void pass_on();
 
   struct Todo {
-    std::vector<PeerAction> of_links{};  ///< RenewLink, EndLink, Announce, HeartbeatsMissing
-    Time next = Time::max();             ///< the time of the next look at the latest
+    std::vector<PeerAction> of_links{};  ///< those of the kinds RenewLink, EndLink, Announce and
+                                         ///< HeartbeatsMissing
+    Time next = Time::max();             ///< the time by which look() must be called again
   };
   struct HeartbeatTaken {
     LinkId link = 0;
     Heartbeat heartbeat{};
-    Time::duration age{};  ///< see Peers::heartbeat_came()
+    Time::duration age{};  ///< the time for which the heartbeat has waited; see Peers::heartbeat_came()
     IpAddress from{};      ///< the address of the sender
   };
-  /// Takes the heartbeats that were read, and returns what is due. Needs no lock of the caller.
+  /// Processes the heartbeats that were read, and returns the actions that are due. The caller needs no
+  /// lock.
   Todo look(const std::vector<HeartbeatTaken>& heartbeats, Time now);
   /// Must be called before the link is opened.
   void link_made(LinkId link, const LinkSpec& spec);
   void link_replaced(LinkId link, LinkId by);
-  /// The address of the link is gone.
+  /// Called when the address of the link is gone.
   void link_retired(LinkId link);
   void link_closed(LinkId link);
-  /// Tells nodes that participants of other releases have come, if there are new ones. However many of them
-  /// an attacker makes up, it does so only now and then.
+  /// Tells nodes that participants of other releases have come, if there are new ones. It does so at most
+  /// once in Timing::name_releases_every, since an attacker may make up any number of participants.
   void tell_of_other_releases(Time now);
 
   /// See Discovery::vanilla().
   Discovery::Vanilla vanilla();
 
-  // ControlLinkListener: Cyclone's threads.
+  // Functions of ControlLinkListener, called by Cyclone's threads.
   void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) override;
   void participant_gone(const RemoteParticipant& id) override;
   void other_release_seen(const RemoteParticipant& id, std::uint32_t version) override;
@@ -71,7 +74,7 @@ class KnownPeers final : public ControlLinkListener {
 
  private:
   void take_actions() SFT_REQUIRES(mutex_);
-  // Clang does not follow a lock through a reference.
+  // Clang's analysis of thread safety does not follow a lock that is passed by reference.
   void pass_on_notices(Lock& lock) SFT_REQUIRES(mutex_) SFT_NO_THREAD_SAFETY_ANALYSIS;
   void note_vanilla_gone() SFT_REQUIRES(mutex_);
 
@@ -79,12 +82,16 @@ class KnownPeers final : public ControlLinkListener {
   Peers peers_ SFT_GUARDED_BY(mutex_);
   Directory directory_ SFT_GUARDED_BY(mutex_);
   const Timing timing_;
-  static constexpr std::size_t other_releases_max = 256;  ///< further ones are not looked at
+  static constexpr std::size_t other_releases_max = 256;  ///< the maximum number of remembered participants
+                                                          ///< of other releases; further ones are ignored
   std::set<RemoteParticipant> other_releases_ SFT_GUARDED_BY(mutex_);
-  std::string other_release_ SFT_GUARDED_BY(mutex_);           ///< the first one that nodes were not told of
-  std::uint64_t further_releases_ SFT_GUARDED_BY(mutex_) = 0;  ///< participants after it
+  std::string other_release_ SFT_GUARDED_BY(mutex_);           ///< the first of the other releases of which
+                                                               ///< nodes were not notified yet
+  std::uint64_t further_releases_ SFT_GUARDED_BY(mutex_) = 0;  ///< the number of participants found after the
+                                                               ///< one in `other_release_`
   Time releases_not_before_ SFT_GUARDED_BY(mutex_){};
-  static constexpr std::size_t vanilla_known_max = 1024;  ///< further ones are not looked at
+  static constexpr std::size_t vanilla_known_max = 1024;  ///< the maximum number of remembered participants;
+                                                          ///< further ones are ignored
   std::set<RemoteParticipant> vanilla_ SFT_GUARDED_BY(mutex_);
   std::uint64_t vanilla_came_ SFT_GUARDED_BY(mutex_) = 0;
   std::map<LinkId, LinkSpec> specs_ SFT_GUARDED_BY(mutex_);

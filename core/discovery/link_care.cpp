@@ -36,8 +36,8 @@ void LinkCare::left(LinkId id) { --links_.at(id).participants; }
 
 void LinkCare::stirred(LinkId id, Time now) { links_.at(id).stirred_at = now; }
 
-/// While other participants are new, Cyclone is about to find the unknown one, too. The wait ends after a
-/// lease, because new participants may come for ever.
+/// While other participants are being found, Cyclone will probably find the unknown participant, too. So
+/// this function waits, but no longer than a lease, because new participants may keep coming.
 void LinkCare::unknown_came(LinkId id, Time now) {
   Link& link = links_.at(id);
   if (!link.unknown_at || now >= *link.unknown_at + 2 * timing_.lease) link.unknown_at = now;
@@ -99,8 +99,9 @@ bool LinkCare::may_end(LinkId id, Link& link, const std::function<bool(LinkId)>&
   return now >= *link.retired_at + timing_.lease || is_covered(id);
 }
 
-/// Other participants that ask are answered no more often than heartbeats are sent. A participant that sends
-/// heartbeats without being found is asked for with growing pauses.
+/// Returns the announcement that is due on the link. Requests of other participants are answered no more
+/// often than heartbeats are sent. A participant that sends heartbeats, but was not found, is asked to
+/// announce itself with growing pauses.
 std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
   if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return std::nullopt;
   const bool asks = std::exchange(link.has_unknown, false);

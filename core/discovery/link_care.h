@@ -1,5 +1,6 @@
 // Decides when a link is made anew, when a replaced link is closed, and when the participant of a link
-// announces itself again. Pure: events and times go in, answers come out. One thread at a time.
+// announces itself again. Pure: events and times are passed in, decisions are returned. An object must be
+// used by only one thread at a time.
 #pragma once
 
 #include <algorithm>
@@ -24,78 +25,85 @@ class LinkCare {
   /// time.
   LinkCare(ProcessId self, const Timing& timing) : self_(self), timing_(timing) {}
 
-  // Events.
+  // Events that change the state.
 
   void made(LinkId link, Time now);
-  /// The link retires, since link `by` was made in its place.
+  /// The link is retired, because link `by` was made to replace it.
   void replaced(LinkId link, LinkId by, Time now);
-  /// The link is not needed any more: its address is gone.
+  /// The link is retired, because its address is gone.
   void retire(LinkId link, Time now);
   void gone(LinkId link) { links_.erase(link); }
   /// A participant was found on the link.
   void joined(LinkId link, Time now);
   void left(LinkId link);
-  /// A record came of a participant whose records have not all come yet.
+  /// A record came from a participant whose table is not complete yet.
   void stirred(LinkId link, Time now);
-  /// A heartbeat came of a participant that Cyclone does not know. Either side may have lost the other.
+  /// A heartbeat came of a participant that Cyclone does not know. Either this process or that participant
+  /// may have lost the other.
   void unknown_came(LinkId link, Time now);
-  /// A known participant asks all others to announce themselves.
+  /// A known participant has asked all others to announce themselves.
   void was_asked(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now);
-  /// On each link, records of these processes are missing. Other links may have brought them.
+  /// For each link, the processes of which records are missing there, even if other links have brought
+  /// these records.
   void misses(const std::map<LinkId, std::set<ProcessId>>& processes);
 
-  // Answers.
+  // Questions about the state.
 
   bool has(LinkId link) const { return links_.contains(link); }
   bool is_retired(LinkId link) const { return links_.at(link).retired_at.has_value(); }
-  /// Returns when a table that is behind since `behind_since` lacks a record for good. Newcomers on the link
-  /// make this later, but by no more than a lease: a process that crashes again and again is a newcomer each
-  /// time.
+  /// Returns the time from which a record counts as lost on the link, if the table has lacked it since
+  /// `behind_since`. Newcomers on the link postpone this time, but by no more than a lease. Otherwise a
+  /// process that crashes again and again, and is a newcomer each time, would postpone it for ever.
   Time missed_from(LinkId link, Time behind_since, bool was_complete) const;
 
   struct Renewal {
     LinkId link = 0;
     ProcessId because_of = 0;
-    IpAddress from{};  ///< its address, as Peers knows it; any: it does not
+    IpAddress from{};  ///< the address of that process, if Peers knows it; otherwise the address "any"
   };
   struct Announcement {
     LinkId link = 0;
-    bool asks = false;  ///< all receivers to announce themselves, too
+    bool asks = false;  ///< asks all receivers to announce themselves, too
   };
   struct Due {
-    std::vector<Renewal> renewals{};  ///< these links have to be made anew, and replaced
-    std::vector<LinkId> ends{};       ///< these have to be closed
+    std::vector<Renewal> renewals{};  ///< the links that have to be replaced by new ones
+    std::vector<LinkId> ends{};       ///< the retired links that have to be closed
     std::vector<Announcement> announcements{};
   };
-  /// A renewal that fails is due again later, with pauses that double. `is_complete(process, link)`: all
-  /// records of that process have come on the link, or the process is not there. `is_covered(link)`: all
-  /// records of the processes that are heard on the link have come on other links, too.
+  /// Returns what is due now. A renewal that has failed is due again after a pause, which doubles each
+  /// time. `is_complete(process, link)`: true if all records of that process have come on the link, or if
+  /// the process is gone. `is_covered(link)`: true if all records of the processes whose heartbeats come on
+  /// the link have come on other links, too.
   Due look(const std::function<bool(ProcessId, LinkId)>& is_complete,
            const std::function<bool(LinkId)>& is_covered, Time now);
-  /// The time of the next look at the latest; Time::max() if none is needed.
+  /// Returns the time by which look() must be called again; Time::max() if no call is needed.
   Time next() const;
 
  private:
   struct Link {
     Time made_at{};
-    Time stirred_at{};  ///< when a participant, or a record of an incomplete one, last came
+    Time stirred_at{};  ///< when a participant, or a record of a participant with an incomplete table, last
+                        ///< came
     std::size_t participants = 0;
-    std::chrono::milliseconds pause{};  ///< after `made_at`, until the link may be made anew
+    std::chrono::milliseconds pause{};  ///< the pause after `made_at` until the link may be made anew
     std::set<ProcessId> misses{};
-    std::set<ProcessId> made_for{};  ///< the link was made anew for these, and they are not complete yet
-    Time renew_at{};                 ///< not before this, if making it anew has failed
-    std::chrono::milliseconds retry_pause{};  ///< after the last attempt to make it anew
+    std::set<ProcessId> made_for{};  ///< the processes for which the link was made anew, and whose records
+                                     ///< have not all come yet
+    Time renew_at{};                 ///< the earliest time of the next attempt, if the last attempt to make
+                                     ///< the link anew has failed
+    std::chrono::milliseconds retry_pause{};  ///< the pause after the last attempt to make the link anew
     std::optional<Time> retired_at{};
-    Time look_again_at{};  ///< when to check whether the retired link may end
+    Time look_again_at{};  ///< when to check again whether the retired link may be closed
     std::optional<Time>
-        unknown_at{};  ///< when an unknown participant was heard first since the last question
+        unknown_at{};  ///< when the first heartbeat of an unknown participant came after the last question
     bool has_unknown = false, was_asked = false;
-    Time announce_at{};                          ///< the link announces itself no earlier than this
-    std::chrono::milliseconds announce_pause{};  ///< after the last announcement
+    Time announce_at{};                          ///< the earliest time of the next announcement on the link
+    std::chrono::milliseconds announce_pause{};  ///< the pause after the last announcement
   };
-  /// More participants of a link do not prolong any wait, since an attacker may make them up.
+  /// The maximum number of participants of a link for which waiting times are extended. Further
+  /// participants do not extend them, since an attacker may make them up.
   static constexpr std::size_t participants_counted_max = 100;
 
   static Time renewal_due(const Link& link) { return std::max(link.made_at + link.pause, link.renew_at); }

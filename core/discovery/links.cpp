@@ -48,7 +48,7 @@ Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& h
   return result;
 }
 
-/// The new link is opened before the old one retires, so that no participant is lost in between.
+/// The new link is opened before the old link is retired, so that the process always has a participant.
 Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
   next_piece_of_work();
   OpenLink link{.id = ++links_made_, .spec = spec};

@@ -1,5 +1,5 @@
-// Opens the links of this process that are wanted, makes links anew, and closes those that are not needed any
-// more. Peers (peers.h) decides when. One thread at a time.
+// Opens the links of this process that are wanted, makes links anew, and closes those that are not needed
+// any more. Peers (peers.h) decides when. An object must be used by only one thread at a time.
 #pragma once
 
 #include <cstdint>
@@ -27,41 +27,44 @@ class Links {
     ThreadSettings threads;
     Timing timing;
   };
-  /// `own` and `known` outlive this object. The records of `own` are written to each link that is opened.
+  /// `own` and `known` must outlive this object. The records in `own` are written to each link that is
+  /// opened.
   Links(Settings settings, const OwnRecords& own, KnownPeers& known)
       : settings_(std::move(settings)), own_(own), known_(known) {}
-  /// Waits until other participants have acknowledged what was written, for Timing::farewell_max at most.
+  /// Waits until other participants have acknowledged the written records, but no longer than
+  /// Timing::farewell_max.
   ~Links();
   Links(const Links&) = delete;
   Links& operator=(const Links&) = delete;
 
-  /// Opens the links that are wanted, and retires others. Returns the error of the first link that could not
-  /// be opened. The next call tries such links again. A link is made anew if `hosts` has other addresses for
-  /// its peers than before.
+  /// Opens the links that are wanted, and retires all others. Returns the error of the first link that
+  /// could not be opened. The next call tries such links again. If the addresses of a link's peers in
+  /// `hosts` have changed, the link is replaced by a new one.
   Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts);
   struct Renewal {
     bool is_made = false;
-    std::string text{};  ///< for people; empty if it failed as it did before
+    std::string text{};  ///< for people; empty if the attempt failed for the same reason as the previous one
   };
-  /// Makes a link anew. Returns nothing if the link does not exist, or has retired.
+  /// Replaces a link by a new one. Returns nothing if the link does not exist, or has retired.
   std::optional<Renewal> renew(LinkId link, const std::string& why);
   void close(LinkId link);
   void close_all();
   /// Starts to read, on all links, what other participants announce for that role. Links that are opened
   /// later are included.
   Result<void> hear(Role role);
-  /// Reads or writes reports on all links. Links that are opened later are included.
+  /// Opens or closes the readers and the writers of reports on all links. Links that are opened later are
+  /// included.
   Result<void> use_reports(bool reads, bool writes);
-  /// Opens the readers and writes the records for which this failed before. Returns the last error.
+  /// Opens the readers and writes the records for which this has failed before. Returns the last error.
   Result<void> try_again();
 
   bool empty() const { return links_.empty(); }
   /// Returns the specs of the links that have not retired.
   std::vector<LinkSpec> specs() const;
   ControlLink* find(LinkId link) const;
-  /// Links that could not be opened, and why.
+  /// Returns the links that could not be opened, each with the reason.
   const std::vector<std::string>& failures() const { return failures_; }
-  /// Returns what Cyclone complains of in the configuration.
+  /// Returns Cyclone's complaints about the configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
   /// Calls use(id, link) for each link.
@@ -74,11 +77,11 @@ class Links {
   struct OpenLink {
     LinkId id = 0;
     LinkSpec spec{};
-    std::string config{};  ///< the text that `domain` was made with
+    std::string config{};  ///< the configuration with which `domain` was made
     std::shared_ptr<const CycloneDomain> domain{};
     std::unique_ptr<ControlLink> link{};
     bool is_retired = false;
-    std::string failure{};  ///< why it could not be made anew the last time
+    std::string failure{};  ///< why the last attempt to make the link anew has failed
   };
 
   Result<void> open(const LinkSpec& spec, OpenLink* instead_of);

@@ -28,7 +28,8 @@ void Peer::join(const RemoteParticipant& id, Participant& participant) {
   refresh_all();
 }
 
-/// Participants that have agreed move to the front, so that no other one becomes the first.
+/// Removes the participant. Then moves participants that have agreed to the front, so that no participant
+/// that has never agreed becomes the first.
 void Peer::leave(const RemoteParticipant& id) {
   std::erase_if(members_, [&](const Member& one) { return one.id == id; });
   std::ranges::stable_partition(members_, [](const Member& one) { return one.participant->has_agreed; });
@@ -78,9 +79,9 @@ void Peer::link_replaced(LinkId link, LinkId by) {
   if (links_.contains(link)) links_.insert(by);
 }
 
-/// The process may have several participants on a link, since it makes its own links anew. Of a participant
-/// without heartbeats nothing is known until it counts as silent: a firewall may let only Cyclone's datagrams
-/// pass.
+/// The process may have several participants on a link, since it makes its own links anew. A participant
+/// without heartbeats decides nothing until it counts as silent, because a firewall may let only Cyclone's
+/// datagrams pass.
 Peer::Paths Peer::paths(Time now) const {
   if (links_.size() < 2) return {};
   std::set<LinkId> in_time, unknown;
@@ -103,7 +104,7 @@ bool Peer::is_complete(const Participant& participant) const {
 }
 
 /// Notes that the tables match the digests. Empty tables prove nothing, so they do not count as agreement.
-/// Returns true if this changes which participants count.
+/// Returns true if the set of participants that count has changed.
 bool Peer::note_as_complete(Participant& participant) {
   const bool was_suspect = std::exchange(participant.is_suspect, false);
   const bool has_any = std::ranges::any_of(
@@ -112,8 +113,9 @@ bool Peer::note_as_complete(Participant& participant) {
   return was_suspect || is_new;
 }
 
-/// Only the heartbeats of one participant count: of the first one that is not late and has agreed, or is the
-/// first of all. If there is none, it is the first one that is not late.
+/// Returns true if the heartbeats of this participant count. Only those of one participant do. It is the
+/// first participant that is not late and either has agreed or is the first of all. If there is none, it is
+/// the first participant that is not late.
 bool Peer::speaks_for_all(const RemoteParticipant& id, Time now) const {
   const auto is_in_time = [&](const Member& one) { return !one.participant->is_late(timing_, now); };
   const auto may_speak = [&](const Member& one) {

@@ -8,7 +8,7 @@ namespace {
 
 bool is_ignored(const Participant& participant) { return participant.is_own || participant.is_one_too_many; }
 
-/// Returns true if the participant can be judged: it belongs to another process, and is not silent.
+/// Returns true if the participant belongs to another process, and is neither ignored nor silent.
 bool is_heard(const Participant& participant) {
   return participant.process && !is_ignored(participant) && !participant.is_silent;
 }
@@ -48,7 +48,8 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
   if (!participant.is_own) admit(id, participant, now);
 }
 
-/// Refuses the participant if its process has too many. Each of its heartbeats tries again.
+/// Adds the participant to its process, or refuses it if the process has too many participants. Each
+/// heartbeat of a refused participant tries again.
 void Peers::admit(const RemoteParticipant& id, Participant& participant, Time now) {
   const Peer* const peer = find(*participant.process);
   participant.is_one_too_many = peer != nullptr && peer->participants() >= limits_.participants;
@@ -120,9 +121,9 @@ bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, con
          (adds_none || bytes_ < limits_.bytes_of_all());
 }
 
-/// A heartbeat that names another process than that of its participant is forged, and ignored. Heartbeats are
-/// read once a second. If one has waited much longer, this process was held up, and newer heartbeats may have
-/// found no room. So that one counts as if it came now.
+/// A heartbeat that names another process than that of its participant is forged, and ignored. Heartbeats
+/// are read once a second. If one has waited much longer, this process was held up, and newer heartbeats
+/// may have been dropped because the socket's buffer was full. So the heartbeat counts as if it came now.
 void Peers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age,
                            const IpAddress& from) {
   if (heartbeat.process == self_ || !care_.has(link)) return;
@@ -145,11 +146,12 @@ void Peers::join(const RemoteParticipant& id, Participant& participant) {
   const auto changed = [this, process](Role role, const RecordKey& key, const Record& record) {
     actions_.emplace_back(RecordChanged{process, role, key, record});
   };
-  participant.is_cropped = false;  // it may have found no room only because it was not heard
+  participant.is_cropped = false;  // the limits may have been reached only because the participant was not
+                                   // heard
   peers_.try_emplace(process, timing_, listened_, changed).first->second.join(id, participant);
 }
 
-/// The records of a process end with its last participant. PeerLost reports that once for all of them.
+/// The records of a process end with its last participant. PeerLost reports the end of all records at once.
 void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
   const auto peer = peers_.find(*participant.process);
   if (peer->second.participants() > 1) return peer->second.leave(id);
@@ -159,9 +161,9 @@ void Peers::leave(const RemoteParticipant& id, const Participant& participant) {
 }
 
 /// Returns when the participant becomes suspect. A record counts as missing only if heartbeats go on by the
-/// same link, because a link that is cut brings nothing. So a third heartbeat has to follow the two that
-/// disagree: the second one may have come while the link worked for a moment, too short for records to be
-/// sent again.
+/// same link, because nothing arrives by a cut link. So a third heartbeat has to follow the two that
+/// disagree. The second heartbeat alone may have come while the link worked for a moment that was too short
+/// for records to be sent again.
 Time Peers::missed_at(LinkId link, const Participant& participant) const {
   if (participant.is_suspect || participant.is_cropped) return Time::max();
   Time missed = Time::max();
@@ -175,8 +177,8 @@ Time Peers::missed_at(LinkId link, const Participant& participant) const {
   return missed;
 }
 
-/// Returns when heartbeats that do not arrive by UDP have to come by Cyclone: early enough for two of them to
-/// come before the lease ends.
+/// Returns when heartbeats that do not arrive by UDP have to be sent through Cyclone. This is early enough
+/// for two of them to come before the lease ends.
 Time Peers::unheard_at(LinkId link, const Participant& participant) const {
   const bool is_told = unheard_.contains(link) || care_.is_retired(link);
   return participant.heard_at || is_told ? Time::max()
@@ -193,9 +195,10 @@ void Peers::look(Time now) {
   look_at_links(now);
 }
 
-/// Participants that are silent, and those that Cyclone does not find, have ended for the most part, so their
-/// tables make room for others. If one of them still lives, a renewal of the link brings its records again.
-/// The same is true of records that found no room, once there is room again.
+/// Participants that are silent, and those that Cyclone does not find, have mostly ended. So when the
+/// limits are reached, their tables are removed. If such a participant is still alive, a renewal of the
+/// link brings its records again. A renewal also brings records that were dropped because of the limits,
+/// once the limits allow it.
 void Peers::look_at_room(Time now) {
   const bool is_full = limits_.are_reached(records_, bytes_);
   for (auto next = participants_.begin(); next != participants_.end();) {

@@ -1,7 +1,7 @@
 // Keeps track of the other processes and of their participants on each link: decides which processes are
 // alive, when records of them are missing, and what has to be done with the links of this process. Uses no
-// clock, thread or I/O: events and times are passed in, actions are returned. One thread at a time may use
-// it.
+// clock, thread or I/O: events and times are passed in, actions are returned. An object must be used by
+// only one thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -23,30 +23,31 @@
 
 namespace sft::core {
 
-/// All participants of the process are silent or gone, and no record of it holds.
+/// All participants of the process are silent or gone, and none of its records is in force.
 struct PeerLost {
   ProcessId process = 0;
 };
-/// Another record holds now. It has no body if it was withdrawn, or was not the process's own.
+/// Another record with this key is in force now. The record has no body if it was withdrawn, or if it was
+/// not the process's own.
 struct RecordChanged {
   ProcessId process = 0;
   Role role{};
   RecordKey key{};
   Record record{};
 };
-/// The process is heard by other links, but no longer by these: the path there is cut. Both are empty once no
-/// path is cut any more.
+/// Heartbeats of the process come by the links `heard`, but no longer by the links `cut`: the path there is
+/// interrupted. Both lists are empty once no path is interrupted any more.
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
-  std::vector<LinkId> heard{};  ///< the other links; two links may lead to the same network
+  std::vector<LinkId> heard{};  ///< the links with heartbeats; two of these may lead to the same network
 };
-/// Heartbeats of a participant that Cyclone has found do not arrive on the link. A firewall may let only the
-/// ports of DDS pass. So heartbeats have to go by Cyclone.
+/// Heartbeats of a participant that Cyclone has found do not arrive on the link. A firewall may let only
+/// the ports of DDS pass. So heartbeats have to be sent through Cyclone.
 struct HeartbeatsMissing {
   LinkId link = 0;
 };
-/// The link that retired is not needed any more.
+/// The retired link is not needed any more and has to be closed.
 struct EndLink {
   LinkId link = 0;
 };
@@ -56,9 +57,9 @@ using PeerAction =
     std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, Announce, EndLink>;
 
 struct PeerLimits {
-  /// While all participants together have fewer records than `full`, of fewer bytes than `full_bytes`, each
-  /// may have any number. Beyond that, a participant that is heard may have `records` of `bytes` in all,
-  /// while all together have fewer bytes than bytes_of_all().
+  /// While all participants together have fewer than `full` records with fewer than `full_bytes` bytes,
+  /// each of them may have any number of records. Above that, a participant whose heartbeats come may have
+  /// `records` records with `bytes` bytes, as long as all together have fewer bytes than bytes_of_all().
   std::size_t records = 2'048;
   std::size_t bytes = std::size_t{4} << 20;
   std::size_t full = 16'384;
@@ -70,7 +71,8 @@ struct PeerLimits {
   bool are_far(std::size_t all_records, std::size_t all_bytes) const {
     return all_records < full / 4 * 3 && all_bytes < full_bytes / 4 * 3;
   }
-  /// Participants of one process: one on each link, and a second one where a link is made anew.
+  /// The maximum number of participants of one process: one on each link, and a second one on a link that
+  /// is being replaced.
   std::size_t participants = 32;
 };
 
@@ -81,7 +83,7 @@ class Peers {
   Peers(const Peers&) = delete;
   Peers& operator=(const Peers&) = delete;
 
-  // Events.
+  // Events that change the state.
 
   /// Records of that role are read from now on.
   void listen(Role role, Time now);
@@ -92,30 +94,32 @@ class Peers {
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now) { care_.network_changed(now); }
-  /// Cyclone has found a participant that claims to belong to the process. Later claims of it are ignored.
+  /// Cyclone has found a participant that claims to belong to the process. Later claims of this participant
+  /// to another process are ignored.
   void participant_found(const RemoteParticipant& id, ProcessId process, Time now);
   /// A participant that was found before asks all others to announce themselves.
   void participant_asks(const RemoteParticipant& id);
   void participant_gone(const RemoteParticipant& id);
-  /// A record may come before its participant is found. Returns false if there is no room for it.
+  /// A record may come before its participant is found. Returns false if the limits leave no memory for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
-  /// `age`: the time for which it has waited to be read. `from`: the address that it came from; any if that
-  /// is not known.
+  /// `age`: the time for which the heartbeat has waited to be read. `from`: the address that the heartbeat
+  /// came from; "any" if it is not known.
   void heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age = {},
                       const IpAddress& from = {});
   /// Must be called after heartbeat_came() for all heartbeats that were read.
   void look(Time now);
 
-  // Answers.
+  // Questions about the state.
 
   std::vector<PeerAction> take_actions() { return std::exchange(actions_, {}); }
-  /// The time of the next look at the latest; Time::max() if none is needed.
+  /// Returns the time by which look() must be called; Time::max() if no call is needed.
   Time next() const;
-  /// Null if the process is not there.
+  /// Returns the process; null if it is not there.
   const Peer* find(ProcessId process) const;
   /// Returns the process of the participant; nothing if the participant is ignored or silent.
   std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
-  /// Returns when a participant was last found; Time{} if none was. Its records may still be on their way.
+  /// Returns when a participant was last found; Time{} if none was. Records of that participant may still
+  /// be on their way.
   Time newcomer_at() const { return newcomer_at_; }
 
  private:
@@ -141,10 +145,10 @@ class Peers {
   Peer::Listened listened_{};
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
-  std::map<ProcessId, Peer::Paths> cut_;  ///< as reported by PathsCut
+  std::map<ProcessId, Peer::Paths> cut_;  ///< the cut paths of each process as last reported by PathsCut
   std::set<LinkId> unheard_;              ///< links for which HeartbeatsMissing was reported
-  std::size_t records_ = 0;               ///< of all participants
-  std::size_t bytes_ = 0;                 ///< of all these records
+  std::size_t records_ = 0;               ///< the number of records of all participants
+  std::size_t bytes_ = 0;                 ///< the size of these records in bytes
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

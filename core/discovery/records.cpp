@@ -17,7 +17,7 @@ constexpr std::uint64_t spread(std::uint64_t number) {
 
 std::size_t bytes_of(const Record& record) { return record.is_withdrawn() ? 0 : record.body->size(); }
 
-/// Returns what one record adds to the digest, which is the sum over all records.
+/// Returns what one record adds to the digest, where the digest is the sum over all records.
 std::uint64_t digest_of(const RecordKey& key, const Record& record) {
   std::uint64_t digest = spread((std::uint64_t{key.slot} << 8) + static_cast<std::uint64_t>(key.kind) + 1);
   digest = spread(digest ^ record.revision);

@@ -1,6 +1,6 @@
-// Records: what a process has and asks for. A record is bytes under a key, with a revision. Each process owns
-// its records. Other processes hold copies, which they compare with the owner's by a digest. Uses no clock,
-// thread or I/O.
+// Records: the endpoints, requests and inquiries of a process. A record consists of a key, a revision, and
+// bytes. Each process owns its records. Other processes hold copies, which they compare with the owner's by
+// a digest. Uses no clock, thread or I/O.
 #pragma once
 
 #include <array>
@@ -23,7 +23,8 @@ using ProcessId = std::uint64_t;
 /// The id that Cyclone gives a DDS participant.
 using ParticipantGuid = std::array<std::uint8_t, 16>;
 
-/// A participant of another process as one of our links sees it. A process has one on each of its links.
+/// A participant of another process as one of our links sees it. A process has one participant on each of
+/// its links.
 struct RemoteParticipant {
   LinkId link = 0;
   ParticipantGuid guid{};
@@ -42,12 +43,13 @@ inline constexpr std::array both_roles{Role::writer, Role::reader};
 
 enum class RecordKind : std::uint8_t {
   announcement,  ///< the record announces an endpoint
-  request,       ///< what a subscriber asks for
-  inquiry        ///< a topic of whose progress or accounts the process wants reports
+  request,       ///< the record contains the request of a subscriber
+  inquiry        ///< a topic for which the process wants reports on progress or accounts
 };
 
-/// A slot is a number within its process. It belongs to one endpoint. Once that is withdrawn, another
-/// endpoint gets the slot, because Cyclone keeps some 2 kB for each key that was ever written.
+/// A slot is a number within its process. A slot belongs to one endpoint or inquiry. Once its owner is
+/// withdrawn, another owner gets the slot, because Cyclone keeps some 2 kB for each key that was ever
+/// written.
 struct RecordKey {
   std::uint32_t slot = 0;
   RecordKind kind{};
@@ -57,7 +59,8 @@ struct RecordKey {
 using RecordBody = std::shared_ptr<const std::vector<std::byte>>;
 
 struct Record {
-  std::uint64_t revision = 0;  ///< counts all changes of the process; of two records the greater one holds
+  std::uint64_t revision = 0;  ///< the number of the change in its process; of two records with one key, the
+                               ///< greater revision is in force
   RecordBody body{};           ///< null: the record was withdrawn
   bool is_withdrawn() const { return body == nullptr; }
   friend bool operator==(const Record& a, const Record& b);
@@ -66,16 +69,16 @@ struct Record {
 /// The records of one role of one process, and their digest.
 class Records {
  public:
-  /// Enters a record. It replaces the one that had this key before.
+  /// Enters a record. It replaces the record with the same key, if there is one.
   void put(const RecordKey& key, Record record);
   void erase(const RecordKey& key);
-  /// Null if there is none.
+  /// Returns the record; null if there is no record with that key.
   const Record* find(const RecordKey& key) const;
   const std::map<RecordKey, Record>& all() const { return all_; }
-  std::size_t bytes() const { return bytes_; }  ///< of all bodies
+  std::size_t bytes() const { return bytes_; }  ///< the size of all bodies in bytes
 
-  /// Returns a number that is the same for equal records, in whichever order they came; 0 if there are none.
-  /// Withdrawn records count, so that a withdrawal that does not arrive is noticed.
+  /// Returns a number that is the same for equal records, in whichever order they came; 0 if there are no
+  /// records. Withdrawn records are included, so that a lost withdrawal is detected.
   std::uint64_t digest() const { return digest_; }
 
  private:

@@ -30,7 +30,8 @@ bool RemoteTable::expect(std::uint64_t digest, Time::duration apart, Time now) {
     return false;
   }
   expected_.push_back({digest, now});
-  // The first two are those that behind_since() needs. Of the others, the table may yet reach the newest.
+  // behind_since() needs the first two digests, so they are kept. Of the later digests the oldest is
+  // removed, because the table is most likely to reach the newest ones.
   if (expected_.size() > expected_max) expected_.erase(expected_.begin() + 2);
   return false;
 }

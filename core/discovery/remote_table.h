@@ -1,8 +1,9 @@
 // The records of one role that one participant has written, compared with the digests in the heartbeats of
-// its process. A heartbeat may be older or newer than the records that have come, so a single digest that
-// differs proves nothing. But if the table has had the digests of two successive heartbeats neither before
-// nor since, a record is missing, or one is not the process's own. Uses no clock, thread or I/O. One thread
-// at a time.
+// its process. A heartbeat may be older or newer than the received records, so a single digest that differs
+// from the table's proves nothing. The table therefore remembers its own recent digests. If the digests of
+// two successive heartbeats match neither these nor any later digest of the table, a record is missing, or
+// a record in the table is not the process's own. Uses no clock, thread or I/O. An object must be used by
+// only one thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -21,13 +22,14 @@ class RemoteTable {
   void put(const RecordKey& key, Record record);
   const Records& records() const { return records_; }
 
-  /// A heartbeat with this digest has come. Heartbeats less than `apart` from each other count as one.
-  /// Returns true if the table has this digest, or has had it since it last had the digest of a heartbeat.
+  /// Called when a heartbeat with this digest has come. Heartbeats that come less than `apart` after each
+  /// other count as one. Returns true if the table has this digest, or has had it since the last match of
+  /// the table with a heartbeat.
   bool expect(std::uint64_t digest, Time::duration apart, Time now);
-  /// Returns the time of the second of two heartbeats whose digests the table has not had; nothing if no
-  /// record is known to be missing.
+  /// Returns the time of the second of two successive heartbeats whose digests the table has never had;
+  /// nothing if no record is known to be missing.
   std::optional<Time> behind_since() const;
-  /// Discards the digests of heartbeats. The records stay.
+  /// Discards the digests of heartbeats, but keeps the records.
   void expect_nothing() { expected_.clear(); }
 
  private:
@@ -35,13 +37,15 @@ class RemoteTable {
     std::uint64_t digest = 0;
     Time since{};
   };
-  static constexpr std::size_t passed_max = 1024;  ///< remembered changes between two heartbeats
+  static constexpr std::size_t passed_max = 1024;  ///< the maximum number of remembered changes between two
+                                                   ///< heartbeats
   static constexpr std::size_t expected_max = 16;
 
   Records records_;
-  /// The digests that the table has had since it last had that of a heartbeat; the present one is the last.
+  /// The digests that the table has had since its last match with a heartbeat; the present digest is the
+  /// last.
   std::deque<std::uint64_t> passed_;
-  /// The digests of heartbeats that the table has not had since; the oldest is the first.
+  /// The digests of heartbeats that the table has not had since they came; the oldest is the first.
   std::deque<Expected> expected_;
 };
 

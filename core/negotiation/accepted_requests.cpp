@@ -15,8 +15,8 @@ void AcceptedRequests::asks_for(Wanted wanted, Time now) {
   if (requests_.size() > (reliable_ ? reliable_max : best_effort_max)) requests_.erase(requests_.begin());
 }
 
-/// A best-effort reader must not accept an older request for long: another reader in this process may ask for
-/// the same, and this reader would take the other one's samples.
+/// A best-effort reader must not accept samples for an older request for long. Another reader in this
+/// process may make the same request, and this reader would then accept the samples of that reader.
 bool AcceptedRequests::look(Time now) {
   if (!reliable_) {
     return std::erase_if(requests_, [&](const Request& r) {

@@ -1,6 +1,6 @@
 // Keeps the requests of a reader for which samples may still come. A reliable reader gets samples however
-// late they come. So for such a reader the order of the samples decides when a request is over
-// (Accepted::request), and not the time. Pure: calls and times are passed in, decisions are returned.
+// late they come. So for such a reader a request ends with a certain sample in order (Accepted::request),
+// and not after a certain time. Pure: calls and times are passed in, decisions are returned.
 #pragma once
 
 #include <chrono>
@@ -15,18 +15,19 @@ namespace sft::core {
 
 class AcceptedRequests {
  public:
-  /// The longest time for which datagrams may be in flight. After it all writers know a new request.
+  /// The longest time for which datagrams may be in flight. After this time all writers have received a new
+  /// request.
   static constexpr std::chrono::seconds in_flight_max{2};
-  /// The most requests that are kept. If there are more, the oldest ones are dropped.
+  /// The maximum number of requests that are kept. If there are more, the oldest ones are dropped.
   static constexpr std::size_t best_effort_max = 16, reliable_max = 64;
 
   AcceptedRequests() = default;
   AcceptedRequests(Wanted first, bool reliable);
 
-  /// Called when the reader asks for something else. An earlier request is dropped once no sample that was
+  /// Called when the reader makes another request. An earlier request is dropped once no sample that was
   /// sent for it can be under way any more.
   void asks_for(Wanted wanted, Time now);
-  /// Drops requests, or sets Accepted::heard, if their time has come. Returns true if all() has changed.
+  /// Drops requests, or sets Accepted::heard, when this is due. Returns true if all() has changed.
   bool look(Time now);
 
   const Wanted& latest() const { return requests_.back().accepted.wanted; }

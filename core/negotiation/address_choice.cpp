@@ -8,7 +8,7 @@ namespace sft::core {
 
 namespace {
 
-/// How good an address is; smaller values are better.
+/// The quality of an address; smaller values are better.
 enum class Rank : std::uint8_t { near_by_wire, near_by_radio, routed, link_local, without_carrier, no_way };
 
 std::pair<Rank, UdpAddress> rank(const UdpAddress& address, std::span<const Link> ours) {

@@ -1,7 +1,7 @@
-// Limits the bytes of type descriptions that a table keeps of the endpoints of other nodes, since a hostile
-// node may announce any number of endpoints. If there is no room for a description, its endpoint is kept
-// without it. Pairs match nevertheless, but the fields are not known. A description never replaces another
-// one. Uses no clock, thread or I/O.
+// Limits the total size of the type descriptions that a table keeps for endpoints of other nodes, since a
+// hostile node may announce any number of endpoints. If a description would exceed the limit, its endpoint
+// is kept without the description. Pairs of the endpoint match nevertheless, but the fields of its type are
+// not known. A description never replaces another one. Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -17,7 +17,8 @@ class DescriptionRoom {
   static constexpr std::size_t description_bytes_max = std::size_t{32} << 20;
   static constexpr std::size_t description_bytes_of_announcer = std::size_t{8} << 20;
 
-  /// Counts the description of a new endpoint, or removes it from the endpoint if there is no room for it.
+  /// Counts the description of a new endpoint, or removes it from the endpoint if it would exceed the
+  /// limit.
   void enter(Endpoint& endpoint) {
     const std::size_t bytes = endpoint.type_description.size();
     if (bytes == 0) return;
@@ -30,7 +31,7 @@ class DescriptionRoom {
     all_ += bytes;
     of_[endpoint.announcer] += bytes;
   }
-  /// Called when the endpoint is removed. It has the description that it had after enter().
+  /// Called when the endpoint is removed. The endpoint must have the same description as after enter().
   void leave(const Endpoint& endpoint) {
     const std::size_t bytes = endpoint.type_description.size();
     if (bytes == 0) return;

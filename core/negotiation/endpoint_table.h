@@ -1,5 +1,5 @@
 // The table of endpoints, ours and those of other nodes, by their ids and by their topics. It knows which
-// endpoints are lost, and admits endpoints of other nodes while there is room for them. Uses no clock, thread
+// endpoints are lost, and admits endpoints of other nodes while the limits allow it. Uses no clock, thread
 // or I/O.
 #pragma once
 
@@ -24,9 +24,10 @@ namespace sft::core {
 
 struct TableEntry {
   Endpoint endpoint;
-  const TypeSupport* type = nullptr;  ///< the type of our own endpoint; null for endpoints of other nodes
-  std::optional<Time> lost_since{};   ///< the time since which its process does not answer; empty: it answers
-  std::uint64_t arrival = 0;          ///< the place of the entry in the order of arrival
+  const TypeSupport* type = nullptr;  ///< the type of an endpoint of ours; null for endpoints of other nodes
+  std::optional<Time> lost_since{};   ///< the time since which the endpoint's process does not answer; empty:
+                                      ///< the process answers
+  std::uint64_t arrival = 0;          ///< the number of the entry in the order of arrival
   std::optional<Progress> progress{};  ///< the last reported progress of a writer
 
   bool is_ours() const { return type != nullptr; }
@@ -39,11 +40,11 @@ class EndpointTable {
 
   /// Adds an endpoint of ours. Its id must not be in the table. `type` outlives the entry.
   void add_ours(const Endpoint& endpoint, const TypeSupport& type);
-  /// Decides whether a new endpoint of another node is admitted, and counts an endpoint that is refused or
-  /// removed. The caller erases the entry that has to be removed.
+  /// Decides whether a new endpoint of another node is admitted, and counts the endpoint that is refused or
+  /// removed for this. The caller must erase the entry that the result names.
   TableShares::Admission admit(const Endpoint& newcomer);
-  /// Adds or updates an endpoint of another node, which is then not lost. Returns what was known of it
-  /// before.
+  /// Adds or updates an endpoint of another node, which then does not count as lost. Returns the earlier
+  /// endpoint with the same id, if there is one.
   std::optional<Endpoint> enter(const Endpoint& endpoint);
   /// Removes an entry. Returns false if it was not in the table.
   bool erase(EndpointId id);
@@ -55,12 +56,12 @@ class EndpointTable {
   TableEntry* find_ours(EndpointId id);
   const TableEntry* find_ours(EndpointId id) const;
   std::vector<Endpoint*> ours();
-  /// Returns the readers of a writer's topic, or the writers of a reader's topic.
+  /// Returns the readers of the entry's topic if the entry is a writer, or the writers if it is a reader.
   std::vector<const TableEntry*> counterparts(const TableEntry& entry) const;
   /// Returns true if some endpoint of ours has the topic.
   bool is_topic_of_ours(std::string_view topic) const;
 
-  /// Marks an endpoint as lost. Returns true if that changes anything.
+  /// Marks an endpoint as lost. Returns true if the endpoint is in the table and was not lost before.
   bool lost(EndpointId id, Time now);
   std::vector<EndpointId> lost_for(std::chrono::seconds duration, Time now) const;
 
@@ -79,7 +80,8 @@ class EndpointTable {
 
   /// Returns how many announcements were refused, and entries removed, because the table was full.
   std::uint64_t refused() const { return refused_; }
-  /// Returns the same number for each node that announced them, by its name, since the last call.
+  /// Returns this count for each node whose announcements were refused or removed, by its name, since the
+  /// last call.
   std::map<std::string, std::uint64_t> take_refusals() { return std::exchange(refusals_, {}); }
 
  private:
@@ -91,12 +93,13 @@ class EndpointTable {
   void unindex(const TableEntry& entry);
   void refuse(const Endpoint& endpoint);
 
-  // With these maps the cost of an event of one endpoint does not depend on the number of other endpoints.
+  // Because of these maps, the cost of an event of one endpoint does not depend on the number of other
+  // endpoints.
   std::map<EndpointId, TableEntry> entries_;
   std::map<std::string, Topic, std::less<>> topics_;  ///< the topics of all entries
   std::set<EndpointId> lost_;                         ///< the entries that are lost
   TableShares shares_;                                ///< the shares of the entries of other nodes
-  DescriptionRoom descriptions_;                      ///< room for descriptions of remote endpoints
+  DescriptionRoom descriptions_;                      ///< limits the descriptions of endpoints of other nodes
   std::uint64_t arrivals_ = 0;
   std::uint64_t refused_ = 0;
   std::map<std::string, std::uint64_t> refusals_;

@@ -15,7 +15,7 @@ Hearing hear(const TableEntry& writer, const Endpoint& r, const Verdict& verdict
   const Endpoint& w = writer.endpoint;
   const std::uint32_t owed = facts.history.owed(w, r);
   const bool history_first = owed != 0 && verdict.network;
-  // Otherwise samples that other readers get by shared memory would overtake the retained ones.
+  // Without this, new samples in shared memory would overtake the retained samples.
   const bool history_comes = history_first && !facts.history.has_come(r.id, w.id);
   const bool awaited = history_first || (owed != 0 && !holds(r.request.begun, w.id));
   const bool reliable = r.qos.reliability == Reliability::reliable;
@@ -29,8 +29,8 @@ Hearing hear(const TableEntry& writer, const Endpoint& r, const Verdict& verdict
           .status = heard_as(w, !writer.lost(), r, verdict, history_comes)};
 }
 
-/// Limits the writers to those that a request has room for. Writers whose nodes answer are preferred, and
-/// among these the ones that have been known the longest.
+/// Limits the writers to the maximum number that a request can list. Writers whose nodes answer are
+/// preferred, and among these the writers that have been known for the longest time.
 void hear_no_more_than_possible(std::vector<Hearing>& hearing, const EndpointTable& table) {
   std::vector<Hearing*> matched;
   for (Hearing& h : hearing) {

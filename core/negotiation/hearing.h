@@ -16,8 +16,8 @@ namespace sft::core {
 struct Hearing {
   Source source;
   Qos offered;
-  std::uint32_t owed = 0;  ///< the number of retained samples that should come first
-  bool memory = false;     ///< connect to it in shared memory
+  std::uint32_t owed = 0;  ///< the number of retained samples that the writer should send before all others
+  bool memory = false;     ///< true: connect to the writer in shared memory
   bool network = false;
   SubscriberStatus::Writer status;
 };

@@ -1,5 +1,6 @@
 // All facts from which the negotiation derives the desired states: this host, the endpoints, and what is
-// known of pairs of them. Nothing is kept of an endpoint that is gone. Uses no clock, thread or I/O.
+// known of pairs of them. The facts about an endpoint that is gone are removed. Uses no clock, thread or
+// I/O.
 #pragma once
 
 #include "core/negotiation/endpoint_table.h"
@@ -17,7 +18,7 @@ struct KnownFacts {
   UnreachableReaders unreachable;
   mutable RequestedSelections requested{};  ///< decoded from the requests in the table
 
-  /// Removes an endpoint. If it comes back later, the history has to be sent to it again.
+  /// Removes an endpoint. If the endpoint comes back later, it must get the history again.
   void erase(EndpointId id) {
     if (!table.erase(id)) return;
     history.forget(id);

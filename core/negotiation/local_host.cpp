@@ -17,7 +17,8 @@ void LocalHost::network_changed(const std::vector<UdpAddress>& addresses, const 
   links_ = links;
 }
 
-/// A writer that must not write to the shared memory gets no token, so that no reader waits for it there.
+/// A writer that must not write to the shared memory gets no token, so that no reader waits for samples of
+/// the writer in shared memory.
 void LocalHost::equip(Endpoint& ours) const {
   ours.host = ours.role == Role::writer && !self_.may_write_memory ? HostToken{} : self_.host;
   ours.memory_failure = ours.may_use_memory ? self_.memory_failure : "";
@@ -29,7 +30,7 @@ UdpAddress LocalHost::address_of(const Endpoint& reader) const {
   UdpAddress address;
   if (reader.network != self_.network) {
     address = choose_address(reader.addresses, links_);
-  } else {  // both are in one network stack, so datagrams never leave the machine
+  } else {  // both nodes use the same network stack, so datagrams never leave the machine
     address = reader.addresses.front();
     const bool has_ipv4 = std::ranges::any_of(reader.addresses, [](const auto& a) { return a.ip.is_ipv4(); });
     address.ip = has_ipv4 ? loopback_ipv4 : loopback_ipv6;

@@ -1,5 +1,5 @@
-// This node's host: what our endpoints announce about it, and by which address it reaches the readers of
-// other nodes. Uses no clock, thread or I/O.
+// The host of this node: what our endpoints announce about the host, and the address by which it reaches
+// each reader of another node. Uses no clock, thread or I/O.
 #pragma once
 
 #include <optional>
@@ -16,13 +16,14 @@ class LocalHost {
   const Self& self() const { return self_; }
   /// Returns true if anything has changed. Then equip() has to be called for our endpoints again.
   bool self_changed(const Self& self);
-  /// Sets the addresses at which our endpoints are reached, and the links by which others are reached. Then
-  /// equip() has to be called for our endpoints again.
+  /// Sets the addresses at which our endpoints are reached, and the links by which other nodes are reached.
+  /// Then equip() has to be called for our endpoints again.
   void network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
 
   /// Sets the token, the network and the addresses of one of our endpoints to those that are valid now.
   void equip(Endpoint& ours) const;
-  /// Returns the address to which samples for that reader are sent. The reader has at least one address.
+  /// Returns the address to which samples for that reader are sent. REQUIRES: the reader has at least one
+  /// address.
   UdpAddress address_of(const Endpoint& reader) const;
 
  private:

@@ -15,7 +15,7 @@ bool is_of_our_topic(const EndpointTable& table, EndpointId id) {
   return endpoint != nullptr && table.is_topic_of_ours(endpoint->topic);
 }
 
-/// Each change of a request of ours makes it a newer one.
+/// Gives a changed request of ours a greater sequence.
 bool renew(Request& request) {
   ++request.sequence;
   return true;
@@ -53,7 +53,7 @@ bool Negotiation::network_changed(const std::vector<UdpAddress>& addresses, cons
 void Negotiation::local_added(const Endpoint& endpoint, const TypeSupport& type) {
   Endpoint equipped = endpoint;
   facts_.host.equip(equipped);
-  facts_.erase(endpoint.id);  // in case an endpoint of another process has the id
+  facts_.erase(endpoint.id);  // an endpoint of another process may have used the same id
   facts_.table.add_ours(equipped, type);
 }
 
@@ -72,8 +72,8 @@ bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   return concerns_ours;
 }
 
-/// Returns true if there is room for a new endpoint. Another endpoint may be removed to make room. Then
-/// `concerns_ours` becomes true if an endpoint of ours has the topic of the removed one.
+/// Returns true if the new endpoint is admitted. If another endpoint is removed for this, and an endpoint
+/// of ours has the topic of the removed endpoint, `concerns_ours` is set to true.
 bool Negotiation::admit(const Endpoint& newcomer, bool& concerns_ours) {
   const TableShares::Admission admission = facts_.table.admit(newcomer);
   if (admission.instead_of) {
@@ -95,8 +95,8 @@ bool Negotiation::endpoint_lost(EndpointId id, Time now) {
   return facts_.table.lost(id, now) && is_of_our_topic(facts_.table, id);
 }
 
-/// Requests of readers that are lost or not in the table are ignored: when such a reader is seen again, its
-/// request in force comes with it.
+/// Requests of readers that are lost or not in the table are ignored: when such a reader is announced
+/// again, the announcement contains its request in force.
 bool Negotiation::request_received(const Request& request) {
   TableEntry* const reader = facts_.table.find(request.reader);
   if (reader == nullptr || reader->is_ours() || reader->lost()) return false;
@@ -125,7 +125,7 @@ bool Negotiation::rate_changed(EndpointId reader, std::uint32_t min_period_us) {
   return renew(ours->endpoint.request);
 }
 
-/// If the path is lost by which retained samples came, they come again from the beginning.
+/// If the path by which retained samples came is lost, all retained samples are sent again.
 bool Negotiation::connection_changed(EndpointId reader, EndpointId writer, TransportKind path,
                                      bool connected) {
   TableEntry* const ours = facts_.table.find_ours(reader);

@@ -23,7 +23,8 @@
 
 namespace sft::core {
 
-/// Limits for entries of other nodes. Further ones are refused and counted (table_shares.h has the rules).
+/// Limits for entries of other nodes. Further entries are refused and counted (table_shares.h has the
+/// rules).
 struct NegotiationLimits {
   std::size_t endpoints = 4096;
   std::chrono::seconds forget_lost_after{60};
@@ -37,13 +38,14 @@ class Negotiation {
   explicit Negotiation(const Limits& limits = {});
 
   // Events. Each returns true if the desired states may have changed, so that they have to be read again.
-  // Most endpoints of a large system have topics that none of ours has; these change nothing.
+  // Most endpoints of a large system have topics that no endpoint of ours has; events of these change
+  // nothing.
   bool self_changed(const Self& self);
-  /// Called when the addresses at which our endpoints are reached have changed, or the links by which others
-  /// are reached.
+  /// Called when the addresses at which our endpoints are reached have changed, or the links by which other
+  /// nodes are reached.
   bool network_changed(const std::vector<UdpAddress>& addresses, const std::vector<Link>& links);
-  /// `type` outlives the endpoint. The endpoint's host and network are taken from Self, its addresses from
-  /// network_changed().
+  /// `type` must outlive the endpoint. The endpoint's host and network are taken from Self, its addresses
+  /// from network_changed().
   void local_added(const Endpoint& endpoint, const TypeSupport& type);
   void local_removed(EndpointId id);
   // Discovery reports endpoints of other nodes in order: a request comes after its endpoint, and a later
@@ -61,11 +63,11 @@ class Negotiation {
   bool history_began(EndpointId reader, EndpointId writer);
   /// Called when all retained samples for that reader have arrived.
   bool history_came(EndpointId reader, EndpointId writer);
-  /// Called when all samples of one of our writers for a late reader alone have left. Takes effect once the
-  /// reader's request says that the first of them have arrived.
+  /// Called when all samples that one of our writers sends to a late reader alone have left this process.
+  /// Takes effect once the reader's request says that the first of these samples has arrived.
   bool history_given(EndpointId writer, EndpointId reader);
-  /// `why_not` says why the port of one of our writers cannot ring that reader's doorbell in shared memory;
-  /// empty if it can.
+  /// `why_not` is the reason why the port of one of our writers cannot ring that reader's doorbell in
+  /// shared memory; empty if the port can ring it.
   bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Time now);
   /// Stores the reported progress of a writer, on which no desired state depends.
@@ -74,15 +76,16 @@ class Negotiation {
   // Desired states, derived from the present facts.
   Serving serving(EndpointId writer) const;
   std::vector<Hearing> hearing(EndpointId reader) const;
-  /// Returns our endpoint as it should be announced, with the request in force.
+  /// Returns our endpoint as it should be announced, with its request that is in force.
   const Endpoint* local(EndpointId id) const;
 
-  /// Returns all endpoints, ours and others'. Pointers that the table returns are valid until the next event.
+  /// Returns all endpoints, including those of other nodes. Pointers that the table returns are valid until
+  /// the next event.
   const EndpointTable& table() const { return facts_.table; }
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
   /// Returns the number of announcements that were refused because the table was full.
   std::uint64_t ignored() const { return facts_.table.refused(); }
-  /// Returns the same number for each node that announced them, by its name, since the last call.
+  /// Returns this count for each node whose announcements were refused, by its name, since the last call.
   std::map<std::string, std::uint64_t> take_refusals() { return facts_.table.take_refusals(); }
 
  private:

@@ -23,8 +23,8 @@ std::string why_not_memory(const Pair& pair, const Self& self) {
   return "the other side has no shared memory: " + peer.memory_failure;
 }
 
-/// Returns true if a pair on one machine may share memory later. Tokens that differ do not rule that out: one
-/// may be that of a daemon that has just ended.
+/// Returns true if a pair on one machine may share memory later. This is possible even if the host tokens
+/// differ, since one token may be that of a daemon that has just ended.
 bool may_come_to_share(const Pair& pair, const Self& self) {
   const bool read_only = pair.we_write && self.host.known() && !self.may_write_memory;
   return pair.writer.may_use_memory && pair.reader.may_use_memory &&

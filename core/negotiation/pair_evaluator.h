@@ -1,5 +1,5 @@
 // Judges the pairs of one of our endpoints, and limits the number of type definitions that are compared for
-// it.
+// this endpoint.
 #pragma once
 
 #include "core/negotiation/endpoint_table.h"
@@ -10,10 +10,10 @@ namespace sft::core {
 
 class PairEvaluator {
  public:
-  /// Both outlive this object.
+  /// Both arguments must outlive this object.
   PairEvaluator(const Self& self, TypeComparisons& comparisons) : self_(self), comparisons_(comparisons) {}
 
-  /// At least one of the two endpoints is ours.
+  /// At least one of the two endpoints must be ours.
   Verdict evaluate(const TableEntry& writer, const TableEntry& reader) {
     const bool we_write = writer.is_ours();
     const TypeSupport& type = we_write ? *writer.type : *reader.type;
@@ -26,7 +26,7 @@ class PairEvaluator {
  private:
   const Self& self_;
   TypeComparisons& comparisons_;
-  int definitions_ = 0;  ///< the number of definitions other than ours that were met so far
+  int definitions_ = 0;  ///< the number of definitions seen so far that differ from ours
 };
 
 }  // namespace sft::core

@@ -66,8 +66,8 @@ std::optional<nanoseconds> OfferMonitor::pace() const {
 RequestMonitor::RequestMonitor(const Qos& offered, const Qos& requested, std::uint64_t arrived, Time now) {
   if (requested.deadline.count() != 0) deadline_.emplace(requested.deadline, arrived, now);
   if (requested.liveliness_lease.count() == 0 || offered.liveliness_lease.count() == 0) return;
-  // The writer promised its own lease, which is at most as long as the requested one. But a lease that no
-  // writer can keep must not cause looks all the time.
+  // The writer promised its own lease, which is at most as long as the requested one. But a lease that is
+  // too short for any writer must not cause checks all the time.
   const bool may_be_kept = offered.liveliness_lease >= shortest_offer;
   lease_.emplace(may_be_kept ? offered.liveliness_lease : requested.liveliness_lease, arrived, now);
 }

@@ -1,7 +1,7 @@
 // Watches deadlines and liveliness of our writers, and of the writers from which our readers receive. Pure:
 // counts and times are passed in, decisions are returned. The data path only counts samples, which it does
-// anyway. A change of a count is dated by the look that finds it. A look is due twice per period, so a missed
-// deadline is reported up to half a period late.
+// in any case. A change of a count is dated by the call of look() that finds it. look() is due twice per
+// period, so a missed deadline is reported up to half a period late.
 #pragma once
 
 #include <chrono>
@@ -21,7 +21,7 @@ class ActivityMonitor {
 
   /// Returns how many periods have ended without a change of the count, apart from those returned before.
   std::uint64_t look(std::uint64_t count, Time now);
-  /// Returns true if at the last look the count had not changed in time.
+  /// Returns true if at the last look the count had not changed within its period.
   bool quiet() const { return reported_ != 0; }
   std::chrono::nanoseconds pace() const { return period_ / 2; }
 
@@ -38,7 +38,7 @@ class OfferMonitor {
  public:
   struct Signs {
     std::uint64_t published = 0;
-    std::uint64_t asserted = 0;  ///< explicit assertions of liveliness
+    std::uint64_t asserted = 0;  ///< the number of explicit assertions of liveliness
   };
   OfferMonitor(const Qos& offered, Time now);
 
@@ -47,7 +47,8 @@ class OfferMonitor {
   bool alive() const { return !lease_ || !lease_->quiet(); }
 
   /// Returns true if an assertion should be sent, which then counts as sent. `samples_assert`: every reader
-  /// with a lease gets each sample, so that samples are signs of life themselves. To be called often.
+  /// with a lease gets each sample, so that each sample shows that the writer is alive. Must be called
+  /// often.
   bool assertion_due(const Signs& signs, bool samples_assert, Time now);
   /// Returns true while the last assertion was sent so recently that a further one need not be sent at once.
   bool rests(Time now) const { return now < reported_at_ + qos_.liveliness_lease / assertions_per_lease; }
@@ -56,20 +57,21 @@ class OfferMonitor {
   std::optional<std::chrono::nanoseconds> pace() const;
 
  private:
-  static constexpr int assertions_per_lease = 3;  // so that two may get lost
+  static constexpr int assertions_per_lease = 3;  // so that two of them may get lost
 
   Qos qos_;
   std::optional<ActivityMonitor> deadline_;
   std::optional<ActivityMonitor> lease_;  ///< set if the program has to assert liveliness
   std::uint64_t deadlines_missed_ = 0;
-  Signs reported_;  ///< the signs that readers know of
+  Signs reported_;  ///< the counts of the last sign of life that the readers know of
   Time reported_at_ = Time::min();
 };
 
 /// Watches one writer for one of our readers that requests a deadline or a lease.
 class RequestMonitor {
  public:
-  /// The shortest offered lease that is watched. If a writer offers less, the requested lease is watched.
+  /// The shortest offered lease that is watched. If a writer offers a shorter lease, the lease that the
+  /// reader requests is watched.
   static constexpr std::chrono::milliseconds shortest_offer{10};
 
   /// `arrived` changes with each sample that arrives.

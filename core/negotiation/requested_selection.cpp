@@ -24,8 +24,8 @@ double rate_hz_of(const Selection& selection) {
 
 namespace {
 
-/// Returns an error if a part was meant for another layout rule than that of our type, since its rows and
-/// columns would be others.
+/// Returns an error if a part refers to another layout rule than that of our type, since the part's rows
+/// and columns would then mean other elements.
 Result<Selection> with_our_rules(const TypeSupport& type, const Selection& asked) {
   for (const Selection::Part& part : asked.parts()) {
     const detail::Layout* const layout = type.layout_of(part.leaf);

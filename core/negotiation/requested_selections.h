@@ -1,6 +1,6 @@
-// A cache of the decoded requests of readers to our writers. Every pair is judged again after every event;
-// decoding a request with parts or conditions takes microseconds, and closing a mask many instructions. Uses
-// no clock, thread or I/O.
+// A cache of the decoded requests of readers to our writers. Every pair is evaluated again after every
+// event. Decoding a request with parts or conditions again each time would take microseconds, and closing a
+// mask takes many instructions. Uses no clock, thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -15,7 +15,8 @@ namespace sft::core {
 
 class RequestedSelections {
  public:
-  /// Returns requested_selection() of this request. `type` is that of the writer. Valid until the next call.
+  /// Returns requested_selection() of this request. `type` is that of the writer. The result is valid until
+  /// the next call.
   const Result<Selection>& of(const PairId& pair, const Request& request, const TypeSupport& type);
   void forget(EndpointId id) {
     std::erase_if(known_,

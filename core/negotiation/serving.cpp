@@ -78,8 +78,8 @@ void serve(const TableEntry& writer, const TableEntry& reader, const Verdict& ve
   }
 }
 
-/// Notes whether this reader needs assertions of liveliness. All matching readers count, served at present or
-/// not.
+/// Notes in `serving` whether this reader needs assertions of liveliness. All matching readers count, even
+/// those that are not served at present.
 void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& status, Serving& serving) {
   const bool matches = !status.incompatible_type && status.incompatible_policy == QosPolicy::none;
   if (!matches || reader.qos.liveliness_lease.count() == 0) return;

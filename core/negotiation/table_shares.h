@@ -1,10 +1,10 @@
-// Limits the number of entries that each announcer has in a table that all processes on the network fill. If
-// an announcer enters too many, it loses its own newest entries, and no other announcer loses any:
+// Limits the number of entries that each announcer has in a table that all processes on the network fill.
+// If an announcer enters too many, it loses its own newest entries, and no other announcer loses any:
 //
-// - While the table has room, announcers may enter any number, with one exception: once a topic has
+// - While the table is not full, announcers may enter any number, with one exception: once a topic has
 //   `topic_shares_from` entries, no announcer gets more than `of_topic` of these.
-// - When the table is full, an announcer that has `of_announcer` entries gets no more. Other announcers still
-//   do: for each new entry, the announcer that has the most entries loses its newest one.
+// - When the table is full, an announcer that has `of_announcer` entries gets no more. Other announcers
+//   still do: for each new entry, the announcer that has the most entries loses its newest one.
 //
 // Uses no clock, thread or I/O.
 #pragma once
@@ -33,7 +33,8 @@ class TableShares {
 
   struct Admission {
     bool granted = false;
-    std::optional<EndpointId> instead_of{};  ///< the entry that has to be removed for the new one
+    std::optional<EndpointId> instead_of{};  ///< the entry that has to be removed, so that the new entry can
+                                             ///< be admitted
   };
   /// Decides whether an entry that is not in the table is admitted.
   Admission admit(AnnouncerId announcer, std::string_view topic) const;
@@ -44,7 +45,7 @@ class TableShares {
 
   std::size_t size() const { return entries_.size(); }
   std::size_t of(AnnouncerId announcer) const;
-  /// Returns the announcer of an entry; null if the entry is not in the table.
+  /// Returns the announcer that has entered an entry; null if the entry is not in the table.
   const AnnouncerId* announcer_of(EndpointId id) const;
 
  private:

@@ -23,7 +23,8 @@ TypeMismatch explain(const TypeSupport& ours, const Endpoint& theirs) {
 
 std::shared_ptr<const TypeMismatch> TypeComparisons::compare(const TypeSupport& ours,
                                                              const Endpoint& theirs) {
-  // An accepted description has the announced hash. If there is none, one may still come later.
+  // A description is accepted only if it has the announced hash. If there is no description yet, it may
+  // still come later.
   const bool described = !theirs.type_description.empty();
   const Definitions both{theirs.type_name, ours.hash(), described ? theirs.type_hash : 0};
   if (const auto found = known_.find(both); found != known_.end()) return found->second;

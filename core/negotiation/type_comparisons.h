@@ -1,6 +1,6 @@
-// Explains why two definitions of one type do not match. Results are kept, since the same pairs are judged
-// again after every event; the oldest ones are dropped first. Other processes may announce any number of
-// definitions, so only a few are compared between two calls of refill().
+// Explains why two definitions of one type do not match. Results are kept, since the same pairs are
+// evaluated again after every event. If there are too many, the oldest results are dropped. Other processes
+// may announce any number of definitions, so only a few are compared between two calls of refill().
 #pragma once
 
 #include <cstddef>
@@ -19,11 +19,13 @@ namespace sft::core {
 
 class TypeComparisons {
  public:
-  /// The most comparisons between two refills. Each may have 4096 fields and take half a millisecond.
+  /// The maximum number of comparisons between two calls of refill(). Each may have 4096 fields and take
+  /// half a millisecond.
   static constexpr int compared_at_once = 16;
 
-  /// Returns the differences; never null. The texts are empty if `theirs` has no description, or if the
-  /// result is not known yet and no comparison is left.
+  /// Returns the differences between the definitions; never null. The texts are empty if `theirs` has no
+  /// description. They are also empty if the result is not known yet and no comparison is allowed before
+  /// the next refill().
   std::shared_ptr<const TypeMismatch> compare(const TypeSupport& ours, const Endpoint& theirs);
   void refill() { left_ = compared_at_once; }
   /// Returns the number of definitions that were compared so far.

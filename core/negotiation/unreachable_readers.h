@@ -1,5 +1,5 @@
-// Keeps which readers in shared memory cannot be notified of samples by which of our writers, and why. Uses
-// no clock, thread or I/O.
+// Records the pairs of our writers and readers in shared memory whose reader the writer cannot notify of
+// samples, and the reasons. Uses no clock, thread or I/O.
 #pragma once
 
 #include <map>
@@ -12,8 +12,8 @@ namespace sft::core {
 
 class UnreachableReaders {
  public:
-  /// Stores `why_not`, a text for people, which is empty if the reader can be notified. Returns true if that
-  /// is news.
+  /// Stores `why_not`, a text for people, which is empty if the reader can be notified. Returns true if the
+  /// state has changed.
   bool changed(const PairId& pair, const std::string& why_not) {
     if (why_not.empty()) return reasons_.erase(pair) != 0;
     return std::exchange(reasons_[pair], why_not) != why_not;

@@ -4,7 +4,8 @@
 
 namespace sft::core {
 
-/// Topics get no shares in the table, because it has only accounts of topics that the program asks about.
+/// The number of accounts per topic is not limited, because the table has only accounts of topics that the
+/// program asks about.
 AccountTable::AccountTable(const Limits& limits)
     : limits_(limits),
       shares_({.entries = limits.accounts,

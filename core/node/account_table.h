@@ -1,6 +1,6 @@
 // The accounts of pairs that other nodes have reported. Accounts that are not reported again are dropped.
-// Limits bound the number of accounts. If a process reports too many accounts, the newest of its own accounts
-// are lost, and those of other processes remain (table_shares.h). Uses no clock, thread or I/O.
+// The number of accounts is limited. If a process reports too many accounts, the newest accounts of this
+// process are dropped, and those of other processes remain (table_shares.h). Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -29,7 +29,7 @@ class AccountTable {
   AccountTable() : AccountTable(Limits{}) {}
   explicit AccountTable(const Limits& limits);
 
-  /// Enters an account. `by` is the announcer of the endpoint that has counted.
+  /// Enters an account. `by` is the announcer of the endpoint whose node has counted.
   void enter(const Account& account, AnnouncerId by, Time now);
   void clear();
   /// Returns all accounts that were reported within `kept_for`, with their ages.

@@ -49,8 +49,8 @@ void ArrivalWatchdog::advance(const Progress& progress, const Pair& pair, Time n
   latest_ = progress;
 }
 
-/// Returns true if the number of samples sent is so large that a working connection cannot have lost them
-/// all.
+/// Returns true if the number of samples sent is so large that a working connection cannot have lost all of
+/// these samples.
 bool ArrivalWatchdog::is_missed(const Pair& pair) const {
   const std::uint64_t enough = pair.reliable ? missing_where_reliable : missing_where_lossy;
   const bool was_let_through = pair.min_period_us == 0 || periods_ >= enough;

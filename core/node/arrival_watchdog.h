@@ -1,14 +1,14 @@
-// Detects a connection by which nothing arrives although its writer reports that it sends. Such a connection
-// has to be set up anew. One watchdog watches one writer for one reader of this node. It uses no clock,
-// thread or I/O: the reported progress of the writer, arrivals and times are passed in, decisions are
-// returned.
+// Detects a connection over which nothing arrives, although its writer reports that it sends samples. Such
+// a connection has to be set up anew. One watchdog watches one writer for one reader of this node. It uses
+// no clock, thread or I/O: the reported progress of the writer, arrivals and times are passed in, decisions
+// are returned.
 //
 // The watchdog never complains about a pair that works, even if the pair is quiet, slow, lossy or limited:
-// - Only samples that were sent after the last arrival, and whole to all readers, count.
+// - Only samples that were sent after the last arrival, with all fields and to all readers, count.
 // - If samples may be lost, more of them must be missing than can be lost by chance.
-// - The samples that were sent last get time to arrive, and large samples get more time.
-// - With a maximum rate, only samples that were reported at least one period apart count. Samples in between
-//   may be withheld, also at the end of a burst that no further sample follows.
+// - The last samples are given time to arrive, and large samples are given more time.
+// - With a maximum rate, only samples that were reported at least one period apart count. Samples in
+//   between may be withheld, also at the end of a burst that no further sample follows.
 #pragma once
 
 #include <chrono>
@@ -22,19 +22,20 @@ namespace sft::core {
 
 class ArrivalWatchdog {
  public:
-  /// The number of consecutive samples that must be missing. If a fifth of all samples is lost, this number
-  /// of consecutive samples is not lost by chance within the age of the universe.
+  /// The number of consecutive samples that must be missing before a connection is restarted. If a fifth of
+  /// all samples is lost, this number of consecutive samples is not lost by chance within the age of the
+  /// universe.
   static constexpr std::uint64_t missing_where_lossy = 32;
   static constexpr std::uint64_t missing_where_reliable = 2;
-  /// The least time that samples have to arrive. The time that a sample takes on a link with
+  /// The minimum time that samples are given to arrive. The time that a sample needs on a link with
   /// `slowest_bytes_per_s` is added.
   static constexpr std::chrono::seconds timeout{2};
   static constexpr std::uint64_t slowest_bytes_per_s = 100'000;
   static constexpr std::chrono::seconds timeout_with_history{10};
   static constexpr std::chrono::seconds quiet_after{2};
   static constexpr std::chrono::seconds progress_needed_for{60};
-  /// The pauses between two restarts. They grow from the first to the longest one, doubling each time, as
-  /// long as nothing arrives.
+  /// The pauses between two restarts. As long as nothing arrives, each pause is twice as long as the
+  /// previous one, up to the longest.
   static constexpr std::chrono::seconds pause_first{1};
   static constexpr std::chrono::seconds pause_longest{60};
 
@@ -44,17 +45,17 @@ class ArrivalWatchdog {
     bool awaits_history = false;
   };
 
-  /// Must be called when the writer's node has just reported its progress, and about once a second without
-  /// progress (null). If something has arrived since a progress was reported, that progress must not be
-  /// passed any more. `signs` changes whenever something from the writer arrives. Returns true if the
-  /// connection has to be set up anew. The watchdog then assumes that this is done.
+  /// Must be called with the progress whenever the writer's node has just reported it, and about once a
+  /// second with null. A progress must not be passed if something has arrived since it was reported.
+  /// `signs` must change whenever something from the writer arrives. Returns true if the connection has to
+  /// be set up anew. The watchdog then assumes that the caller does this.
   bool look(const Progress* progress, std::uint64_t signs, const Pair& pair, Time now);
-  /// Starts counting again. Called if there is no connection, or if there is another reason why nothing
-  /// arrives.
+  /// Starts counting again. Must be called if there is no connection, or if there is another known reason
+  /// why nothing arrives.
   void excuse();
 
   /// Returns true if the progress of the writer is needed, because nothing has arrived for some time. The
-  /// result remains true for a while after that, so that the need does not change with each sample of a
+  /// result remains true for a while after that, so that the result does not change with each sample of a
   /// writer that sends only now and then.
   bool needs_progress(Time now);
   std::uint64_t restarts() const { return restarts_; }
@@ -67,7 +68,7 @@ class ArrivalWatchdog {
   std::optional<std::uint64_t> signs_;
   Time arrived_at_{};  ///< the time when signs_ changed last
   Time needs_progress_until_{};
-  std::optional<Progress> base_;  ///< the first progress that was reported since something arrived
+  std::optional<Progress> base_;  ///< the first progress that was reported since the last arrival
   Progress latest_{};
   /// The number of periods of the maximum rate since base_ in which samples were sent.
   std::uint64_t periods_ = 0;

@@ -1,5 +1,5 @@
-// Watches the callback of one subscriber: does it take long, or does it wait long for callbacks of other
-// subscribers of the node? Used by the agent only.
+// Watches the callback of one subscriber: whether it takes long, and whether it has to wait long for
+// callbacks of other subscribers of the node. Used by the agent only.
 #pragma once
 
 #include <memory>
@@ -24,9 +24,10 @@ class CallbackMonitor {
   /// Returns the waits that have become long since the last call. Each long wait is returned once. Long waits
   /// of samples are counted.
   LongWaits look(Time now);
-  /// Returns true if a sample waits for the callback. The wait may become long.
+  /// Returns true if a sample waits for the callback. Then look() should be called soon, because the wait
+  /// may become long.
   bool has_waiting_sample() const { return of_sample_.is_under_way(); }
-  /// Returns true if a callback was running at this look and at several earlier looks in a row.
+  /// Returns true if a callback was running at the last look and at several looks directly before it.
   bool is_in_long_callback();
 
  private:

@@ -1,4 +1,4 @@
-// Logs problems in the table of endpoints: other nodes announce more endpoints than there is room for, the
+// Logs problems in the table of endpoints: other nodes announce more endpoints than the table can hold, the
 // name of a topic of this node may be misspelt, or another node serves a service of this node, too. Limits
 // how often it writes to the log. Used by the agent only.
 #pragma once
@@ -25,8 +25,8 @@ class ControlMonitor {
   /// Called when a subscriber of this node was opened.
   void reader_added(EndpointId id, Time now) { misspelt_topics_.added(id, now); }
   void name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now);
-  /// Logs the services of this node that have had a second server for a while. (A server that was killed
-  /// still seems to exist for a moment after its successor has started.)
+  /// Logs the services of this node for which a second server has existed for a while. (A server that was
+  /// killed still seems to exist for a moment after its successor has started.)
   void name_second_servers(const MisspeltTopics::PublishersOf& publishers_of, Time now);
 
  private:
@@ -35,7 +35,7 @@ class ControlMonitor {
   /// The numbers of refused endpoints that are not logged yet, by the name of the node.
   std::map<std::string, std::uint64_t> refusals_;
   MisspeltTopics misspelt_topics_;
-  std::set<std::string> second_servers_;  ///< the services with two servers that the last look found
+  std::set<std::string> second_servers_;  ///< the services with two servers that the last check has found
   Time log_refusals_at_{};
   Time look_at_servers_at_{};
 };

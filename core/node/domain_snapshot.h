@@ -15,7 +15,7 @@ struct KnownEndpoint {
   std::optional<Progress> progress{};  ///< the last report of a writer's progress
 };
 
-/// Makes the snapshot. `id` and `network` are those of the node that makes it.
+/// Makes the snapshot. `id` and `network` are those of the node that makes the snapshot.
 DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
                                std::uint64_t network);
 

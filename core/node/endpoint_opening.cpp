@@ -13,7 +13,7 @@
 namespace sft::core {
 
 namespace {
-// The limit for the thread that calls back, which has other work, too.
+// The limit on spinning of the thread that runs callbacks, which has other work, too.
 constexpr std::chrono::seconds max_spin{1};
 }  // namespace
 
@@ -86,8 +86,8 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   return endpoint;
 }
 
-/// Excludes the transports that cannot carry the largest sample of a writer. Shared memory is not excluded if
-/// UDP can carry it: samples that are too large for shared memory go by UDP.
+/// Excludes the transports that cannot carry the largest sample of a writer. Shared memory is not excluded
+/// if UDP can carry that sample, because samples that are too large for shared memory are then sent by UDP.
 Result<void> EndpointOpening::keep_ways_for_largest_sample(Endpoint& writer) const {
   const auto most = [](bool may_use, const Transport* transport) {
     return may_use ? transport->max_sample_bytes() : std::size_t{0};
@@ -220,15 +220,16 @@ Result<EndpointOpening::Reader> EndpointOpening::open_named(ReaderOrder order) c
   return reader;
 }
 
-/// Closes the ports of a reader, and then gives its slot back, so that no transport rings the doorbell of the
-/// slot after that.
+/// Closes the ports of a reader, and then releases its doorbell slot. In this order no transport can ring
+/// the doorbell after the slot is free.
 void EndpointOpening::give_up(Reader reader) const {
   for (std::size_t i = 0; i < reader.core->selections(); ++i) reader.core->ports(i).set_network(nullptr);
   reader.endpoints.clear();
   node_.slots.give_back(reader.slot);
 }
 
-/// Returns the first selection and the further ones. They are checked and closed, and each has its rate.
+/// Returns the first selection and the further selections, all of them checked and closed, and each with
+/// its rate.
 Result<std::vector<Selection>> EndpointOpening::all_selections(const ReaderOrder& order) {
   if (order.requirement.recorded && !order.options.further_selections.empty()) {
     return fail(
@@ -278,7 +279,7 @@ Endpoint EndpointOpening::describe_reader(const ReaderOrder& order, const Select
   const Selection without_rate = selection.without_rate();
   endpoint.request.mask_words = without_rate.mask().to_words();
   if (!without_rate.is_mask()) endpoint.request.parts = without_rate.to_bytes();
-  // Both rates have been checked; the slower one is in force.
+  // Both rates have been checked; the lower rate is in force.
   endpoint.request.min_period_us =
       std::max(*min_period_us_of(order.options.max_rate_hz), *min_period_us_of(rate_hz_of(selection)));
   return endpoint;

@@ -1,6 +1,6 @@
-// Opens the publishers and subscribers of a node, as far as no agent is needed: checks the options, describes
-// the endpoint for other nodes, opens its UDP port and makes its core. The agent then adds the endpoint to
-// the reconciler. Any thread.
+// Does the part of opening publishers and subscribers that does not need the agent: checks the options,
+// describes the endpoint for other nodes, opens its UDP port and makes its core. After that, the agent adds
+// the endpoint to the reconciler. Any thread may use it.
 #pragma once
 
 #include <chrono>
@@ -36,14 +36,14 @@ class EndpointOpening {
     NodeId id = 0;
     SharedMemory* memory = nullptr;
     Network* network = nullptr;
-    std::shared_ptr<BufferPool> heap;  ///< the memory for samples outside of shared memory
+    std::shared_ptr<BufferPool> heap;  ///< the pool for samples that are not in shared memory
     WakeSlots& slots;
     Dispatcher& dispatcher;
     Dispatcher& poller;
     CallbackThread& callbacks;
   };
-  /// Functions that any thread may call with the id of an endpoint. Each posts a task to the agent, and
-  /// returns.
+  /// Functions that any thread may call with the id of an endpoint. Each function must only post a task to
+  /// the agent.
   struct Notifications {
     std::function<void(EndpointId)> asserted;
     std::function<void(EndpointId)> requirement_changed;
@@ -76,7 +76,8 @@ class EndpointOpening {
   struct Reader {
     std::shared_ptr<SubscriberCore> core;
     std::vector<ReaderEndpoint> endpoints;  ///< in the order of the selections
-    std::uint32_t slot = 0;                 ///< must be given back to WakeSlots after the reader has ended
+    std::uint32_t slot = 0;                 ///< the doorbell slot; must be given back to WakeSlots after the
+                                            ///< reader has ended
   };
   Result<Reader> open_reader(ReaderOrder order) const;
 

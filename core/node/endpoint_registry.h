@@ -1,4 +1,5 @@
-// The publishers and subscribers that the program of a node holds, for a snapshot of all of them. Any thread.
+// The publishers and subscribers that the program holds on a node, for a snapshot of all of them. Any
+// thread may use it.
 #pragma once
 
 #include <vector>
@@ -11,7 +12,7 @@
 
 namespace sft::core {
 
-/// The list of publishers and subscribers. It does not own them: each must be struck off before it is
+/// The list of publishers and subscribers. The list does not own them: each must be removed before it is
 /// destroyed.
 class EndpointRegistry {
  public:
@@ -24,7 +25,8 @@ class EndpointRegistry {
   void describe(NodeSnapshot& snapshot);
 
  private:
-  // Also held while the status of the endpoints is read, which takes locks of the endpoints.
+  // This mutex is also held while the status of the endpoints is read, which locks mutexes of the
+  // endpoints.
   Mutex mutex_ SFT_ACQUIRED_BEFORE(lock_order::endpoints);
   std::vector<const PublisherCore*> publishers_ SFT_GUARDED_BY(mutex_);
   std::vector<SubscriberCore*> subscribers_ SFT_GUARDED_BY(mutex_);

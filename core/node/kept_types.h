@@ -1,5 +1,5 @@
 // Types that are known only at run time. They are kept as long as the node lives, because publishers, their
-// jobs and their histories refer to them. Any thread.
+// jobs and their histories refer to them. Any thread may use it.
 #pragma once
 
 #include <map>
@@ -12,7 +12,8 @@ namespace sft::core {
 
 class KeptTypes {
  public:
-  /// Keeps the type, and returns it as it is kept. For equal descriptions the same type is returned.
+  /// Keeps the type, and returns a reference to the kept type. For types with equal descriptions the same
+  /// reference is returned.
   const TypeSupport& keep(const DynamicType& type) {
     const std::span<const std::byte> bytes = type.description();
     const std::string description(reinterpret_cast<const char*>(bytes.data()), bytes.size());

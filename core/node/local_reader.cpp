@@ -10,20 +10,20 @@ namespace sft::core {
 
 namespace {
 
-/// The limit of all readers' connections that are not attached yet. A host's daemon has 1,024 ports for all
-/// readers. Forged publishers must not take all of them.
+/// The maximum number of connections, of all readers of the node, that are not attached yet. The daemon of
+/// a host has 1,024 ports for all readers, and forged publishers must not occupy all of them.
 constexpr std::size_t unattached_max = 128;
 constexpr std::chrono::milliseconds attach_again_after{500};
-// Gives the writer's node time to notice the disconnection.
+// The pause after a disconnection, in which the writer's node can notice it.
 constexpr std::chrono::milliseconds restart_pause{500};
 /// The time for which samples in lost memory can still be taken. The next daemon cannot use the memory
-/// before. When sftd starts afresh, it waits at most 1.2 s until the memory is released. A node may take 1 s
-/// of that to notice the loss.
+/// until this time has passed. A newly started sftd waits at most 1.2 s until the memory is released, and a
+/// node may need 1 s of that to notice the loss.
 constexpr std::chrono::milliseconds lost_memory_kept{200};
 constexpr std::chrono::seconds network_preferred_min{2}, network_preferred_max{60};
 
-/// Returns true if the writer's announcement has changed. The first announcement may have been forged; a
-/// later one corrects it.
+/// Returns true if the writer's announcement has changed. The first announcement may have been forged, so a
+/// later announcement replaces it.
 bool says_otherwise(Source wanted, const Source& before) {
   wanted.history_first = before.history_first;  // the value matters only when a connection begins
   return wanted != before;
@@ -71,7 +71,7 @@ void LocalReader::reconcile(std::size_t& unattached) {
   std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
   std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
   ports().hears(wanted);
-  // The writer may have been killed after it had passed on its last sample and before it rang the doorbell.
+  // The writer may have been killed between passing on its last sample and ringing the doorbell.
   core_->wake();
   has_changes_ = true;
   watch_matching();
@@ -101,7 +101,7 @@ bool LocalReader::connect_network(const Hearing& wanted, const Hearing& before, 
 }
 
 /// Connects to or disconnects from one writer in shared memory, as wanted. If the writer starts or stops
-/// waiting for the reader, the connection is set up anew, because the queue depends on that.
+/// waiting for the reader, the connection is set up anew, because the kind of the queue depends on this.
 bool LocalReader::connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry,
                                  std::size_t& unattached) {
   const auto attempt = [&] {
@@ -250,7 +250,7 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   });
 }
 
-/// Watches the writers that match, if the subscriber has requested a deadline or a lease.
+/// Begins to watch the writers that match, if the subscriber has requested a deadline or a lease.
 void LocalReader::watch_matching() {
   std::erase_if(watched_, [&](const auto& item) {
     const auto heard = heard_.find(item.first);
@@ -306,8 +306,8 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   const bool attached = holds(request.attached);
   ArrivalWatchdog& watchdog = watchdogs_[writer];
   const bool connected = attached || holds(request.listening);
-  // A publisher that waits for its readers does not send while the program does not take the samples that
-  // have arrived.
+  // A publisher that waits for its readers sends nothing until the program takes the samples that have
+  // arrived.
   const bool waits = hearing.source.waits && ports().available();
   // A long time may pass until a sample fulfils the conditions.
   const bool has_conditions = !accepted_.latest().selection.gate().is_open();
@@ -318,7 +318,7 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   const auto named = std::ranges::find(reported, writer, &Progress::writer);
   const bool lossy = !attached && !hearing.source.reliable;
   std::uint64_t signs = ports().arrivals(writer);
-  // Parts of samples may arrive although no sample is complete.
+  // Parts of samples may arrive although no sample becomes complete.
   if (lossy && node_.network != nullptr) signs += node_.network->counters().incomplete;
   const ReaderPort* by = network_.get();
   if (attached) by = memory_.get();
@@ -329,9 +329,9 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
 
-/// Sets up a connection anew. A request reports that the reader has stopped receiving, and a later one that
-/// it receives again, so that both sides begin anew. If nothing arrived by shared memory, UDP is used for a
-/// while before shared memory is tried again.
+/// Sets up a connection anew. A request tells the writer that the reader has stopped receiving, and a later
+/// request tells it that the reader receives again. So both sides begin anew. If nothing arrived through
+/// shared memory, UDP is used for a while before shared memory is tried again.
 void LocalReader::restart(Hearing& hearing, Time now) {
   const EndpointId writer = hearing.source.writer;
   const bool attached = memory_ != nullptr && hearing.memory && memory_->connected(writer);

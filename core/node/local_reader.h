@@ -1,6 +1,6 @@
 // One reader of this node, which serves one selection of a subscriber. It connects its ports to the writers
 // from which it should receive according to the negotiation, sends requests to these writers, watches their
-// deadlines and leases, and restarts connections by which nothing arrives. Used by the agent only.
+// deadlines and leases, and restarts connections over which nothing arrives. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -26,7 +26,8 @@ class LocalReader {
  public:
   struct Parts {
     std::shared_ptr<SubscriberCore> core;
-    std::shared_ptr<NetworkReader> network;  ///< null if UDP is ruled out; must already accept the first mask
+    std::shared_ptr<NetworkReader> network;  ///< null if the reader must not use UDP; must already accept the
+                                             ///< first request
     std::size_t selection = 0;               ///< the number of the selection that this reader serves
   };
   /// `node` must outlive this object. `endpoint` is the endpoint that is added to the negotiation.
@@ -48,10 +49,10 @@ class LocalReader {
   std::size_t unattached() const;
   struct Connections {
     bool changed = false;        ///< true: the negotiation must be asked again for the desired states
-    bool waiting = false;        ///< true: a connection in shared memory is not complete yet
+    bool waiting = false;        ///< true: a connection in shared memory is not established yet
     std::uint64_t arrivals = 0;  ///< a number that changes when samples arrive by shared memory
   };
-  /// Examines the connections. If they have changed, a new request is sent to the writers, because requests
+  /// Examines the connections. If they have changed, sends a new request to the writers, because requests
   /// list the connections.
   Connections look_after_connections();
   /// Gives up the port in shared memory, because the memory is lost or belongs to another daemon. Samples
@@ -75,16 +76,16 @@ class LocalReader {
 
   void watch_promises(Time now);
   void asserted(const std::vector<EndpointId>& writers);
-  /// Returns the time until the next look, at most `longest`.
+  /// Returns the time until watch_promises() must be called again, at most `longest`.
   std::chrono::nanoseconds pace(std::chrono::nanoseconds longest) const;
   /// Returns the monitor of the callback, or null. Only the reader of the first selection has a monitor,
   /// because all selections share the callback.
   CallbackMonitor* callback() const { return callback_.get(); }
-  /// Sets up connections anew by which nothing arrives although the writer's node reports that it sends.
-  /// `reported` is the progress of writers that has just been reported. `held_up` means that a callback of
-  /// this node may delay arrivals. Returns true if a connection was set up anew.
+  /// Sets up connections anew over which nothing arrives although the writer's node reports that the writer
+  /// sends. `reported` is the progress of writers that has just been reported. `held_up`: a callback of
+  /// this node may have delayed arrivals. Returns true if a connection was set up anew.
   bool restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now);
-  /// Returns true if the reports of other nodes on the topic are needed, because nothing has arrived from
+  /// Returns true if the reader needs reports of other nodes on the topic, because nothing has arrived from
   /// some writer for a while, or because the reader has requested a lease.
   bool awaits_reports(Time now);
 
@@ -97,7 +98,7 @@ class LocalReader {
   struct Connecting {
     Retry memory;
     Retry network;
-    /// The last pause before shared memory was tried again after it had failed.
+    /// The last pause before shared memory was tried again for this writer after it had failed.
     std::chrono::seconds network_preferred{0};
   };
 
@@ -126,9 +127,10 @@ class LocalReader {
   std::map<EndpointId, ArrivalWatchdog> watchdogs_;
   /// The times at which writers departed; their datagrams may still be in flight.
   std::map<EndpointId, Time> departed_;
-  /// The time of the loss while samples in that memory can be taken, otherwise Time::max().
+  /// The time of the loss of shared memory, as long as samples in the lost memory can still be taken,
+  /// otherwise Time::max().
   Time memory_lost_at_ = Time::max();
-  /// The time of the last change of the request, or Time::max() if that was long ago.
+  /// The time of the last change of the request, or Time::max() if no earlier request matters any more.
   Time others_asked_at_ = Time::max();
   const std::unique_ptr<CallbackMonitor> callback_;
   Qos requested_;

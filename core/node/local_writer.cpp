@@ -32,8 +32,8 @@ void LocalWriter::reconcile() {
   if (has_other_port) vanilla_.in_force();
 }
 
-/// Opens the port in shared memory if it is wanted and not open. Returns true if the desired state has
-/// changed, because the port may reach further readers.
+/// Opens the port in shared memory if `wanted` is true and the port is not open. Returns true if the
+/// desired state may have changed, because the port can reach further readers.
 bool LocalWriter::open_memory(bool wanted) {
   if (!wanted || memory_ != nullptr) {
     opening_memory_ = {};
@@ -50,8 +50,8 @@ bool LocalWriter::open_memory(bool wanted) {
   return opened && reach_all_again();
 }
 
-/// Returns the part of `wanted` that is possible: a reader is served in shared memory only if its doorbell
-/// can be rung.
+/// Returns the part of `wanted` that is possible: a reader is served in shared memory only if the port can
+/// ring its doorbell.
 Serving LocalWriter::reachable(Serving wanted) {
   forget_unreached_but(wanted);
   bool changed = false;
@@ -68,8 +68,8 @@ Serving LocalWriter::reachable(Serving wanted) {
   return changed ? node_.negotiation.serving(id_) : wanted;
 }
 
-/// Returns the reason why the port in shared memory is not open. (A reader can be attached to a port that is
-/// not open here: the daemon has created the port, but answered too late.)
+/// Returns the reason why the port in shared memory is not open. (A reader may be attached even to a port
+/// that is not open here, if the daemon has created the port but answered too late.)
 std::string LocalWriter::why_not_open() const {
   return "the publisher's port in shared memory is not open: " + opening_memory_.reason();
 }

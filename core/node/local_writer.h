@@ -1,5 +1,5 @@
 // One writer of this node. It brings its ports to the state that the negotiation wants, opens its port in
-// shared memory and tries again if that fails, sends retained samples to late readers, and watches its
+// shared memory and repeats this if it fails, sends retained samples to late readers, and watches its
 // deadline and its liveliness. Used by the agent only.
 #pragma once
 
@@ -34,10 +34,11 @@ class LocalWriter {
   /// Tries again to serve readers in shared memory whose doorbells could not be rung, since the obstacle may
   /// have disappeared.
   bool look_after_reach(Time now);
-  /// Sends retained samples to late readers. A reader that got them by UDP may change over to shared memory
-  /// one tick after all of them have left this process.
+  /// Sends retained samples to late readers. A reader that got the retained samples by UDP may change over
+  /// to shared memory one tick after all of these samples have left this process.
   bool look_after_history();
-  /// Gives up the port in shared memory, because the memory is lost or belongs to another daemon.
+  /// Gives up the port in shared memory, because the memory is lost or belongs to another daemon. Returns
+  /// true if the negotiation must be asked again.
   bool drop_memory();
   /// Returns a number that changes when samples are sent in shared memory.
   std::uint64_t sent_in_memory() const;
@@ -48,20 +49,22 @@ class LocalWriter {
     return node_.attempts.may_retry_in_memory(opening_memory_, now) || vanilla_.may_try_again(now);
   }
 
-  /// Watches the deadline and the liveliness of the publisher. Returns true if a report must now assert to
-  /// its readers that it is alive.
+  /// Watches the deadline and the liveliness of the publisher. Returns true if a report must now tell the
+  /// readers that the publisher is alive.
   bool watch_promises(Time now);
-  /// Returns the time until the next look, or nothing if no deadline or liveliness has to be watched.
+  /// Returns the time until watch_promises() must be called again, or nothing if neither a deadline nor
+  /// liveliness has to be watched.
   std::optional<std::chrono::nanoseconds> pace() const { return monitor_.pace(); }
-  /// Returns the progress of the writer. Each progress is returned a few times, because reports may be lost,
-  /// and then nothing, until there is new progress. Also returns nothing if the writer has no readers.
-  /// `again` means that some node may not have received the last progress.
+  /// Returns the progress of the writer. The same progress is returned only a few times, which is more than
+  /// once because reports may be lost. After that the function returns nothing until there is new progress.
+  /// It also returns nothing if the writer has no readers. `again`: some node might not have received the
+  /// last progress.
   std::optional<Progress> take_progress(bool again);
 
   /// Reports events to the user.
   void report_events();
 
-  /// Returns the readers that match. Each of them has an account.
+  /// Returns the readers that match. Accounts are kept of these readers.
   std::vector<EndpointId> matching_readers() const;
   Account::OfWriter account_of(EndpointId reader) const;
 
@@ -85,12 +88,14 @@ class LocalWriter {
   VanillaServing vanilla_;
   std::optional<Serving> in_force_;
   OfferMonitor monitor_;
-  std::set<EndpointId> history_sent_;    ///< late readers to which all samples had been sent at the last tick
-  std::uint64_t progress_reported_ = 0;  ///< the number of samples published at the last new progress
-  int progress_left_ = 0;                ///< the number of reports that must still contain this progress
-  PublisherStatus reported_;             ///< the state that the last reported events led to
-  bool has_changes_ = false;             ///< the state may differ from reported_
-  std::map<EndpointId, Retry> reaching_;  ///< readers whose doorbells could not be rung
+  std::set<EndpointId> history_sent_;     ///< late readers to which all retained samples had been sent at the
+                                          ///< last tick
+  std::uint64_t progress_reported_ = 0;   ///< the number of samples published at the last new progress
+  int progress_left_ = 0;                 ///< the number of reports that must still contain this progress
+  PublisherStatus reported_;              ///< the state that the last reported events led to
+  bool has_changes_ = false;              ///< the state may differ from reported_
+  std::map<EndpointId, Retry> reaching_;  ///< readers whose doorbells could not be rung, each with its next
+                                          ///< attempt
 };
 
 }  // namespace sft::core

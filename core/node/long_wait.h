@@ -16,9 +16,9 @@ class LongWait {
  public:
   static constexpr std::chrono::seconds is_long{1};
 
-  /// Returns the duration of the present wait when it has become long, and nothing at the other looks.
-  /// `waits` is true if something waits for the callback now. A change of `turns` means that the subscriber
-  /// was called back since the last look, so that an earlier wait is over.
+  /// Returns the duration of the present wait once, when the wait has become long; otherwise returns
+  /// nothing. `waits`: a sample or the receiving thread is waiting for the callback now. `turns` must
+  /// change with each call of the callback; a change ends an earlier wait.
   std::optional<Time::duration> look(bool waits, std::uint64_t turns, Time now) {
     const bool had_turn = std::exchange(turns_, turns) != turns;
     if (!waits || had_turn || !since_) {

@@ -17,14 +17,14 @@ struct NodeContext {
   Discovery& discovery;
   PortAttempts& attempts;
   NodeLog& log;
-  SharedMemory* memory = nullptr;    ///< null if the node must not use it
+  SharedMemory* memory = nullptr;    ///< null if the node must not use shared memory
   Network* network = nullptr;        ///< null if the node must not use the network
   VanillaAccess* vanilla = nullptr;  ///< null if unmodified DDS nodes are neither served nor heard
 };
 
 /// Reports the differences between the present state and the last reported one to the user, as events.
-/// `reported` is the last reported state; it is updated. `read_status` returns the present state, and
-/// `differences` turns the two states into events.
+/// `reported` is the last reported state, and is set to the present one. `read_status` returns the present
+/// state, and `differences` turns the two states into events.
 template <class Core, class Status, class ReadStatus, class Differences>
 void report_events(Core& core, Status& reported, NodeLog& log, ReadStatus read_status,
                    Differences differences) {

@@ -24,8 +24,8 @@ constexpr std::chrono::seconds complaint_pause{1};
 /// search, but cannot wake it.
 constexpr std::chrono::milliseconds interrupt_look_period{100};
 
-/// Returns the function that logs hold-ups of the agent, or an empty function. Users cannot do anything about
-/// hold-ups, so nothing is measured unless the level of the log is `debug`.
+/// Returns the function that logs hold-ups of the agent, or an empty function. Users cannot do anything
+/// about hold-ups, so they are measured only if the level of the log is `debug`.
 HoldUpMonitor::Report report_of_hold_ups(NodeLog& log) {
   if (!log.wants(LogLevel::debug)) return {};
   return [&log](std::source_location what, std::chrono::milliseconds held_up) {
@@ -159,9 +159,9 @@ NodeCore::~NodeCore() {
   callbacks_.stop();
 }
 
-/// Returns a sink that posts lines to the callback thread. The agent does not call the sink itself: the
-/// program's sink may take long, or wait for the agent, and so may standard error if its reader has stopped.
-/// If the program has no sink of its own, the thread starts with the first line.
+/// Returns a sink that posts lines to the callback thread. The agent does not call the sink itself, because
+/// the program's sink may take long, or wait for the agent. Writing to standard error may take long, too,
+/// if its reader has stopped. If the program has no sink of its own, the thread starts with the first line.
 NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   if (!sink) return {};
   return [this, sink](LogLevel level, std::string_view line) {
@@ -170,8 +170,8 @@ NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
   };
 }
 
-/// Destroys the node. The last handle may be released within a callback, on a thread for which the destructor
-/// would wait.
+/// Destroys the node. The last handle may be released within a callback, that is, on a thread for which the
+/// destructor waits. In this case another thread destroys the node.
 void NodeCore::dispose(NodeCore* node) {
   // The threads of the node do not exist here, and its sockets and files belong to the parent.
   if (is_forked_copy()) return;
@@ -218,8 +218,8 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
     reconciler_->add_writer(writer.endpoint, writer.core);
     endpoints_changed_.raise();
   });
-  // The release of the last handle closes the publisher. The agent withdraws the endpoint and closes its
-  // ports.
+  // The release of the last handle closes the publisher. Then the agent withdraws the endpoint and closes
+  // its ports.
   const auto close = [self, core, id](PublisherCore*) {
     if (is_forked_copy()) return;
     core->close();
@@ -232,8 +232,8 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
 Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_ptr<NodeCore>& self,
                                                               EndpointOpening::ReaderOrder order) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  // The agent gives back the doorbells of subscribers that other threads have closed. If it is behind, this
-  // thread waits for it.
+  // The agent releases the doorbells of subscribers that other threads have closed. If many of its tasks
+  // are queued, this thread waits for the agent.
   if (agent_.is_behind()) ask_agent([] {});
   const bool pollable = order.options.pollable;
   Result<EndpointOpening::Reader> reader = opening_->open_reader(std::move(order));
@@ -305,7 +305,7 @@ void NodeCore::warned(std::string what) {
 
 void NodeCore::control_malformed(std::string why) {
   const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;
-  // A flood of malformed messages must not fill the agent's queue. One line per pause is enough.
+  // A flood of malformed messages must not fill the agent's queue. So only one line per pause is posted.
   const auto now = std::chrono::steady_clock::now();
   if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
   next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
@@ -344,7 +344,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
   const Result<TopicName> name = opening_->names().topic(topic);
   if (!name) return tl::unexpected(name.error());
-  // The agent must not wait for its own work.
+  // The agent's thread must not wait for work that it has to do itself.
   const bool may_wait = !agent_.is_current_thread();
   const Time begun = std::chrono::steady_clock::now();
   TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
@@ -354,7 +354,8 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
     ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
-    // Announcements that discovery had received before were posted to the agent before this question.
+    // Announcements that discovery had received before were posted to the agent earlier than this question,
+    // and so are contained in the answer.
     Result<DynamicType> type = ask_agent(
         [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;

@@ -38,16 +38,16 @@ namespace sft::core {
 class NodeCore final : private DiscoveryListener {
  public:
   struct Parts {
-    std::unique_ptr<SharedMemory> memory;  ///< null if the node must not use it
+    std::unique_ptr<SharedMemory> memory;  ///< null if the node must not use shared memory
     std::unique_ptr<Network> network;
-    std::shared_ptr<BufferPool> heap;  ///< all memory for samples outside of shared memory
+    std::shared_ptr<BufferPool> heap;  ///< the pool for samples that are not in shared memory
     LogSetting log{};
     Remapping names{};
     RosDiscovery ros{};  ///< where unmodified nodes of DDS are looked for
   };
 
-  /// `options` must have its defaults resolved (domain, configuration), and must contain the full name of the
-  /// node.
+  /// In `options`, the defaults (domain, configuration) must have been replaced by actual values, and the
+  /// name must be the full name of the node.
   static Result<std::shared_ptr<NodeCore>> open(const NodeOptions& options, Parts parts);
   ~NodeCore();
 
@@ -74,7 +74,7 @@ class NodeCore final : private DiscoveryListener {
   EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
-  // DiscoveryListener: each call is posted to the agent.
+  // Functions of DiscoveryListener: each posts its event to the agent.
   void endpoint_seen(Endpoint endpoint) override;
   void endpoint_departed(EndpointId id) override;
   void endpoint_lost(EndpointId id) override;
@@ -86,8 +86,7 @@ class NodeCore final : private DiscoveryListener {
   void link_was_renewed(std::string what) override;
   void warned(std::string what) override;
 
-  /// Makes discovery report the publishers, or the subscribers, of all nodes from now on. Called by the agent
-  /// only.
+  /// Makes discovery report the endpoints of that role of all nodes from now on. Called by the agent only.
   void hear(Role role);
   void hear_everybody();
   /// Calls `question` on the agent's thread, which is the only thread that may use the reconciler. Returns
@@ -116,8 +115,9 @@ class NodeCore final : private DiscoveryListener {
   mutable EndpointRegistry registry_;
 
   Dispatcher dispatcher_;
-  Dispatcher poller_;                       ///< makes file descriptors readable for samples in shared memory
-  std::unique_ptr<Discovery> discovery_;    ///< its threads post to the agent
+  Dispatcher poller_;                       ///< makes the file descriptors of subscribers readable when
+                                            ///< samples arrive in shared memory
+  std::unique_ptr<Discovery> discovery_;    ///< its threads post events to the agent
   std::unique_ptr<Reconciler> reconciler_;  ///< changed by the agent only; set before the agent starts
   std::optional<EndpointOpening> opening_;  ///< set once discovery is open
   Agent agent_;

@@ -25,18 +25,19 @@ class NodeNames {
   NodeNames(const NodeNames&) = delete;
   NodeNames& operator=(const NodeNames&) = delete;
 
-  /// Returns the resolved name of a topic. Any thread.
+  /// Returns the resolved name of a topic. Any thread may call this.
   Result<TopicName> topic(std::string_view given, std::string_view type = {}) const {
     Result<TopicName> name = remapping_.topic(given, type);
     if (name && !name->rules.empty()) use_->fit(name->rules);
     return name;
   }
-  /// Returns the rules to be reported as unused, see RuleUse. Called by the agent, and by the thread that
-  /// destroys the node after the agent has ended.
+  /// Returns the rules that have to be reported as unused now; see RuleUse. Called by the agent, and by the
+  /// thread that destroys the node after the agent has ended.
   std::vector<std::string> take_unfit_rules(Time now) const {
     return use_ == nullptr ? std::vector<std::string>() : use_->take_unfit(now);
   }
-  /// Called when the node closes. topic() must not be called after that.
+  /// Called when the node closes. Returns the rules that still have to be reported as unused. topic() must
+  /// not be called after that.
   std::vector<std::string> leave() {
     const std::shared_ptr<RuleUse> use = std::exchange(use_, nullptr);
     return use == nullptr ? std::vector<std::string>() : use->leave();

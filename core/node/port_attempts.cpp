@@ -22,7 +22,7 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
   const Time now = std::chrono::steady_clock::now();
   if (!retry.due(now)) return false;
   if (!asking_daemon_.due(now)) {
-    retry.hold_with(asking_daemon_);  // otherwise this attempt would not be repeated
+    retry.hold_with(asking_daemon_);  // without this, the attempt would not be repeated
     return false;
   }
   next_piece_of_work();

@@ -14,10 +14,10 @@ constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
     "open a node of its own for a long callback, or give its work to another thread";
-constexpr int hurried_ticks_max = 1000;  // if a connection takes longer, it is looked at less often
+constexpr int hurried_ticks_max = 1000;  // a connection that takes longer is checked less often
 
-/// Returns true if frequent looks are needed, because no event will report a change: an endpoint is missing,
-/// a late reader is still being sent retained samples, or a callback may take long.
+/// Returns true if frequent looks are needed, because no event will report a change: an endpoint is lost,
+/// retained samples are still being sent to a late reader, or a callback may take long.
 bool has_to_be_watched(const Negotiation& negotiation, const LocalEndpoints& ours) {
   return negotiation.table().misses_peer() ||
          std::ranges::any_of(ours.writers, [](const auto& item) { return item.second.owes_history(); }) ||
@@ -54,7 +54,8 @@ void Reconciler::add_writer(const Endpoint& endpoint, std::shared_ptr<PublisherC
 }
 
 void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) {
-  const bool is_first = parts.selection == 0;  // the core serves all selections, and is dispatched once
+  const bool is_first = parts.selection == 0;  // the core serves all selections, but is added to the
+                                               // dispatcher only once
   if (is_first && parts.core->has_callback()) dispatcher_.add(parts.core);
   const LocalReader& added =
       ours_.readers.try_emplace(endpoint.id, context_, endpoint, std::move(parts)).first->second;
@@ -67,8 +68,8 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
 }
 
 /// The destructor of a port waits until calls of its listener have returned. The agent must not wait for
-/// that: the callback in which a subscriber was destroyed may take long, or may itself wait for the agent. So
-/// such a reader is kept until its callback has returned.
+/// such a call, because the callback in which a subscriber was destroyed may take long, or may itself wait
+/// for the agent. So the reader is kept until its callback has returned.
 void Reconciler::remove(EndpointId id) {
   negotiation_.local_removed(id);
   dirty_ = true;
@@ -87,8 +88,8 @@ void Reconciler::requirement_changed(EndpointId id) {
   if (reader != ours_.readers.end()) dirty_ |= reader->second.requirement_changed();
 }
 
-/// Reports the assertion at once. So if the program asserts in time, the assertion reaches other nodes in
-/// time.
+/// Reports the assertion to other nodes at once, so that an assertion which the program makes in time also
+/// arrives in time.
 void Reconciler::program_asserts(EndpointId id) {
   const auto writer = ours_.writers.find(id);
   if (writer == ours_.writers.end()) return;
@@ -115,7 +116,7 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
-/// Sets up connections anew by which nothing arrives. `reported` is the progress of writers that has just
+/// Sets up connections anew over which nothing arrives. `reported` is the progress of writers that has just
 /// been reported.
 void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
   arrivals_looked_at_ = now;
@@ -166,12 +167,13 @@ void Reconciler::look_after_memory(Time now) {
   const TransportMonitor::MemoryChange change = transports_.look_at_memory(now);
   if (!change.any) return;
   dirty_ |= negotiation_.self_changed(transports_.self());
-  // The memory of the ports is lost or belongs to another daemon, which may be asked at once.
+  // The memory of the ports is lost, or belongs to another daemon. In both cases the next daemon may be
+  // asked at once.
   if (change.of_host) {
     attempts_.forget_daemon();
     for (auto& [id, writer] : ours_.writers) dirty_ |= writer.drop_memory();
     for (auto& [id, reader] : ours_.readers) reader.drop_memory();
-    reconcile();  // readers that were served in shared memory are served by UDP from here on
+    reconcile();  // from now on, the readers that were served in shared memory are served by UDP
   }
   if (change.of_state || change.of_host) transports_.log_memory();
   if (change.of_host || change.of_failure) announce_all();
@@ -262,11 +264,11 @@ void Reconciler::report(std::vector<EndpointId> living, Time now) {
   report.living = std::move(living);
   if (report.empty()) return;
   discovery_.report(report);
-  report_received(report, now);  // for the readers of this node
+  report_received(report, now);  // needed also by the readers of this node
 }
 
-/// Returns the time until the next tick. It is at most the time until a deadline, a lease or the network
-/// needs a look.
+/// Returns the time until the next tick: the time that tick_pace_ gives, or less if a transport, discovery,
+/// a deadline or a lease has to be checked earlier.
 std::chrono::milliseconds Reconciler::pace(Time now) const {
   std::chrono::nanoseconds pace = tick_pace_.next(now);
   for (const Time next : {transports_.next_look(now), discovery_looks_at_, vanilla_.next_look()}) {
@@ -285,8 +287,8 @@ std::chrono::milliseconds Reconciler::reconcile() {
   return pace(now);
 }
 
-/// Brings the endpoints to the desired states. This is repeated until nothing changes any more, because new
-/// connections of this node's readers concern its own writers.
+/// Brings the endpoints to the desired states. Repeats this until nothing changes any more, because new
+/// connections of this node's readers may change the states of its writers.
 void Reconciler::settle() {
   if (dirty_) tick_pace_.stirred(std::chrono::steady_clock::now());
   while (std::exchange(dirty_, false)) {

@@ -28,10 +28,10 @@
 
 namespace sft::core {
 
-/// Larger than usual: an event of each kind, of discovery and of the program, has a function.
+/// Larger than usual: there is a function for each kind of event, of discovery and of the program.
 class Reconciler {
  public:
-  /// All arguments must outlive this object. A transport is null if the node must not use it.
+  /// All arguments must outlive this object. A transport is null if the node must not use that transport.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
              Dispatcher& dispatcher, NodeLog& log, VanillaAccess::Setup vanilla = {});
 
@@ -44,7 +44,7 @@ class Reconciler {
   /// Called when the program has asserted the liveliness of a writer of this node.
   void program_asserts(EndpointId writer);
 
-  // Events of discovery.
+  // Events from discovery.
   void endpoint_seen(const Endpoint& endpoint);
   void endpoint_departed(EndpointId id);
   void endpoint_lost(EndpointId id);
@@ -56,7 +56,7 @@ class Reconciler {
   /// Does the work that is due in transports, discovery and endpoints. Returns the time until the next call.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
   /// Brings the endpoints to the states that are desired now. Must be called after any of the functions
-  /// above. Returns the time until tick() must be called, as tick() does.
+  /// above. Returns the time until the next call of tick().
   std::chrono::milliseconds reconcile();
 
   /// Returns all endpoints that are known and not lost, including those of this node. Valid until the next
@@ -67,7 +67,8 @@ class Reconciler {
   Reports& reports() { return reports_; }
 
   // The functions for any thread.
-  /// Other threads may call only those functions of the result that are marked (transport_monitor.h).
+  /// Other threads may call only those functions of the returned object that are marked
+  /// (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
   std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
@@ -96,15 +97,16 @@ class Reconciler {
   VanillaAccess vanilla_;
   NodeContext context_;
   LocalEndpoints ours_;
-  /// Readers that were removed within callbacks that have not returned yet.
+  /// Readers that were removed during their own callbacks, until these callbacks have returned.
   std::map<EndpointId, LocalReader> departing_;
   Reports reports_;
   TickPace tick_pace_;
-  Time discovery_looks_at_{};  ///< the latest time at which look_after() must be called
+  Time discovery_looks_at_{};  ///< the latest time of the next call of Discovery::look_after()
   Time arrivals_looked_at_{};
   Time held_up_at_{};      ///< the last time at which a callback that takes long was seen
   bool dirty_ = false;     ///< something changed since the last reconcile()
-  int hurried_ticks_ = 0;  ///< the number of ticks in a row in which some reader waited for its connection
+  int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection
+                           ///< in shared memory
   std::atomic<std::uint64_t> control_ignored_{0};
 };
 

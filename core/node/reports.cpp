@@ -33,8 +33,8 @@ void Reports::inquire(Time now) {
   discovery_.inquire(inquired_);
 }
 
-/// Enters the accounts of a report. Discovery has checked that the reporting process owns the endpoints. The
-/// other side of a pair must be known, too.
+/// Enters the accounts of a report. Discovery has checked that the reporting process owns the endpoints. An
+/// account is entered only if the other endpoint of the pair is known, too.
 void Reports::received(const NodeReport& report, Time now) {
   for (const Account& account : report.accounts) {
     const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
@@ -57,8 +57,9 @@ NodeReport Reports::take(Time now) {
   return report;
 }
 
-/// Returns the progress of writers that have sent samples since their last report, in turns. If `again` is
-/// true, another node has begun to inquire, and the progress of all writers is returned.
+/// Returns the progress of writers that have sent samples since their last report. If there are too many
+/// for one report, writers take turns. If `again` is true, another node has begun to inquire, and the
+/// progress of all writers is returned.
 std::vector<Progress> Reports::take_progress(const std::set<Inquiry>& asked, bool again) {
   const bool of_all_topics = asked.contains({});
   std::vector<Progress> all;
@@ -82,7 +83,7 @@ std::vector<Account> Reports::take_accounts(const std::set<Inquiry>& asked) {
   return accounts;
 }
 
-/// Returns the ids of the accounts of pairs that this node's endpoints match, for the topics for which
+/// Returns the ids of the accounts of all matching pairs of this node's endpoints on the topics for which
 /// `is_of` returns true. Only pairs that match have counts.
 template <class IsOf>
 std::set<AccountId> Reports::accounts_of_ours(IsOf is_of) const {

@@ -1,7 +1,7 @@
 // The inquiries of this node, its reports to nodes that inquire, and the accounts that other nodes have
-// reported. A report contains the progress of publishers, the counts of both sides of pairs, and the
-// publishers that are alive although nothing else shows it. Reports are best effort, so each of them is
-// repeated. Used by the agent only.
+// reported. A report contains the progress of publishers, the counts of both sides of pairs, and the living
+// publishers for which nothing else shows that they are alive. Reports are best effort, so the contents of
+// each are repeated. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -25,9 +25,10 @@ class Reports {
   Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery)
       : negotiation_(negotiation), ours_(ours), discovery_(discovery) {}
 
-  // Functions for questions of the program.
+  // Functions for requests of the program.
 
-  /// Inquires the accounts of all pairs on that topic, until ask_no_more() was called as often as ask().
+  /// Inquires the accounts of all pairs on that topic, until ask_no_more() has been called as often as
+  /// ask().
   void ask(const std::string& topic);
   void ask_no_more(const std::string& topic);
   /// Inquires the progress of all publishers, for a while.
@@ -41,8 +42,8 @@ class Reports {
   void received(const NodeReport& report, Time now);
 
   bool is_due(Time now) const { return now >= reported_at_ + pause; }
-  /// Returns the report that is due, without the publishers that are alive. The report may be empty. It
-  /// counts as sent.
+  /// Returns the report that is due, without the list of living publishers. The report may be empty. The
+  /// returned report counts as sent.
   NodeReport take(Time now);
 
  private:
@@ -62,7 +63,7 @@ class Reports {
   /// The topics that the program asks about, each with the number of calls of ask().
   std::map<std::string, std::size_t> topics_;
   Time progress_until_{};
-  std::set<Inquiry> inquired_;        ///< the inquiries of this node, as they are announced
+  std::set<Inquiry> inquired_;        ///< the inquiries of this node that are announced at present
   std::uint64_t inquiries_made_ = 0;  ///< the number of inquiries of other nodes at the last report
   Time reported_at_{};
   Turns<EndpointId> progress_turns_;

@@ -1,6 +1,6 @@
 // Records which remapping rules of the nodes of this process have matched a name. A rule is often meant for
-// one of several nodes. So a rule is reported to the user only if it has matched no name of any node. One of
-// the nodes reports it, once.
+// only one of several nodes. So a rule is reported to the user only if it has matched no name of any node.
+// Only one of the nodes reports the rule, and only once.
 #pragma once
 
 #include <chrono>
@@ -17,8 +17,8 @@ namespace sft::core {
 
 class RuleUse {
  public:
-  /// The time that a program gets to open its first publishers and subscribers after it has opened its last
-  /// node.
+  /// The time that a program is given, after it has opened its last node, to open its first publishers and
+  /// subscribers.
   static constexpr std::chrono::seconds time_to_open{5};
 
   /// Returns the object that all nodes of the process share. The object lives as long as one of the nodes
@@ -35,8 +35,8 @@ class RuleUse {
   /// Returns the rules that have matched no name so far, each rule once. Returns no rules before
   /// `time_to_open` is over.
   Rules take_unfit(Time now);
-  /// Called when a node closes. If it was the last node, the result is that of take_unfit() without its
-  /// waiting time.
+  /// Called when a node closes. If it was the last node, returns the rules that take_unfit() would return,
+  /// but without waiting for `time_to_open`.
   Rules leave();
 
  private:
@@ -45,7 +45,7 @@ class RuleUse {
   Mutex mutex_;
   std::size_t nodes_ SFT_GUARDED_BY(mutex_) = 0;
   Time opened_ SFT_GUARDED_BY(mutex_){};  ///< the time when the last node was opened
-  /// By the text of the rule; true: matched or reported.
+  /// For the text of each rule, true if the rule has matched a name or was reported.
   std::map<std::string, bool> is_done_ SFT_GUARDED_BY(mutex_);
 };
 

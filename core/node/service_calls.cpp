@@ -24,7 +24,7 @@ std::string text_of(std::chrono::nanoseconds time) {
 
 }  // namespace
 
-// Returns the topic of calls. Without a name of the service there is no topic, not even "/call".
+// Returns the topic of calls. If the service has no name, the result is empty, and not "/call".
 std::string call_topic(std::string_view service) {
   return service.empty() ? "" : std::string(service) + "/call";
 }
@@ -43,8 +43,8 @@ bool in_sample_callback() { return core::SubscriberCore::in_callback(); }
 std::vector<SeenServer> seen_servers(const PublisherStatus& calls, const SubscriberStatus& replies) {
   std::vector<SeenServer> seen;
   for (const SubscriberStatus::Writer& writer : replies.writers) {
-    // Other programs, such as `sft echo`, may receive the calls, too. If such a program has a node with the
-    // name of the server's node, a call may be sent too early. It is repeated later.
+    // Other programs, such as `sft echo`, may receive the calls, too. If the node of such a program has the
+    // same name as the server's node, a call may be sent too early. The call is repeated later.
     const auto hears = [&](const PublisherStatus::Reader& r) { return r.served && r.node == writer.node; };
     const bool is_heard = std::ranges::any_of(calls.readers, hears);
     seen.push_back({.id = writer.id,
@@ -77,7 +77,7 @@ ClientCall::Step ClientCall::next(ServiceTime now, const std::vector<SeenServer>
                     "', has gone; whether it has carried out the call is not known");
     }
   }
-  // An existing server gets the call at least once, even if this thread runs late.
+  // The call is sent to an existing server at least once, even if this thread runs late.
   const SeenServer* const only = was_sent ? nullptr : only_server(seen);
   if (now >= deadline_ && only == nullptr) return failed(why_late(seen));
   if (only != nullptr) {

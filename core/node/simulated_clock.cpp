@@ -5,7 +5,7 @@
 namespace sft::core {
 
 /// Returns the latest time. In a forked process the lock is not taken, because a thread that does not exist
-/// there may hold it for ever.
+/// in the forked process may hold the lock for ever.
 std::chrono::nanoseconds SimulatedClock::now() {
   if (is_forked_copy()) return std::chrono::nanoseconds(now_ns_.load());
   const Lock lock(mutex_);

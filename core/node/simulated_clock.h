@@ -25,7 +25,7 @@ class SimulatedClock {
       "MSG: builtin_interfaces/Time\n"
       "int32 sec\n"
       "uint32 nanosec\n";
-  /// The time after which the log says that no publisher of the topic is known.
+  /// The time after which a missing publisher of the topic is logged.
   static constexpr std::chrono::seconds timeout{5};
 
   explicit SimulatedClock(DynamicSubscriber&& samples) : samples_(std::move(samples)) {}

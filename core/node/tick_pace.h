@@ -1,7 +1,8 @@
-// Decides how often a node checks states that raise no event, such as connections in shared memory and failed
-// calls. A look costs a wake-up and some system calls, which is most of the cost of an idle node. So looks
-// are frequent while they may be needed, and become rarer afterwards. Discovery and transports say if they
-// need an earlier look. Uses no clock, thread or I/O.
+// Decides how often a node checks states that raise no event, such as connections in shared memory and
+// failed calls. Such a check (a look) costs a wake-up and some system calls, and looks cause most of the
+// cost of an idle node. So looks are frequent while changes are likely, and become rarer afterwards. If
+// discovery or a transport needs an earlier look, the caller reduces the result. Uses no clock, thread or
+// I/O.
 #pragma once
 
 #include <algorithm>
@@ -24,13 +25,13 @@ class TickPace {
 
   /// Called when something happens that requires frequent looks.
   void stirred(Time now) { stirred_ = now; }
-  /// `samples` is a number that has changed if samples went by shared memory since the last call. In this
-  /// case frequent looks are needed, because two states raise no event: a daemon has ended, or a sample is
-  /// held back for another one that was sent by UDP.
+  /// `samples` must change whenever samples are sent or received in shared memory. Then frequent looks are
+  /// needed, because two situations raise no event: the daemon has ended, or a sample is held back until an
+  /// earlier sample that was sent by UDP arrives.
   void note_traffic(std::uint64_t samples, Time now) {
     if (std::exchange(samples_, samples) != samples) stirred(now);
   }
-  /// Returns the time until the next look. It grows with the time since the last call of stirred().
+  /// Returns the time until the next look. This time grows with the time since the last call of stirred().
   std::chrono::milliseconds next(Time now) const {
     if (!stirred_) return pause_when_quiet;
     const auto half = std::chrono::duration_cast<std::chrono::milliseconds>((now - *stirred_) / 2);

@@ -39,7 +39,8 @@ Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& 
   return {Errc::unavailable, message};
 }
 
-/// Returns the first type that an endpoint describes, or an error if another endpoint contradicts it.
+/// Returns the first type that an endpoint describes, or an error if another endpoint has a different
+/// definition of the type.
 Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
   std::optional<DynamicType> type;
   const Endpoint* first = nullptr;

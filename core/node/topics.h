@@ -15,9 +15,9 @@ namespace sft::core {
 /// Returns the topics, ordered by name.
 std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints);
 
-/// Returns the type that the publishers of a topic have announced, or else its subscribers. If the type is
-/// not known (yet), the error is Errc::unavailable, and names the announcements in that domain. If there are
-/// several definitions, it is Errc::type_mismatch.
+/// Returns the type that the publishers of a topic have announced, or, if there are none, its subscribers.
+/// Returns Errc::unavailable if the type is not known (yet); the error names the announcements in that
+/// domain. Returns Errc::type_mismatch if there are several definitions.
 Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
                             std::uint32_t domain);
 

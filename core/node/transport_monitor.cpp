@@ -7,7 +7,7 @@ namespace sft::core {
 
 namespace {
 constexpr const char* ruled_out = "the node rules it out";
-// A look costs one call while nothing changes.
+// As long as nothing changes, a look at the addresses costs only one call.
 constexpr std::chrono::milliseconds look_at_addresses_every{200};
 /// The pause between looks while shared memory may become available, since an obstacle may disappear at any
 /// time.
@@ -46,9 +46,9 @@ TransportMonitor::MemoryChange TransportMonitor::look_at_memory(Time now) {
   return change;
 }
 
-/// Logs the state of shared memory. An attempt after a failed one is not logged, but its outcome is. The
-/// first failure is a warning, since whole samples go by UDP from then on. If there is no daemon because the
-/// user wants none, it is not a warning.
+/// Logs the state of shared memory. An attempt that follows a failed attempt is not logged, but its outcome
+/// is. The first failure is logged as a warning, since whole samples are sent by UDP from then on. A
+/// missing daemon is no warning if the user does not want a daemon.
 void TransportMonitor::log_memory() {
   const bool unavailable = memory_availability_ == Availability::unavailable;
   if (memory_availability_ == Availability::starting && !self_.memory_failure.empty()) return;
@@ -58,7 +58,7 @@ void TransportMonitor::log_memory() {
   log_.write(warns ? LogLevel::warning : LogLevel::info, "shared memory: " + self_.memory_state);
 }
 
-/// If the system has stopped a transport, the node cannot repair it. From then on status() says so.
+/// If the system has stopped a transport, the node cannot repair it. From then on status() reports this.
 TransportMonitor::NetworkChange TransportMonitor::look_at_network(Time now) {
   if (network_ == nullptr || network_failed_) return NetworkChange::none;
   const bool is_ready = network_->poll(now) == Availability::ready;

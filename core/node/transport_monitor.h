@@ -18,7 +18,7 @@ namespace sft::core {
 
 class TransportMonitor {
  public:
-  /// All arguments must outlive this object. A transport is null if the node must not use it.
+  /// All arguments must outlive this object. A transport is null if the node must not use that transport.
   TransportMonitor(SharedMemory* memory, Network* network, std::uint64_t network_id, NodeLog& log);
 
   const Self& self() const { return self_; }
@@ -28,8 +28,8 @@ class TransportMonitor {
   struct MemoryChange {
     bool any = false;         ///< self() has changed
     bool of_host = false;     ///< the former ports are dead, and new ones may be opened
-    bool of_state = false;    ///< the description for people has changed
-    bool of_failure = false;  ///< the reason that other nodes receive has changed
+    bool of_state = false;    ///< the text about shared memory for people has changed
+    bool of_failure = false;  ///< the reason of the failure, which is announced to other nodes, has changed
   };
   MemoryChange look_at_memory(Time now);
   /// Logs the change that the last look_at_memory() has found.
@@ -40,9 +40,10 @@ class TransportMonitor {
     links,      ///< links() has changed
     addresses,  ///< addresses() has changed, and maybe links()
   };
-  /// Writes the remarks of the network to the log, and logs its failure.
+  /// Writes the remarks of the network to the log, and logs the failure of the network, if it has failed.
   NetworkChange look_at_network(Time now);
-  /// Returns the time at which a transport must be looked at again. Must be called after both looks.
+  /// Returns the time at which a transport must be looked at again. Must be called after look_at_memory()
+  /// and look_at_network().
   Time next_look(Time now) const;
 
   // The functions for any thread.
@@ -57,7 +58,8 @@ class TransportMonitor {
   NodeLog& log_;
   Self self_;
   Availability memory_availability_ = Availability::starting;
-  /// The last failure of shared memory in the log; empty while shared memory may still become available.
+  /// The last failure of shared memory that was logged; empty while shared memory may still become
+  /// available.
   std::string logged_failure_;
   bool memory_warned_ = false;
   bool network_failed_ = false;

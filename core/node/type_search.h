@@ -1,7 +1,7 @@
-// Decides when a node that searches for the type of a topic begins to read the announcements of readers, too.
-// Publishers announce the type as well, and a node that has begun to read the announcements of all readers
-// never stops. If all nodes that search for types did so, they would have to announce all their subscribers
-// to each other. Uses no clock, thread or I/O.
+// Decides when a node that searches for the type of a topic begins to read the announcements of readers,
+// too. Publishers announce the type as well, and a node that has begun to read the announcements of all
+// readers never stops. If all nodes that search for types read the announcements of readers, all nodes
+// would have to announce all their subscribers to each other. Uses no clock, thread or I/O.
 #pragma once
 
 #include <algorithm>
@@ -15,8 +15,8 @@ class TypeSearch {
  public:
   /// The time after which the announcements of all existing publishers have arrived.
   static constexpr std::chrono::seconds publishers_first{1};
-  /// The latest time at which readers are included, even if further processes start: this time, or half of
-  /// the time for the search, if that is less.
+  /// The latest time at which readers are included, even if further processes start. If half of the time
+  /// for the search is less than this, it is used instead.
   static constexpr std::chrono::seconds readers_after{5};
 
   TypeSearch(Time now, Time deadline)
@@ -27,11 +27,11 @@ class TypeSearch {
             std::max(readers_at_, now + std::min<Time::duration>(readers_after, (deadline - now) / 2))) {}
 
   bool hears_readers() const { return hears_readers_; }
-  /// Returns the time at which the wait for announcements ends.
+  /// Returns the time at which the present wait for announcements ends.
   Time waits_until() const { return hears_readers_ ? deadline_ : readers_at_; }
-  /// Must be called if the type was not found by then. `newcomer_at` is the time at which the last process
-  /// was discovered: while processes start, a publisher may still appear. Returns false if the search is
-  /// over.
+  /// Must be called if the type was not found by the time waits_until(). `newcomer_at` is the time at which
+  /// the last process was discovered; the search waits longer while processes start, since a publisher may
+  /// still appear. Returns false if the search is over.
   bool goes_on(Time now, Time newcomer_at) {
     if (hears_readers_) return false;
     readers_at_ = std::clamp(newcomer_at + publishers_first, readers_at_, readers_at_last_);

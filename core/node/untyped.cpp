@@ -92,7 +92,7 @@ std::vector<std::string> Sample::missing_channels(const TypeSupport& type) const
   std::vector<std::string> missing;
   if (selection_ == nullptr) return missing;
   SampleState state = state_;
-  state.log = nullptr;  // this access is not a read of the program
+  state.log = nullptr;  // this access is not a read by the program, and must not be recorded
   const DynamicView view(state, type.type(), *state.mask);
   for (const Selection::Part& part : selection_->parts()) {
     const Layout* const layout = type.layout_of(part.leaf);
@@ -122,8 +122,8 @@ void Sample::reset() noexcept {
   SampleHandle::adopt(std::exchange(buffer_, nullptr)).reset();
 }
 
-/// Drops the references without giving memory back, because only the process that took the memory must give
-/// it back.
+/// Drops the references without releasing the memory, because only the process that took the sample must
+/// release it.
 void Sample::leave_to_the_parent() noexcept {
   record_ = nullptr;
   parts_ = nullptr;
@@ -144,7 +144,8 @@ Loan::Loan(std::shared_ptr<core::PublisherCore> publisher, core::SampleBuffer* b
 
 Loan::~Loan() {
   if (core::is_forked_copy()) {
-    // The handle is leaked: it may be the last one, and not even the publisher must be destroyed here.
+    // The handle is leaked: it may be the last handle, and even the publisher must not be destroyed in a
+    // forked copy.
     static_cast<void>(new std::shared_ptr<core::PublisherCore>(std::move(publisher_)));
     return;
   }
@@ -248,8 +249,8 @@ Sample Subscriber::take() { return core::is_forked_copy() ? Sample() : core_->ta
 
 Sample Subscriber::take_latest() { return core::is_forked_copy() ? Sample() : core_->take_latest(); }
 
-/// Does not wait within a callback: its thread may be the receiving thread, so that no sample would arrive
-/// meanwhile.
+/// Does not wait if it is called within a callback. The callback's thread may be the receiving thread, so
+/// no sample could arrive during the wait.
 bool Subscriber::wait(std::chrono::nanoseconds timeout) {
   if (core::is_forked_copy()) return false;
   return core_->wait(core::SubscriberCore::in_callback() ? std::chrono::nanoseconds(0) : timeout);

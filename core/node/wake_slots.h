@@ -1,7 +1,7 @@
-// Assigns doorbells to the subscribers of a node. A subscriber with neither a callback nor a file descriptor
-// has its own doorbell. All subscribers with a callback share one doorbell, because one thread of the node
-// waits for all of them. All subscribers with a file descriptor share another one. Any thread may call these
-// functions.
+// Assigns doorbells to the subscribers of a node. A subscriber with neither a callback nor a file
+// descriptor has its own doorbell. All subscribers with a callback share one doorbell, because one thread
+// of the node waits for all of them. All subscribers with a file descriptor share another doorbell. Any
+// thread may call these functions.
 #pragma once
 
 #include <atomic>
@@ -17,7 +17,7 @@ namespace sft::core {
 
 class WakeSlots {
  public:
-  // The shared slots, which are never given back.
+  // The shared slots, which always exist.
   static constexpr std::uint32_t dispatcher = 0;
   static constexpr std::uint32_t poller = 1;
 
@@ -26,12 +26,13 @@ class WakeSlots {
   Result<std::uint32_t> take();
   void give_back(std::uint32_t slot);
 
-  /// Ends the waits of all subscribers, now and from now on. A signal handler may call this function.
+  /// Ends all present and later waits of all subscribers. A signal handler may call this function.
   void interrupt() noexcept;
   const std::atomic<bool>& interrupted() const { return interrupted_; }
 
   Doorbell& at(std::uint32_t slot) { return page_->at(slot); }
-  /// Returns the id by which other processes find the page, or 0 if no other process can ring.
+  /// Returns the id by which other processes find the page, or 0 if no other process can ring its
+  /// doorbells.
   std::uint64_t page_id() const { return page_->id(); }
 
  private:

@@ -1,6 +1,6 @@
-// The node's agent: one thread for all work that may take a while or must not be done by two threads at once:
-// negotiation, opening and closing of ports, announcements, maintenance of transports. Other threads post
-// tasks to it.
+// The node's agent: one thread for all work that may take a while or must not be done by two threads at
+// once. This is negotiation, opening and closing of ports, announcements, maintenance of transports. Other
+// threads post tasks to it.
 #pragma once
 
 #include <atomic>
@@ -23,9 +23,9 @@ class Agent {
  public:
   using Task = std::function<void()>;
 
-  /// The work of the thread besides tasks. `tick` is called when the time that its last call returned has
-  /// passed. `idle` is called after each batch of tasks, since the next tick may then be due earlier. Both
-  /// return the time until the next tick.
+  /// The work of the thread in addition to tasks. `tick` is called when the time that `tick` or `idle`
+  /// returned last has passed. `idle` is called after each batch of tasks, since the next tick may then be
+  /// due earlier. Both return the time until the next tick.
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
@@ -41,14 +41,15 @@ class Agent {
 
   Result<void> start(const ThreadSpec& thread, Duties duties);
 
-  /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread, even
-  /// before start().
+  /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread may
+  /// call this, even before start().
   void post(Task task, std::source_location by = std::source_location::current());
-  /// Posts a task that can wait until the next tick. Wakes the agent only if `waiting_max` tasks wait.
+  /// Posts a task that can wait until the next tick. Wakes the agent's thread only if `waiting_max` tasks
+  /// are queued.
   void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
   static constexpr std::size_t waiting_max = 64;
-  /// Returns true if at least `behind_from` tasks wait. Threads that post very many tasks should then wait
-  /// for the agent.
+  /// Returns true if at least `behind_from` tasks are queued. Threads that post very many tasks should then
+  /// wait for the agent.
   bool is_behind();
   static constexpr std::size_t behind_from = 256;
   /// Runs the tasks that were posted before, and then ends the thread. Tasks that are posted later are not

@@ -9,7 +9,7 @@ namespace sft::core {
 
 /// A point in time of the clock for deadlines, pauses and leases.
 using Time = std::chrono::steady_clock::time_point;
-/// A function that reads that clock, or the clock of a test.
+/// A function that returns the time of that clock, or of the clock of a test.
 using ReadTime = Time (*)();
 
 /// Returns the time of CLOCK_REALTIME in ns. Samples are stamped with this time. Stamps of different hosts
@@ -19,8 +19,8 @@ inline std::int64_t realtime_ns() noexcept {
   return std::chrono::duration_cast<std::chrono::nanoseconds>(now).count();
 }
 
-/// The time of CLOCK_REALTIME, read at the first use. Most decisions that might need the time do not use it,
-/// so that the clock is not read.
+/// The time of CLOCK_REALTIME, read at the first use. Many decisions turn out not to need the time. Then
+/// the clock is not read.
 class LazyRealtime {
  public:
   LazyRealtime() = default;
@@ -40,7 +40,8 @@ constexpr bool is_older(std::int64_t stamp_ns, std::int64_t age_ns, std::int64_t
   return stamp_ns < now_ns - age_ns;
 }
 
-/// Returns the end of a wait that begins now, or Time::max() if the timeout is beyond the range of the clock.
+/// Returns the end of a wait that begins now, or Time::max() if that time is outside the range of the
+/// clock.
 inline Time deadline_after(std::chrono::nanoseconds timeout) noexcept {
   const Time now = std::chrono::steady_clock::now();
   return timeout > Time::max() - now ? Time::max() : now + timeout;

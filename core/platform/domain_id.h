@@ -8,8 +8,9 @@
 
 namespace sft::core {
 
-/// Returns the domain that the program names, otherwise the one in `environment` ($ROS_DOMAIN_ID; may be
-/// null), otherwise 0. The error names the valid domains.
+/// Returns the domain that the program names. If it names none, returns the domain in `environment` (the
+/// value of $ROS_DOMAIN_ID; may be null), and if there is none either, 0. The error names the valid
+/// domains.
 Result<std::uint32_t> domain_id(std::optional<std::uint32_t> program, const char* environment);
 
 }  // namespace sft::core

@@ -40,13 +40,14 @@ bool is_whole(int fd) {
   return fstat(fd, &status) == 0 && static_cast<std::size_t>(status.st_size) >= page_bytes;
 }
 
-/// Creates a locked file of a page's size. Returns its descriptor, or -1.
+/// Creates a locked file of a page's size. Returns its descriptor, or -1 if that fails.
 int create_file(const std::string& path) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = open(path.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0660);
   if (fd < 0) return -1;
-  // posix_fallocate() is used because a later write to a page that a full tmpfs cannot allocate would cause a
-  // SIGBUS. fchmod() is used because other members of our group must be able to ring, whatever the umask is.
+  // posix_fallocate() is used because without it, a write to a page that a full tmpfs cannot allocate would
+  // later cause a SIGBUS. fchmod() is used because other members of our group must be able to ring,
+  // whatever the umask is.
   if (flock(fd, LOCK_EX | LOCK_NB) == 0 && fchmod(fd, 0660) == 0 && posix_fallocate(fd, 0, page_bytes) == 0)
     return fd;
   unlink(path.c_str());
@@ -54,7 +55,8 @@ int create_file(const std::string& path) {
   return -1;
 }
 
-/// Creates such a file without a path, which needs no space in /dev/shm. Returns its descriptor, or -1.
+/// Creates a locked file of a page's size without a path, which needs no space in /dev/shm. Returns its
+/// descriptor, or -1 if that fails.
 int create_nameless_file(std::uint64_t id) {
   if (!check_file_size(page_bytes)) return -1;
   const int fd = memfd_create((std::string(prefix) + in_hex(id)).c_str(), MFD_CLOEXEC);

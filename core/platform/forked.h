@@ -6,8 +6,8 @@
 
 namespace sft::core {
 
-/// A member of each object that works in one process only. A process that is forked while any such object
-/// lives is a copy.
+/// A member of each object that works only in the process that made it. A process that is forked while any
+/// such object lives is a copy.
 class OfOneProcess {
  public:
   OfOneProcess() noexcept;
@@ -20,7 +20,7 @@ class OfOneProcess {
 /// has not executed another program since.
 bool is_forked_copy() noexcept;
 
-/// The message of errors that functions return in a copy.
+/// The text of the error that functions return in a forked copy.
 inline constexpr const char* refuses_forked_copies =
     "this process was forked from one that has a node: open nodes only after fork(), or begin another "
     "program in the new process (exec)";

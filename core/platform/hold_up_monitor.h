@@ -1,6 +1,6 @@
-// Reports delays of a thread that should wait only for its own events. The thread marks the beginning of each
-// piece of its work. A piece that took too long is reported with its place in the source. A piece may also
-// take long because the thread got no processor meanwhile.
+// Reports delays of a thread that should wait only for its own events. The thread marks the beginning of
+// each piece of its work. A piece that took too long is reported with its place in the source. A piece of
+// work may also take long because the thread got no processor meanwhile.
 #pragma once
 
 #include <chrono>
@@ -12,7 +12,7 @@
 
 namespace sft::core {
 
-/// A monitor is used by one thread.
+/// A monitor must be used by only one thread.
 class HoldUpMonitor {
  public:
   using Report = std::function<void(std::source_location what, std::chrono::milliseconds held_up)>;

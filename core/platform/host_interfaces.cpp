@@ -50,9 +50,9 @@ std::uint8_t prefix_bits(const sockaddr& netmask, int family) noexcept {
   return static_cast<std::uint8_t>(bits);
 }
 
-/// Returns IPv6 addresses that must not be announced: temporary addresses, besides which there is a permanent
-/// one, and addresses that are not yet, or no longer, in use. They are read from /proc (proc(5)), since
-/// getifaddrs() does not show these states.
+/// Returns IPv6 addresses that must not be announced: temporary addresses, since their interfaces also have
+/// a permanent one, and addresses that are not yet, or no longer, valid. They are read from /proc
+/// (proc(5)), since getifaddrs() does not show these states.
 std::set<IpAddress::Bytes> ipv6_addresses_to_avoid() {
   constexpr unsigned unfit = IFA_F_TEMPORARY | IFA_F_TENTATIVE | IFA_F_DADFAILED | IFA_F_DEPRECATED;
   std::set<IpAddress::Bytes> avoid;

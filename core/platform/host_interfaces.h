@@ -1,4 +1,4 @@
-// The network interfaces of this host, as the system lists them, and their names in settings of users.
+// The network interfaces of this host, as the system lists them, and how the settings of users name them.
 #pragma once
 
 #include <cstdint>
@@ -24,9 +24,9 @@ struct HostInterface {
   friend bool operator==(const HostInterface&, const HostInterface&) = default;
 };
 
-/// Returns the interfaces, including those that are down. IPv6 addresses that are temporary or not ready for
-/// use are left out. Returns nothing if the system cannot list the interfaces because no descriptor is free.
-/// The caller must not take this for a change of the network.
+/// Returns the interfaces, including those that are down. IPv6 addresses that are temporary or not ready
+/// for use are left out. Returns nothing if the system cannot list the interfaces because no descriptor is
+/// free. This does not mean that the network has changed.
 std::optional<std::vector<HostInterface>> host_interfaces();
 
 /// Returns true if `text`, which a user has written, is the name, the address or the network of the

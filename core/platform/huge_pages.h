@@ -1,4 +1,4 @@
-// Huge pages for memory of this process that asks for them (MADV_HUGEPAGE).
+// Huge pages for memory for which this process requests them (MADV_HUGEPAGE).
 #pragma once
 
 #include <cstddef>
@@ -7,11 +7,11 @@
 
 namespace sft::core {
 
-/// The least size of the blocks of memory that ask for huge pages.
+/// The minimum size in bytes of the memory blocks for which huge pages are requested.
 inline constexpr std::size_t huge_page_bytes = std::size_t{2} << 20;
 
-/// Returns the reason why such memory does not get huge pages. The result is empty if the memory gets them,
-/// as far as the system has free ones.
+/// Returns the reason why the system gives no huge pages to memory that requests them. The result is empty
+/// if the system does so as long as it has free ones.
 std::string why_no_huge_pages(const std::filesystem::path& root = "/");
 
 }  // namespace sft::core

@@ -17,7 +17,8 @@ struct IpAddress {
   using Bytes = std::array<std::uint8_t, 16>;
 
   constexpr IpAddress() = default;
-  /// Makes an IPv4 address from a number in host byte order, like INADDR_LOOPBACK; 0: any.
+  /// Makes an IPv4 address from a number in host byte order, like INADDR_LOOPBACK. The number 0 makes the
+  /// address "any".
   constexpr IpAddress(std::uint32_t ipv4) {  // NOLINT(google-explicit-constructor): as they are written
     if (ipv4 == 0) return;
     bytes = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 0xff, 0xff};
@@ -58,8 +59,8 @@ inline constexpr IpAddress loopback_ipv6{IpAddress::Bytes{0, 0, 0, 0, 0, 0, 0, 0
 IpAddress network_of(const IpAddress& address, unsigned prefix_bits);
 
 /// Returns true if both addresses are of the same family and their first `prefix_bits` are equal. Since all
-/// link-local networks have the same prefix, the interfaces of link-local addresses are compared, too, if
-/// both are known.
+/// link-local networks have the same prefix, the scopes of link-local addresses are compared, too, if both
+/// addresses have one.
 bool in_one_network(const IpAddress& a, const IpAddress& b, unsigned prefix_bits);
 
 struct IpNetwork {

@@ -14,8 +14,8 @@ std::uint64_t network_id() noexcept {
   std::string boot;
   std::getline(std::ifstream("/proc/sys/kernel/random/boot_id"), boot);
   struct stat space {};
-  // Without /proc it is unknown which processes share the network of this process. With a random id this
-  // process seems to share it with no other, and no other host is taken for this one.
+  // Without /proc it is unknown which processes share the network of this process. With a random id, this
+  // process seems to share its network with no other process, and no other host is mistaken for this host.
   if (boot.empty() || stat("/proc/self/ns/net", &space) != 0) return random_id();
   detail::Fnv1a hash;
   hash.add(boot);

@@ -6,8 +6,8 @@
 
 namespace sft::core {
 
-/// Returns the id. The upper half is a hash of the boot id, so that it identifies the machine. The lower half
-/// also depends on the network namespace.
+/// Returns the id. The upper half is a hash of the boot id, and so identifies the machine. The lower half
+/// depends on the boot id and the network namespace.
 std::uint64_t network_id() noexcept;
 
 constexpr bool on_one_machine(std::uint64_t network, std::uint64_t other) {

@@ -24,8 +24,8 @@ bool NetworkMonitor::is_another_file() const noexcept {
   return ::fstat(netlink_.get(), &file) != 0 || file.st_ino != inode_;
 }
 
-/// Removes the messages from the socket without reading their contents. The callers determine elsewhere which
-/// state has changed.
+/// Removes the messages from the socket without reading their contents. Callers find out by other means
+/// what has changed.
 bool NetworkMonitor::changed() noexcept {
   if (!netlink_) return true;
   was_closed_ = is_another_file();

@@ -10,7 +10,7 @@ namespace sft::core {
 
 class NetworkMonitor {
  public:
-  /// Watches the network namespace of the calling thread.
+  /// Begins to watch the network namespace of the calling thread.
   NetworkMonitor();
 
   /// Returns true if interfaces, addresses or routes may have changed since the last call. Always returns
@@ -19,8 +19,8 @@ class NetworkMonitor {
   /// Returns true if the program has closed the socket, and probably all other descriptors of this process.
   /// The number of the descriptor may now belong to another file.
   bool was_closed() const noexcept { return was_closed_; }
-  /// Returns a number that has grown if interfaces, addresses or routes may have changed. It is meant for
-  /// several users that share a monitor. They must call only this function.
+  /// Returns a number that grows when interfaces, addresses or routes may have changed. Use it if several
+  /// users share a monitor; they must not call changed() then.
   std::uint64_t changes() noexcept {
     if (changed()) ++changes_;
     return changes_;

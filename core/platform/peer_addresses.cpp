@@ -12,7 +12,8 @@ namespace {
 
 /// The time within which a reachable name server usually answers.
 constexpr std::chrono::milliseconds usual_answer{200};
-/// The limits of the pauses between two checks for an answer, which grow with the time that the lookup takes.
+/// The limits of the pauses between two checks for an answer, where the pauses grow with the duration of
+/// the lookup.
 constexpr std::chrono::milliseconds answer_pause_min{20}, answer_pause_max{1'000};
 
 /// The parts of a peer: "udp/robot.local:7410" has the parts "udp/", "robot.local" and ":7410". A colon
@@ -84,8 +85,8 @@ void PeerAddresses::network_changed() {
   for (auto& [name, host] : hosts_) host.is_due = true;
 }
 
-/// Begins a lookup. A name has at most one thread. If the network changes during a lookup, the answer is
-/// used, and then the name is looked up again.
+/// Begins a lookup. At most one lookup of a name runs at a time. If the network changes during a lookup,
+/// the answer is used, and then the name is looked up again.
 void PeerAddresses::begin(const std::string& name, Host& host, Time now) {
   host.is_due = false;
   host.asked_at = now;

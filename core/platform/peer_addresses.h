@@ -1,8 +1,8 @@
-// The addresses of the peers that users name. Cyclone DDS would look up names itself whenever a link is made,
-// and would block the thread that makes the link while a name server does not answer. So Cyclone gets numeric
-// addresses only. Each lookup has its own thread, so that no other thread depends on the answer. The thread
-// of a lookup ends with the answer, even if the answer is not needed any more. The last good answer is used
-// until there is another one.
+// The addresses of the peers that users name. Cyclone DDS would look up names itself whenever a link is
+// made, and would block the thread that makes the link while a name server does not answer. So Cyclone gets
+// numeric addresses only. Each lookup has its own thread, so that no other thread depends on the answer.
+// The thread of a lookup ends when the answer arrives, even if the answer is not needed any more. If a
+// later lookup fails, the last good answer remains in use.
 #pragma once
 
 #include <chrono>
@@ -24,7 +24,7 @@
 
 namespace sft::core {
 
-/// The addresses of hosts, by their names. It contains only hosts whose addresses are known.
+/// The addresses of hosts, by their names. The map contains only hosts whose addresses are known.
 using KnownHosts = std::map<std::string, std::vector<IpAddress>>;
 
 /// Returns the host name in a peer: "robot.local" in "robot.local:7410". Returns nothing if the peer is a
@@ -34,12 +34,13 @@ std::optional<std::string> name_in(const std::string& peer);
 /// The result is empty if no address is known.
 std::vector<std::string> in_numbers(const std::string& peer, IpFamily family, const KnownHosts& hosts);
 
-/// One thread at a time uses an object.
+/// Keeps the addresses of the peers that are given by name, and looks the names up again and again. An
+/// object must be used by only one thread at a time.
 class PeerAddresses {
  public:
   using Ask = std::function<Result<std::vector<IpAddress>>(const std::string& name, IpFamily family)>;
 
-  /// The most addresses of one name that are used. Further addresses are left out.
+  /// The maximum number of addresses of one name. Further addresses are ignored.
   static constexpr std::size_t addresses_max = 4;
   /// The time after which a name is looked up again, since its address may have changed.
   static constexpr std::chrono::seconds ask_again_after{120};
@@ -65,8 +66,8 @@ class PeerAddresses {
   void wait_for_answers(Time deadline);
 
   const KnownHosts& known() const { return known_; }
-  /// Returns warnings for people about peers that are not looked for, or that are looked for only at their
-  /// last known addresses.
+  /// Returns warnings for people about peers that discovery cannot search, or searches only at their last
+  /// known addresses.
   std::vector<std::string> warnings() const;
 
  private:
@@ -75,8 +76,8 @@ class PeerAddresses {
     IpFamily family{};
     Result<std::vector<IpAddress>> addresses;
   };
-  /// The answers of lookups. The threads of lookups share the mailbox, since they may outlive the object that
-  /// started them.
+  /// The answers of lookups. The threads of lookups share ownership of the mailbox, since they may outlive
+  /// the PeerAddresses that started them.
   struct Mailbox {
     Mutex mutex;
     Condition came;
@@ -84,10 +85,12 @@ class PeerAddresses {
   };
   struct Host {
     std::optional<Time> asked_at{};  ///< the time when the running lookup began; empty: none is running
-    bool is_due = true;              ///< true: a lookup has to begin, even if `next` is later
+    bool is_due = true;              ///< true: a lookup has to begin now, even if the time `next` has not
+                                     ///< come yet
     Time next{};                     ///< the time of the next lookup
     Retry retry{};
-    std::string why_not{};  ///< the reason why the last lookup has not found an address (so far)
+    std::string why_not{};  ///< the reason why the last lookup has found no address; empty if it has found
+                            ///< one or is still running
   };
 
   void begin(const std::string& name, Host& host, Time now);

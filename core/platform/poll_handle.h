@@ -1,4 +1,5 @@
-// A file descriptor for waiting in an event loop (epoll, asio). It is readable while the handle is raised.
+// A handle with a file descriptor for waiting in an event loop (epoll, asio). The descriptor is readable
+// while the handle is raised.
 #pragma once
 
 #include <atomic>
@@ -11,8 +12,8 @@
 
 namespace sft::core {
 
-/// Any thread may call any function at any time. After lower(), the caller must check if there is a reason to
-/// raise the handle again: an event that raised the handle before lower() does not raise it a second time.
+/// Any thread may call any function at any time. An event raises the handle only once. So after lower(),
+/// the caller must check whether an event still has to be handled, and raise the handle again in this case.
 class PollHandle {
  public:
   static Result<std::unique_ptr<PollHandle>> create();
@@ -20,7 +21,7 @@ class PollHandle {
   void raise() noexcept;
   void lower() noexcept;
   bool is_raised() const noexcept { return raised_.load(std::memory_order_seq_cst); }
-  /// Waits until the handle is raised or the time is over. Spurious returns are possible.
+  /// Waits until the handle is raised or the deadline has passed. Spurious returns are possible.
   void wait(std::chrono::steady_clock::time_point deadline) const noexcept;
   int descriptor() const { return event_.get(); }
 

@@ -34,7 +34,8 @@ std::string limit_of(Resource resource) {
   return std::to_string(limit.rlim_cur);
 }
 
-/// Takes `count` free descriptors, those with the lowest numbers. If it returns fewer, errno is the reason.
+/// Takes the `count` free descriptors with the lowest numbers. If it returns fewer, errno contains the
+/// reason.
 std::vector<FileDescriptor> take_descriptors(std::size_t count) {
   std::vector<FileDescriptor> taken;
   taken.reserve(count);
@@ -53,7 +54,7 @@ Result<void> check_descriptors(std::size_t count) {
                   " of them: raise the limit RLIMIT_NOFILE (ulimit -n, or LimitNOFILE= of its service)");
 }
 
-/// Threads that wait until this object is destroyed. They take no memory except small stacks.
+/// Threads that wait until this object is destroyed. They use no memory except for small stacks.
 class SpareThreads {
  public:
   explicit SpareThreads(std::size_t count) {
@@ -92,9 +93,10 @@ class SpareThreads {
   int error_ = 0;
 };
 
-/// Checks that the addresses that `threads` threads need at most can be reserved. The GNU C library gives
-/// each thread that allocates memory a separate arena, and reserves its addresses at once (mallopt(3),
-/// HEAP_MAX_SIZE in the source of the library).
+/// Checks that the process may still reserve the maximum amount of address space that `threads` threads
+/// need. In addition to its stack, each thread that allocates memory gets a separate arena of the GNU C
+/// library, which reserves the whole arena at once (mallopt(3), HEAP_MAX_SIZE in the source of the
+/// library).
 Result<void> check_addresses(std::size_t threads) {
   constexpr std::size_t arena = std::size_t{64} << 20;
   constexpr std::size_t besides = std::size_t{64} << 20;
@@ -123,7 +125,8 @@ bool is_far_from_the_limits(std::size_t threads) {
 }
 
 /// Checks that `count` threads can be started. Threads are started for the check only if a limit is near,
-/// because this costs more than a millisecond: threads that have ended keep the processor busy for a while.
+/// because starting them costs more than a millisecond: the threads keep the processor busy for a while
+/// after their end.
 Result<void> check_threads(std::size_t count) {
   if (is_far_from_the_limits(count)) return {};
   const SpareThreads spare(count);

@@ -9,12 +9,14 @@ namespace {
 
 constexpr std::size_t quoted_bytes_max = 64;
 
-/// Returns true for the control characters C0, DEL and C1, and for the other characters that break a line.
+/// Returns true for the control characters C0, DEL and C1, and for other characters that cause a line
+/// break.
 bool is_control(char32_t code) {
   return code < 0x20 || (code >= 0x7f && code < 0xa0) || code == 0x2028 || code == 0x2029;
 }
 
-/// Returns true for marks that change the direction of the text behind them. They could disguise that text.
+/// Returns true for marks that change the direction of the text that follows. Such marks could disguise
+/// this text.
 bool turns_text_around(char32_t code) {
   return (code >= 0x202a && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
 }
@@ -42,7 +44,8 @@ Character first_of(std::string_view text) {
     if ((byte(i) & 0xc0) != 0x80) return {};
     code = code << 6 | (byte(i) & 0x3fU);
   }
-  constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};  // codes below these need fewer bytes
+  constexpr std::array<char32_t, 5> least{0, 0, 0x80, 0x800, 0x10000};  // codes below these values need fewer
+                                                                        // bytes
   const bool is_surrogate = code >= 0xd800 && code <= 0xdfff;
   if (code < least[bytes] || code > 0x10ffff || is_surrogate) return {};
   return {bytes, code};

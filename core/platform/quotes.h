@@ -1,4 +1,5 @@
-// Makes texts of other processes safe to print: UTF-8 without characters that could control a terminal.
+// Makes texts from other processes safe to print: the results are UTF-8 without characters that could
+// control a terminal.
 #pragma once
 
 #include <cstddef>
@@ -8,7 +9,7 @@
 namespace sft::core {
 
 struct Character {
-  std::size_t bytes = 0;  ///< the length in bytes; 0: not UTF-8
+  std::size_t bytes = 0;  ///< the length of the character in bytes; 0: the text is not UTF-8
   char32_t code = 0;
 };
 
@@ -16,11 +17,11 @@ struct Character {
 Character first_of(std::string_view text);
 
 /// Returns true for control characters, line breaks, and characters that change the direction of the text
-/// behind them.
+/// that follows.
 bool acts_on_terminals(char32_t code);
 
-/// Returns the text within quotation marks. It is cut if it is long, and characters that cannot be printed
-/// are replaced by escapes.
+/// Returns the text within quotation marks. A long text is cut, and characters that cannot be printed are
+/// replaced by escapes.
 std::string in_quotes(std::string_view text);
 
 }  // namespace sft::core

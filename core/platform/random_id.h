@@ -7,8 +7,8 @@
 
 namespace sft::core {
 
-/// Returns 64 random bits of the kernel, never 0. If getrandom() fails, the result is made from the time and
-/// an address.
+/// Returns 64 random bits from the kernel, never 0. If getrandom() fails, the result is made from the time
+/// and an address.
 std::uint64_t random_id() noexcept;
 
 /// Returns an id as 16 hex digits, as in names of files and services.

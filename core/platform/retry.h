@@ -1,5 +1,6 @@
-// Decides when a failed action is tried again, with growing pauses. A reason is reported as news only once,
-// as long as it stays the same. The class uses no clock: times are passed in, decisions are returned.
+// Decides when a failed action is tried again, with growing pauses. As long as the reason of the failures
+// stays the same, it is reported as new only once. The class uses no clock: times are passed in, decisions
+// are returned.
 #pragma once
 
 #include <algorithm>
@@ -21,7 +22,7 @@ class Retry {
   /// Returns true if the last attempt has failed, and another one may be made.
   bool due_again(Time now) const { return pause_.count() != 0 && due(now); }
 
-  /// Called when an attempt has failed. Returns true if the failure is news: the previous attempt did not
+  /// Called when an attempt has failed. Returns true if the failure is new: the previous attempt did not
   /// fail, or failed for another reason. `longest` limits the pause until the next attempt.
   bool failed(std::string why, Time now, std::chrono::milliseconds longest = pause_max) {
     pause_ = std::clamp(pause_ * 2, pause_min, longest);
@@ -35,7 +36,7 @@ class Retry {
   Time next() const { return next_; }
   /// Returns the reason of the last failure.
   const std::string& reason() const { return why_; }
-  /// Forbids attempts until the given time, although none has failed.
+  /// Forbids attempts until the given time, although no attempt has failed.
   void hold(Time until) {
     next_ = until;
     pause_ = std::max(pause_, std::chrono::milliseconds(1));
@@ -44,7 +45,7 @@ class Retry {
     hold(until);
     why_ = std::move(why);
   }
-  /// Forbids attempts as long as `other` forbids them, and takes over the reason of `other`.
+  /// Forbids attempts as long as `other` does, and adopts the reason of `other`.
   void hold_with(const Retry& other) {
     hold(other.next_);
     why_ = other.why_;

@@ -36,11 +36,11 @@ std::optional<std::uint64_t> threads_of_the_system(const fs::path& root) {
 
 struct ControlGroup {
   fs::path mounted_at;
-  fs::path path;  ///< the path of the group below the mount point
+  fs::path path;  ///< the path of the group, relative to the mount point
 };
 
-/// Returns the control group that limits threads: the group of the controller `pids`, or else that of the
-/// unified hierarchy.
+/// Returns the control group that limits threads: the group of the controller `pids`, or, if there is none,
+/// the group of the unified hierarchy.
 std::optional<ControlGroup> control_group(const fs::path& root) {
   std::ifstream stream(root / "proc/self/cgroup");
   std::optional<ControlGroup> unified;
@@ -55,8 +55,8 @@ std::optional<ControlGroup> control_group(const fs::path& root) {
   return unified;
 }
 
-/// Returns the number of threads that can still be started within the limits of the group and of all groups
-/// above it.
+/// Returns the number of threads that can still be started within the limits of the group and of all its
+/// ancestors.
 std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   const std::optional<ControlGroup> group = control_group(root);
   std::error_code missing;
@@ -64,7 +64,7 @@ std::optional<std::uint64_t> left_by_control_groups(const fs::path& root) {
   std::uint64_t left = unlimited;
   for (fs::path path = group->path;; path = path.parent_path()) {
     const fs::path directory = group->mounted_at / path;
-    // Without the file there is no limit.
+    // A group without this file has no limit.
     const std::uint64_t limit = number_in(directory / "pids.max").value_or(unlimited);
     if (limit != unlimited) {
       const auto current = number_in(directory / "pids.current");

@@ -19,7 +19,7 @@ namespace sft::core {
 
 namespace {
 
-/// Blocks signals in this thread, so that threads that it starts inherit the blocked mask.
+/// Blocks signals in this thread, so that the threads that this thread starts inherit the signal mask.
 class BlockedSignals {
  public:
   BlockedSignals() {
@@ -39,7 +39,8 @@ class BlockedSignals {
   sigset_t before_;
 };
 
-/// A set of CPUs in the kernel's form, large enough for the most CPUs that a kernel can be built for.
+/// A set of CPUs in the kernel's form, large enough for the maximum number of CPUs that a kernel can
+/// support.
 class CpuSet {
  public:
   static constexpr unsigned size = 8192;
@@ -126,8 +127,8 @@ Result<void> take_policy(const ThreadSettings& settings) {
     if (::sched_setscheduler(0, policy, &parameters) == 0) return {};
     return refused_policy(settings, errno);
   }
-  // If the inherited policy is not a real-time policy, the whole program has it, for example a batch job. So
-  // it is kept.
+  // If the inherited policy is not a real-time policy, it is the policy of the whole program, for example
+  // of a batch job. So this policy is kept.
   const int inherited = ::sched_getscheduler(0);
   const sched_param parameters{.sched_priority = 0};
   if (inherited == SCHED_FIFO || inherited == SCHED_RR) ::sched_setscheduler(0, SCHED_OTHER, &parameters);
@@ -185,7 +186,7 @@ Result<std::thread> start_thread(const ThreadSpec& spec, std::function<void()> b
       ::pthread_setname_np(::pthread_self(), spec.name.substr(0, 15).c_str());
       const Result<void> taken = take(spec.settings);
       const bool goes_on = taken.has_value();
-      promise.set_value(taken);  // `spec` may be destroyed from here on
+      promise.set_value(taken);  // from here on, `spec` may already be destroyed
       if (goes_on) body();
     });
   } catch (const std::system_error& error) {

@@ -40,8 +40,8 @@ ThreadNames thread_names();
 void prefix_threads_since(const ThreadNames& before, const std::string& prefix,
                           std::span<const std::string_view> beginnings);
 
-/// Tries the settings of each group of threads. The error names the option that is invalid or that the system
-/// refuses.
+/// Checks the settings of each group of threads by trying them. The error names the option that is invalid
+/// or that the system refuses.
 Result<void> check(const NodeOptions::Threads& threads);
 
 }  // namespace sft::core

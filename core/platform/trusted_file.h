@@ -1,8 +1,8 @@
-// Opens files in directories to which every account of the host can write (/dev/shm, /tmp). At a path there,
-// another account may have put a FIFO, which would block the thread that opens it, a link to a file of this
-// account, a file with forged contents, or a file that it truncates once the file is mapped. So such paths
-// are opened only by open_trusted_file(). It never waits and follows no link, and accepts a file only if it
-// is a regular file with one name, of a trusted account.
+// Opens files in directories to which every account of the host can write (/dev/shm, /tmp). At a path
+// there, another account may have put a FIFO, which would block the thread that opens it, a link to a file
+// of this account, a file with forged contents, or a file that it truncates once the file is mapped. So
+// such paths are opened only by open_trusted_file(). This function never waits and follows no link. It
+// accepts only regular files that have a single name and belong to a trusted account.
 #pragma once
 
 #include <sys/stat.h>
@@ -19,7 +19,7 @@ namespace sft::core {
 /// The accounts whose files are accepted. Root and the account of this process are always accepted.
 struct TrustedAccounts {
   std::vector<uid_t> users{};
-  /// The groups whose files are accepted, too. Only a member of a group can give a file to that group.
+  /// Files of these groups are accepted, too. Only a member of a group can give a file to that group.
   std::vector<gid_t> groups{};
   bool everybody = false;  ///< true: files of all accounts; for commands that only display them
 
@@ -28,10 +28,10 @@ struct TrustedAccounts {
   friend bool operator==(const TrustedAccounts&, const TrustedAccounts&) = default;
 };
 
-/// Opens an existing file of one of these accounts. `access` is O_RDONLY or O_RDWR. Returns Errc::unavailable
-/// if there is no such file, Errc::address_in_use if something else is at the path or the file belongs to
-/// another account, and Errc::no_permission if this account must not open the file. The error names the file,
-/// its owner, and what to do.
+/// Opens an existing file of one of these accounts. `access` is O_RDONLY or O_RDWR. Returns
+/// Errc::unavailable if there is no such file, Errc::address_in_use if the path is not a regular file with
+/// one name, or if the file belongs to another account, and Errc::no_permission if this account must not
+/// open the file. The error names the file, its owner, and what to do.
 Result<FileDescriptor> open_trusted_file(const std::string& path, int access,
                                          const TrustedAccounts& accounts = {});
 

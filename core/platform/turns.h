@@ -1,5 +1,5 @@
-// Chooses the participants that come next, in turn (round robin), if there is not enough room for all of them
-// at once. Uses no clock, thread or I/O.
+// Selects participants in turn (round robin) if not all of them can be served at once. Uses no clock,
+// thread or I/O.
 #pragma once
 
 #include <cstddef>
@@ -14,7 +14,8 @@ class Turns {
  public:
   /// Offers a turn to each participant in `all`, which is a set of keys or a map with them. The first offer
   /// is to the participant after the one that took the last turn. `take` returns true if the participant
-  /// takes its turn. The function ends once `most` participants have taken a turn.
+  /// takes its turn. The function returns once `most` participants have taken a turn, or when all have been
+  /// asked.
   template <class Sorted, class Take>
   void go_round(Sorted& all, std::size_t most, Take take) {
     std::size_t taken = 0;

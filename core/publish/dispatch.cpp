@@ -16,7 +16,7 @@ bool is_among(const std::vector<Route>& routes, const Route& to) {
   return std::ranges::find(routes, to.reader, &Route::reader) != routes.end();
 }
 
-/// Returns the routes of `some`, and those of `others` that lead to other readers.
+/// Returns the routes of `some`, and the routes of `others` to readers that have no route in `some`.
 std::vector<Route> joined(const std::vector<Route>& some, const std::vector<Route>& others) {
   std::vector<Route> all = some;
   const auto is_new = [&](const Route& route) { return !is_among(some, route); };
@@ -54,15 +54,15 @@ void Dispatch::stop_second_thread() const noexcept {
 }
 
 /// Makes these outlets the ones by which the publisher's thread sends and counts. If the outlets do not use
-/// the network, begin() is called once, so that the network port turns its page, too, and no longer counts
-/// for former readers.
+/// the network, begin() is called once, so that the network port replaces its page of counts, too, and no
+/// longer counts for former readers.
 void Dispatch::turn_to(const Outlets& outlets) noexcept {
   book_->turn_to(DeliveryBook::Origin::publisher, outlets.page);
   if (network_ != nullptr && !outlets.to_network) static_cast<void>(network_->begin());
   in_force_ = &outlets;
 }
 
-/// Puts outlets in force by which samples go to the ports of `before` and to those of `after`.
+/// Puts outlets in force by which samples are sent to the ports of `before` and also to those of `after`.
 void Dispatch::send_by_both(const Outlets& before, const Outlets& after) {
   auto both = std::make_shared<Outlets>(before.with(after));
   if (after.memory != nullptr) {
@@ -83,9 +83,10 @@ FieldMask Dispatch::serve(Serving& serving, std::shared_ptr<LendingWriter> memor
                    {std::move(memory), network_ != nullptr, std::move(vanilla), history_ != nullptr});
   const std::shared_ptr<const Outlets> before = outlets_.share();
   if (!before->provides_for(*after)) {
-    // A route must never need a field that is not encoded, or a gate that was not asked. So this takes three
-    // steps. First, outlets that suffice for the old and the new routes are put in force. Then the agent
-    // waits for a call that may have begun before. Only then are the routes changed.
+    // A route must never need a field that is not encoded, or a gate that was not asked. So this takes
+    // three steps. First, outlets that suffice for the old and the new routes are put in force. Then the
+    // agent waits for the end of a Call that may have begun earlier. Only after that are the routes
+    // replaced.
     outlets_.replace(std::make_shared<Outlets>(before->with(*after)));
     outlets_.wait_for_reader();
   }
@@ -132,8 +133,8 @@ PublishStatus Dispatch::miss(Admission&& admission, std::uint32_t body_bytes) no
   return PublishStatus::no_memory;
 }
 
-/// Counts a sample for which shared memory could not lend memory, by the reason. `body_bytes` is the size of
-/// its body.
+/// Counts a sample for which shared memory could not lend memory, according to the reason. `body_bytes` is
+/// the size of its body.
 void Dispatch::count_refusal(std::uint32_t body_bytes) noexcept {
   const std::size_t bytes = detail::SampleLayout(type_.index_slots()).bytes(body_bytes);
   const std::size_t chunk_bytes = in_force_->memory->largest_loan_bytes();
@@ -154,7 +155,7 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   sample->trust_header();
   if (history_ != nullptr) {
     history_->add(sample);
-    look_at_outlets();  // the outlets may have changed: late_readers.h says why they are read again
+    look_at_outlets();  // the outlets may have changed, and are read again for the reason in late_readers.h
   }
   const Outlets& outlets = *in_force_;
   PublishStatus status = PublishStatus::ok;
@@ -182,8 +183,8 @@ PublishStatus Dispatch::send(const SampleHandle& sample, std::int64_t stamp_ns, 
   return status;
 }
 
-/// Sends by shared memory. A sample that lies in other memory is copied: it was made before shared memory was
-/// available, or while no chunk was free.
+/// Sends the sample by shared memory. A sample that lies in other memory is copied first. Such a sample was
+/// made before shared memory was available, or while no chunk was free.
 SendStatus Dispatch::send_to_memory(const SampleHandle& sample, std::chrono::nanoseconds& timeout) noexcept {
   LendingWriter& memory = *in_force_->memory;
   const std::span gates(in_force_->memory_gates);

@@ -1,9 +1,11 @@
-// Sends the samples of one publisher to its readers: by shared memory, over the network, or by both. Samples
-// that shared memory does not take are sent over the network to the readers that have a fallback route.
+// Sends the samples of one publisher to its readers: by shared memory, over the network, or by both.
+// Samples that shared memory does not take are sent over the network to the readers that have a fallback
+// route.
 //
-// The agent puts outlets in force (serve()), and the publisher's thread sends by them. No route may ever ask
-// for more fields than a sample has. Therefore the publisher's thread does all its work within a Call, and
-// the agent can wait, when it replaces the outlets, for the end of a Call that began with the previous ones.
+// The agent puts outlets (outlets.h) in force by serve(), and the publisher's thread sends samples by them.
+// A route must never ask for more fields than a sample has. Therefore the publisher's thread does all its
+// work within a Call. When the agent replaces the outlets, it can wait for the end of a Call that has begun
+// with the previous outlets.
 #pragma once
 
 #include <atomic>
@@ -41,8 +43,8 @@ class Dispatch {
 
   // The functions for the publisher's thread.
 
-  /// Keeps the outlets in use for one call of the program, from the beginning to the end of the scope. If a
-  /// Call begins on a second thread meanwhile, the program ends.
+  /// Marks one call of the program. The outlets that were in force at the beginning stay in use until the
+  /// end of the scope. If a Call begins on a second thread meanwhile, the process is ended.
   class Call {
    public:
     explicit Call(Dispatch& dispatch) : reading_(dispatch.outlets_), dispatch_(dispatch) {
@@ -58,7 +60,7 @@ class Dispatch {
     }
     Call(const Call&) = delete;
     Call& operator=(const Call&) = delete;
-    /// Returns the outlets in force. Sending a sample may replace them.
+    /// Returns the outlets in force. Sending a sample may put other outlets in force.
     const Outlets& outlets() const noexcept { return *dispatch_.in_force_; }
 
    private:
@@ -79,7 +81,7 @@ class Dispatch {
 
   /// Asks each gate once whether the sample passes, before the sample is encoded. If the publisher is
   /// durable, every sample is encoded and no transmission begins here: the sample is first put into the
-  /// history, and then sent by the routes that are in force at that time (LateReaders).
+  /// history, and then sent by the routes that are in force after that (see LateReaders).
   Admission admit(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     const Outlets& outlets = *in_force_;
     Admission admission;
@@ -92,7 +94,8 @@ class Dispatch {
     }
     return admission;
   }
-  /// Called when the admitted message has been encoded. Later messages are compared with this message.
+  /// Called when the admitted message has been encoded. The conditions of readers compare later messages
+  /// with this message.
   void made(const detail::FieldSource& sample, std::int64_t stamp_ns) noexcept {
     for (const auto& gate : in_force_->gates) gate->made(sample, stamp_ns);
   }
@@ -100,22 +103,22 @@ class Dispatch {
   void refuse() noexcept {
     for (const auto& gate : in_force_->gates) gate->refused();
   }
-  /// Asks the gates about a sample that is encoded already. The handle is empty if there was no memory for
-  /// the sample.
+  /// Asks each gate whether a sample that is encoded already passes. The handle is empty if there was no
+  /// memory for the sample.
   Admission admit(const SampleHandle& sample, std::int64_t stamp_ns) noexcept;
   /// Returns true if copies of parts of the sample may be postponed. This is so if only the network gets the
   /// sample, and the port of the network allows it.
   bool may_postpone() const noexcept {
     return postpones_ && in_force_->to_network && !in_force_->to_memory && in_force_->vanilla == nullptr;
   }
-  /// Gives sequences to samples that no reader wants. By these sequences readers see that the samples were
-  /// withheld.
+  /// Gives sequences to samples that no reader wants. By the gap in the sequences readers later see that
+  /// samples were withheld.
   PublishStatus withhold(std::size_t samples = 1) noexcept {
     sequence_.fetch_add(samples, std::memory_order_relaxed);
     return PublishStatus::ok;
   }
-  /// Gives a sequence to a sample that could not be made, and counts the sample as dropped. By the sequence
-  /// readers see that it is missing.
+  /// Gives a sequence to a sample that could not be made, and counts the sample as dropped. By the gap in
+  /// the sequences readers see that a sample is missing.
   PublishStatus miss(Admission&& admission, std::uint32_t body_bytes) noexcept;
   /// Sends a sample that has all fields, or the fields that the outlets need. Waits for readers for at most
   /// `timeout`, and subtracts the time that it waited from `timeout`.
@@ -124,7 +127,7 @@ class Dispatch {
 
   /// Begins a batch. Returns nothing if the publisher does not use the network.
   std::optional<Batch> batch(BatchTimeout timeout) noexcept;
-  /// Counts samples that a port took and did not send later.
+  /// Counts samples that a port has accepted but has not sent.
   void count_dropped(std::size_t samples) noexcept { dropped_.fetch_add(samples, std::memory_order_relaxed); }
 
   // The functions for the agent's thread.
@@ -138,8 +141,8 @@ class Dispatch {
   // The functions for any thread.
 
   std::uint64_t published() const noexcept { return sequence_.load(std::memory_order_relaxed); }
-  /// Returns the number of samples that were not sent by all of their routes, as far as that was known when
-  /// they were sent.
+  /// Returns the number of samples that were not sent by all of their routes, as far as send() has reported
+  /// this at once.
   std::uint64_t dropped() const noexcept { return dropped_.load(std::memory_order_relaxed); }
   PublisherStatus::Diverted diverted() const noexcept;
 
@@ -160,7 +163,7 @@ class Dispatch {
   }
   PublishStatus divert(const SampleBuffer& sample) noexcept;
   /// Remembers a sample that is sent over the network only. Such a sample takes longer than one in shared
-  /// memory. So later samples in shared memory name it, and readers can wait for it.
+  /// memory. So later samples in shared memory contain its sequence, and readers can wait for this sample.
   void note_sent_over_network_alone(const SampleBuffer& sample) noexcept {
     diverted_sequence_ = sample.sequence;
     diverted_stamp_ns_ = sample.source_stamp_ns;
@@ -179,13 +182,14 @@ class Dispatch {
   Published<Outlets> outlets_;
   std::atomic<std::uint64_t> sequence_{0};
   std::atomic<std::uint64_t> dropped_{0};
-  /// The counts of PublisherStatus::Diverted. One thread writes them.
+  /// The counts of PublisherStatus::Diverted. Only one thread at a time writes them.
   struct Refusals {
     std::atomic<std::uint64_t> exhausted{0}, too_large{0}, unavailable{0}, too_large_bytes{0}, chunk_bytes{0};
   } refusals_;
 
   // The members for the publisher's thread.
-  const Outlets* in_force_ = nullptr;    ///< the outlets on whose page deliveries are counted
+  const Outlets* in_force_ = nullptr;    ///< the outlets by which samples are sent, and for whose page
+                                         ///< deliveries are counted
   std::uint64_t diverted_sequence_ = 0;  ///< the sequence of the last sample sent over the network only
   std::int64_t diverted_stamp_ns_ = 0;   ///< the time when that sample was published
 

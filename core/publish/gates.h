@@ -16,16 +16,17 @@
 
 namespace sft::core {
 
-/// Used by the agent's thread. The publisher's thread uses the gates in it.
+/// Used by the agent's thread. The publisher's thread uses only the gates that it contains.
 class Gates {
  public:
   /// `type` is the type of the writer's messages. It must outlive this object.
   explicit Gates(const TypeSupport& type) : type_(type) {}
 
-  /// Removes unused gates if there are more than a few. To be called before give(). Until then unused gates
-  /// are kept, so that their ordinals continue if a reader asks for the same combination again.
+  /// Removes unused gates if there are more than a few. Must be called before give(). Unused gates are kept
+  /// for a while, so that their ordinals continue if a reader requests the same combination again.
   void tidy();
-  /// Gives each route the gate that its reader asks for, or none.
+  /// Gives each route the gate for the combination that its reader requests. A route without a maximum rate
+  /// and conditions gets none.
   void give(std::span<Route> routes);
   /// Returns the gate that give() has assigned to the route.
   const std::shared_ptr<Gate>& of(const Route& route) const;
@@ -39,14 +40,14 @@ class Gates {
     std::vector<Selection::Condition> conditions{};
     std::shared_ptr<Gate> gate{};
   };
-  /// The gate of a reader, and the hash of its selection.
+  /// The gate of a reader, and the hash of the reader's selection.
   using Asked = std::pair<const Gate*, std::uint64_t>;
 
   std::shared_ptr<Gate>& find(const Route& route);
 
   const TypeSupport& type_;
   std::vector<Entry> gates_;
-  std::map<EndpointId, Asked> asked_;  ///< the gates of readers; only gates with conditions
+  std::map<EndpointId, Asked> asked_;  ///< the present gate of each reader whose gate has conditions
 };
 
 }  // namespace sft::core

@@ -14,11 +14,11 @@ class History {
   /// Samples that are older than `lifespan_ns` are dropped. 0: samples never expire.
   History(std::uint32_t depth, std::int64_t lifespan_ns);
 
-  /// Keeps a sample whose sequence and stamp are set, and drops the oldest one if there are more than
-  /// `depth`.
+  /// Keeps a sample whose sequence and stamp are set, and drops the oldest sample if there are more than
+  /// `depth` samples.
   void add(const SampleHandle& sample);
-  /// Replaces the kept sample with the same sequence by `sample`. Does nothing if that sample is no longer
-  /// kept.
+  /// Replaces the kept sample with the same sequence by `sample`. Does nothing if no kept sample has this
+  /// sequence.
   void replace(const SampleHandle& sample);
   /// Returns at most the last `count` samples that have not expired, the oldest first.
   std::vector<SampleHandle> last(std::size_t count, std::int64_t now_ns) const;
@@ -29,8 +29,8 @@ class History {
 
   const std::int64_t lifespan_ns_;
   mutable Mutex mutex_;  // held for a few instructions; samples are released after it is unlocked
-  std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring; unused places have empty handles
-  /// The place for the next sample; it has the oldest sample now.
+  std::vector<SampleHandle> samples_ SFT_GUARDED_BY(mutex_);  ///< a ring; unused elements are empty handles
+  /// The index for the next sample. If the ring is full, it is the index of the oldest sample.
   std::size_t next_ SFT_GUARDED_BY(mutex_) = 0;
 };
 

@@ -27,8 +27,8 @@ void LateReaders::serve(const Serving& serving, std::shared_ptr<LendingWriter> m
   give_history();
 }
 
-/// Returns the routes of readers to which the history must be sent over the network now, because it was not
-/// yet sent to them at their present addresses.
+/// Returns the routes of readers to which the history must be sent over the network now, because the
+/// history was not sent to their present addresses yet.
 std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
   std::vector<Route> latecomers;
   std::map<EndpointId, Locator> begun;
@@ -43,14 +43,14 @@ std::vector<Route> LateReaders::take_latecomers(const Serving& serving) {
 }
 
 void LateReaders::give_history() {
-  constexpr int attempts = 20;  // an attempt fails if a sample is published meanwhile
+  constexpr int attempts = 20;  // an attempt fails if a sample is published during it
   for (const Route& route : late_in_memory_) {
     for (int i = 0; memory_ != nullptr && i < attempts && !give_history(*memory_, route); ++i) continue;
   }
 }
 
-/// Sends the history to one reader. Returns true if the reader has it. The number of samples held back is
-/// read first. So at least these samples are in the history when the history is read.
+/// Sends the history to one reader. Returns true if this has succeeded. The number of samples held back is
+/// read first, so that these samples are contained in the history, which is read after that.
 bool LateReaders::give_history(LendingWriter& memory, const Route& route) {
   const auto held_back = memory.held_back(route.reader);
   if (!held_back) return true;
@@ -77,8 +77,8 @@ std::vector<SampleHandle> LateReaders::retained_for(const Route& route) const {
   return wanted;
 }
 
-/// Returns the retained samples in shared memory. Samples that were published before there was shared memory
-/// are copied now. A sample for which there is no room is left out, and counts as missed.
+/// Returns the retained samples in shared memory. Samples that were published before there was shared
+/// memory are copied now. A sample for which no memory is free is left out, and counts as missed.
 std::vector<SampleHandle> LateReaders::retained_in(LendingWriter& memory, const Route& route) {
   std::vector<SampleHandle> samples = retained_for(route);
   for (SampleHandle& sample : samples) {

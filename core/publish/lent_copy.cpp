@@ -9,7 +9,7 @@ namespace sft::core {
 SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type,
                        std::size_t more_bytes) noexcept {
   if (!sample.mask.is_full()) return {};
-  // The sample may also lie in the shared memory of a former port, where its header is not trusted.
+  // The sample may also lie in the shared memory of a former port, where its header must not be trusted.
   const std::size_t bytes =
       detail::SampleLayout(type.index_slots()).bytes(state_of(sample, type.index_slots()).body_bytes);
   SampleHandle copy = memory.loan(bytes + more_bytes);

@@ -6,9 +6,9 @@
 
 namespace sft::core {
 
-/// Returns the copy. The handle is empty if there is no memory for the copy at present, or if the sample
-/// lacks fields, since readers in shared memory need all fields. `type` is the type of the sample. The copy
-/// has room for `more_bytes` behind the body.
+/// Returns the copy. The handle is empty if no memory is free at present, or if the sample lacks fields,
+/// since readers in shared memory need all fields. `type` is the type of the sample. The memory of the copy
+/// has `more_bytes` free bytes after the body.
 SampleHandle copy_into(LendingWriter& memory, const SampleBuffer& sample, const TypeSupport& type,
                        std::size_t more_bytes = 0) noexcept;
 

@@ -10,8 +10,8 @@ namespace sft::core {
 
 namespace {
 
-/// The most samples of a span that are sent within one Call. The agent waits for a Call when it changes the
-/// outlets, so this limits the time that it waits.
+/// The maximum number of samples of a span that are sent within one Call. The agent waits for a Call when
+/// it changes the outlets, so this limits the time that it waits.
 constexpr std::size_t span_at_once = 1024;
 
 bool equal_but_for_number(PublisherStatus::Reader a, const PublisherStatus::Reader& b) {

@@ -1,6 +1,7 @@
 // One publisher without its message type: encodes each sample once and passes it to the ports that have
-// readers. Its parts do the work: SampleMaker makes samples, Dispatch sends them, LateReaders gives retained
-// samples to late readers. This class connects these parts, and reports readers to the program.
+// readers. Its parts do the work: SampleMaker makes samples, Dispatch sends them, LateReaders gives
+// retained samples to late readers. This class connects these parts, and reports changes of the readers to
+// the program.
 //
 // publish(), loan(), commit() and those for CDR are called by one thread at a time, the publisher's thread.
 // The agent's thread calls the functions that are marked so. Any thread may call the others.
@@ -42,13 +43,13 @@ class PublisherCore {
     Qos qos{};
     std::function<void(const PublisherStatus&)> on_readers_changed{};
     Event::Callback on_event{};
-    /// The thread that calls the two functions above; null: they are called at once, on the thread that
-    /// causes the call.
+    /// The thread that calls the two functions above; null: these functions are called at once, on the
+    /// thread that causes the call.
     CallbackThread* callbacks = nullptr;
-    /// Called by any thread when the program asserts its liveliness. Posts a task and returns.
+    /// Called by any thread when the program asserts its liveliness. The function must only post a task.
     std::function<void()> asserted{};
     /// Called by the publisher's thread when a message is refused, at most once per second. `why` is the
-    /// reason. Posts a task and returns.
+    /// reason. The function must only post a task.
     std::function<void(const std::string& why)> refused = [](const std::string&) {};
     std::chrono::nanoseconds max_blocking{0};
     /// The book in which the publisher and its network port count sent, withheld and lost samples.
@@ -60,19 +61,19 @@ class PublisherCore {
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<NetworkWriter> network);
 
   PublishStatus publish(const void* value);
-  /// Publishes `count` values, each `stride` bytes behind the previous one.
+  /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
   Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
                             detail::ReservedMemory memory);
-  /// Publishes a loan. `has_gaps` means that sequences of the loan were shortened, and that the gaps behind
-  /// them are not closed yet.
+  /// Publishes a loan. `has_gaps`: sequences of the loan were shortened, and the unused bytes after them
+  /// have not been removed yet.
   PublishStatus commit(SampleHandle sample, bool has_gaps);
   /// Lends memory for a body that the program encodes, and publishes it.
   Result<SampleHandle> loan_cdr(std::size_t body_bytes);
   Result<PublishStatus> commit_cdr(SampleHandle sample);
 
-  /// Returns the reason why publish() refused the last message that it refused. The publisher's thread.
+  /// Returns the reason of the last refusal of a message by publish(). Called by the publisher's thread.
   const std::string& why_invalid() const { return maker_.why_invalid(); }
 
   void assert_liveliness();
@@ -82,8 +83,8 @@ class PublisherCore {
   void close();
 
   PublisherStatus status() const;
-  /// Waits until `count` readers are served, and then returns true. Returns false if the time is over before.
-  /// Any thread but the agent's.
+  /// Waits until `count` readers are served, and then returns true. Returns false if the timeout has
+  /// passed. Any thread except the agent's may call this.
   bool wait_for_readers(std::size_t count, std::chrono::nanoseconds timeout) const;
   PublisherStatus::Diverted diverted() const { return dispatch_.diverted(); }
   const TypeSupport& type() const { return *spec_.type; }
@@ -97,28 +98,29 @@ class PublisherCore {
   /// while no unmodified DDS reader is served.
   void serve(Serving serving, std::shared_ptr<LendingWriter> memory,
              std::shared_ptr<VanillaPort> vanilla = nullptr);
-  /// Called when the status of readers has changed, but no route. Calls on_readers_changed, unless only the
-  /// numbers of requests differ.
+  /// Called when the status of readers has changed, but no route has. Calls on_readers_changed, unless only
+  /// the numbers of requests differ.
   void show(std::vector<PublisherStatus::Reader> readers);
 
   /// Returns the counts of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }
 
-  /// Returns how often the program has published and has asserted liveliness. From these numbers OfferMonitor
-  /// decides if the publisher keeps its deadline and its lease.
+  /// Returns how often the program has published, and how often it has asserted liveliness. From these
+  /// numbers OfferMonitor decides if the publisher keeps its deadline and its lease.
   OfferMonitor::Signs signs() const;
   /// Returns the progress of the publisher. Only samples that were sent by all routes count, so that the
   /// result is a lower bound.
   Progress progress() const;
-  /// Makes the next assertion of the program call Spec::asserted again.
+  /// Restores the notification by Spec::asserted, which is called only once until this function is called.
   void listen_for_assertions() { assertion_reported_.store(false, std::memory_order_relaxed); }
-  /// Sets the missed deadlines and the liveliness that status() reports. Returns true if one of them changes.
+  /// Sets the missed deadlines and the liveliness that status() reports. Returns true if one of them has
+  /// changed.
   bool keeps_promises(std::uint64_t deadlines_missed, bool alive);
   /// Returns true if all samples that were sent to that late reader alone have left this process.
   bool history_sent(EndpointId reader) const { return late_readers_.history_sent(reader); }
   bool retains() const { return history_ != nullptr; }
   void expire_history();
-  /// Sends the history to late readers in shared memory that are ready for it.
+  /// Sends the history to late readers in shared memory that are attached and wait for it.
   void give_history() { late_readers_.give_history(); }
 
  private:
@@ -130,7 +132,7 @@ class PublisherCore {
   std::size_t served() const SFT_REQUIRES(status_mutex_);
 
   const Spec spec_;
-  const std::shared_ptr<NetworkWriter> network_;  ///< null if the publisher must not use it
+  const std::shared_ptr<NetworkWriter> network_;  ///< null if the publisher must not use the network
   const std::unique_ptr<History> history_;        ///< null unless the publisher is durable
   SampleMaker maker_;                             ///< used by the publisher's thread
   Dispatch dispatch_;
@@ -148,7 +150,8 @@ class PublisherCore {
   mutable Condition readers_known_;  ///< notified when the readers may have changed
   std::vector<PublisherStatus::Reader> readers_ SFT_GUARDED_BY(status_mutex_);
   std::shared_ptr<const VanillaPort> vanilla_ SFT_GUARDED_BY(status_mutex_);
-  FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded at present
+  FieldMask encoded_ SFT_GUARDED_BY(status_mutex_);  ///< the fields that are encoded into each sample at
+                                                     ///< present
 };
 
 }  // namespace sft::core

@@ -15,11 +15,11 @@ namespace sft::core {
 
 namespace {
 
-/// The least time between two refusals that are reported.
+/// The minimum time between two reported refusals.
 constexpr std::chrono::seconds refusals_pause{1};
 
-/// Returns a hint for a message that is too large: the option to raise, unless it has its default, which is
-/// the largest possible size.
+/// Returns a hint for a message that is too large: the option that limits the size, unless that option
+/// already has the largest possible value, which is the default.
 std::string what_to_do_about(std::size_t max_sample_bytes) {
   return max_sample_bytes < PublisherOptions().max_sample_bytes
              ? ": raise PublisherOptions::max_sample_bytes"
@@ -187,8 +187,8 @@ PublishStatus SampleMaker::close_gaps(SampleBuffer& sample) noexcept try {
   return PublishStatus::no_memory;
 }
 
-/// Closes the gaps of a loan within its memory. No byte moves backward in the body, so segments are moved one
-/// after the other from the front: a segment overwrites only bytes that were moved already.
+/// Closes the gaps of a loan within its memory. All bytes move towards the beginning of the body. So the
+/// segments are moved in ascending order, and each segment overwrites only bytes that were moved already.
 PublishStatus SampleMaker::move_together(SampleBuffer& sample) {
   std::byte* const body = sample.data + layout_.body_offset;
   detail::SampleState state = state_of(sample, type_.index_slots());
@@ -216,7 +216,7 @@ SampleHandle SampleMaker::lend(const Outlets& outlets, std::uint32_t body_bytes,
   if (!sample && with_gates != bytes) sample = outlets.memory->loan(bytes);  // without a gate table
   if (!sample && outlets.needs_memory && timeout.count() > 0)
     sample = await_chunk(*outlets.memory, bytes, timeout);
-  // Without a chunk, the sample can still be sent by other outlets.
+  // If no chunk is free, the sample can still be sent by other paths, from heap memory.
   const bool may_go_elsewhere = outlets.to_network || outlets.has_fallback || outlets.vanilla != nullptr;
   if (!sample && (!outlets.to_memory || may_go_elsewhere)) sample = take_heap(bytes);
   return sample;

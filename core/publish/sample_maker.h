@@ -1,11 +1,11 @@
-// Makes the samples of one publisher: allocates memory for them, and writes header, index and body. The body
-// is encoded from a message, converted from an encoded payload, or written by the program into a loan.
+// Makes the samples of one publisher: allocates memory for them, and writes header, index and body. The
+// body is encoded from a message, converted from an encoded payload, or written by the program into a loan.
 //
 // The memory is taken from the port to shared memory if the port has readers, otherwise from the heap. A
-// small sample gets the memory of the previous sample, if that sample is no longer used.
+// small sample reuses the memory of the previous sample, if no handle of that sample exists any more.
 //
-// The publisher's thread calls all functions. `timeout` is the time that a function may wait for memory; the
-// function subtracts the time that it waited.
+// The publisher's thread calls all functions. `timeout` is the time for which a function may wait for
+// memory; the function subtracts from it the time that it has waited.
 #pragma once
 
 #include <chrono>
@@ -37,11 +37,11 @@ class SampleMaker {
   };
   SampleMaker(Product product, std::shared_ptr<BufferPool> heap);
 
-  /// Returns false if the message could not be sent to a reader of all fields; why_invalid() then returns the
-  /// reason. If the outlets encode all fields anyway, the function returns true, and encode() finds the
-  /// fault.
+  /// Returns false if the message is invalid, that is, could not be sent to a reader of all fields;
+  /// why_invalid() then returns the reason. If the outlets encode all fields anyway, the function returns
+  /// true without a check, and encode() detects the fault.
   bool accepts(const Outlets& outlets, const void* message) { return outlets.whole || is_sendable(message); }
-  /// A sample, or the reason why there is none: `invalid`, which why_invalid() explains, or `no_memory`.
+  /// A sample, or the status without one: `invalid`, which why_invalid() explains, or `no_memory`.
   struct Made {
     SampleHandle sample;
     PublishStatus why_not = PublishStatus::ok;
@@ -53,24 +53,25 @@ class SampleMaker {
   /// until sent() is called. REQUIRES: accepts().
   Made encode(const Outlets& outlets, const void* message, bool may_postpone,
               std::chrono::nanoseconds& timeout);
-  /// Called when the port does not need the message of the last encoded sample any more.
+  /// Called when the message of the last encoded sample is not needed any more: all postponed copies were
+  /// made, or will not be.
   void sent(SampleBuffer& sample) noexcept {
     if (postponed_.empty()) return;
     if (sample.postponed != nullptr)
-      // If it is null, other threads may read the sample, so that it must not be written to.
+      // If `postponed` is null, other threads may already read the sample, so it must not be written to.
       sample.postponed = nullptr;
     postponed_.clear();
   }
   /// Returns the reason why the last refused message could not be sent.
   const std::string& why_invalid() const { return why_invalid_; }
 
-  /// Returns the size of the body that convert() makes from the payload.
+  /// Returns the size in bytes of the body that convert() makes from the payload.
   Result<std::uint32_t> converted_bytes(const detail::Payload& payload) const;
   Result<Made> convert(const Outlets& outlets, const detail::Payload& payload, std::uint32_t body_bytes,
                        std::chrono::nanoseconds& timeout);
 
   /// Lends memory for a message that the program writes itself: a sample with all fields, encoded from the
-  /// prototype, with room for the reserved sequences.
+  /// prototype, with memory for the elements of the reserved sequences.
   Result<SampleHandle> loan(const Outlets& outlets, const void* prototype,
                             std::span<const detail::Reservation> reservations, detail::ReservedMemory memory,
                             std::chrono::nanoseconds& timeout);
@@ -85,7 +86,7 @@ class SampleMaker {
   PublishStatus close_gaps(SampleBuffer& sample) noexcept;
 
  private:
-  /// The most bytes of memory that are kept for the next sample.
+  /// The maximum size in bytes of the memory that is kept for the next sample.
   static constexpr std::size_t recycled_bytes_max = 4096;
 
   bool is_sendable(const void* message);
@@ -96,8 +97,8 @@ class SampleMaker {
   Result<void> check_size(std::size_t body_bytes) const;
   SampleHandle lend(const Outlets& outlets, std::uint32_t body_bytes,
                     std::chrono::nanoseconds& timeout) noexcept;
-  /// Returns heap memory. It is the memory of the last sample if that sample is no longer used and the memory
-  /// is large enough but not too large.
+  /// Returns heap memory. Reuses the memory of the last sample if no other handle of that sample exists,
+  /// and if its size fits.
   SampleHandle take_heap(std::size_t bytes) noexcept {
     if (bytes > recycled_bytes_max) return heap_->take(bytes);
     if (!recycled_ || !recycled_.is_only() || recycled_->capacity < bytes) recycled_ = heap_->take(bytes);
@@ -111,9 +112,11 @@ class SampleMaker {
   const FieldMask full_;
   const detail::SampleLayout layout_;
   const std::shared_ptr<BufferPool> heap_;
-  const detail::ProjectionPlan onto_itself_;  ///< closes the gaps of a loan that was shortened
+  const detail::ProjectionPlan onto_itself_;  ///< the plan by which a shortened loan is projected onto its
+                                              ///< own type and memory, which removes the gaps after its
+                                              ///< sequences
   detail::Projection closing_;
-  /// Heap memory for the next sample; used if the previous sample has released it by then.
+  /// Heap memory for the next sample; reused if the handle of the previous sample has been released.
   SampleHandle recycled_;
   detail::PostponedCopies postponed_;  ///< the postponed copies of the present sample
   std::uint32_t whole_bytes_ = 0;      ///< the size of the present message's body with all its fields

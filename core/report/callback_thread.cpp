@@ -29,8 +29,8 @@ void CallbackThread::post(const void* source, Agent::Task call) {
   agent_.post([this] { call_next(); });
 }
 
-/// Calls the first call of the source whose turn it is. A source that has further calls has to wait until
-/// each other source has had its turn.
+/// Calls the first call of the source whose turn it is. A source with further calls waits until each other
+/// source has had its turn.
 void CallbackThread::call_next() {
   Agent::Task call;
   {

@@ -1,8 +1,8 @@
 // The thread that runs callbacks of the program for events, for the readers of a publisher and for lines of
-// the log, one after the other. The calls of one source, such as the events of one subscriber, keep the order
-// in which they were posted. Sources take turns: a callback that is slower than its events delays another
-// source by no more than one call. The agent does not run callbacks itself: it could do no other work
-// meanwhile, and would deadlock with a callback that waits for the agent.
+// the log, one after the other. The calls of one source, such as the events of one subscriber, keep the
+// order in which they were posted. Sources take turns. So a callback that is slower than its events delays
+// another source by no more than one call. The agent does not run callbacks itself, because it could do no
+// other work meanwhile, and would deadlock with a callback that waits for the agent.
 #pragma once
 
 #include <cstddef>
@@ -22,31 +22,32 @@ class CallbackThread {
   explicit CallbackThread(ThreadSpec spec) : spec_(std::move(spec)) {}
 
   /// Starts the thread. Must be called before the first post(). Does nothing if the thread was started
-  /// before. Any thread.
+  /// before. Any thread may call this.
   Result<void> start();
-  /// Posts a call, and returns at once. If too many calls of the source wait, because a callback does not
-  /// return, the call is dropped. `source` is an address that identifies the source. No other source must use
-  /// the address while calls of this source wait. Any thread.
+  /// Posts a call, and returns at once. If `waiting_max` calls of the source are queued, for example
+  /// because a callback does not return, the call is dropped. `source` is an address that identifies the
+  /// source. No other source must use the address while calls of this source are queued. Any thread may
+  /// call this.
   void post(const void* source, Agent::Task call);
   /// Runs the calls that were posted before, and then ends the thread.
   void stop() { agent_.stop(); }
   bool is_current_thread() const { return agent_.is_current_thread(); }
-  /// Returns the number of calls that were dropped since the last call of this function. Returns 0 until all
-  /// sources have room again.
+  /// Returns the number of calls that were dropped since the last call of this function. Returns 0 while
+  /// the queue of any source is full.
   std::uint64_t take_left_out();
 
  private:
-  static constexpr std::size_t waiting_max = 10'000;  ///< the most waiting calls of each source
+  static constexpr std::size_t waiting_max = 10'000;  ///< the maximum number of queued calls of each source
 
   void call_next();
 
   const ThreadSpec spec_;
-  Mutex start_mutex_;  ///< held while the thread is made
+  Mutex start_mutex_;  ///< held while the thread is started
   bool is_started_ SFT_GUARDED_BY(start_mutex_) = false;
   Mutex mutex_;
-  /// The waiting calls by source; no deque is empty.
+  /// The queued calls of each source; no deque is empty.
   std::map<const void*, std::deque<Agent::Task>> waiting_ SFT_GUARDED_BY(mutex_);
-  /// All sources with waiting calls; the next source is first.
+  /// All sources with queued calls, in the order of their turns; the next source is first.
   std::deque<const void*> turns_ SFT_GUARDED_BY(mutex_);
   std::uint64_t left_out_ SFT_GUARDED_BY(mutex_) = 0;
   Agent agent_;

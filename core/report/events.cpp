@@ -46,7 +46,8 @@ using Reader = PublisherStatus::Reader;
 using Writer = SubscriberStatus::Writer;
 using Diverted = PublisherStatus::Diverted;
 
-// The two kinds of peers only differ in a name: a reader is `served`, a writer is `matched`.
+// The status of a reader and that of a writer differ here only in the name of a member: a reader is
+// `served`, a writer is `matched`.
 bool matched(const Reader& reader) { return reader.served; }
 bool matched(const Writer& writer) { return writer.matched; }
 
@@ -96,8 +97,8 @@ std::string request_text(const FieldMask& mask, double max_rate_hz, const TypeSu
   return text + ", at most " + in_digits(max_rate_hz) + " Hz";
 }
 
-/// Returns true if the request of a reader or of a subscriber has changed. A mask without leaves means that
-/// there was no request yet.
+/// Returns true if the request of a reader or of a subscriber has changed. If the earlier mask has no
+/// leaves, there was no request yet.
 template <class Asking>
 bool request_changed(const Asking& before, const Asking& after) {
   if (before.mask.leaves() == 0 || after.mask.leaves() == 0) return false;
@@ -166,7 +167,8 @@ void add_diverted(const Diverted& before, const Diverted& after, std::vector<Eve
   add(&Diverted::unavailable, "shared memory is unavailable at the moment");
 }
 
-/// Returns a text about samples that were lost although the subscriber asked for reliability, with a remedy.
+/// Returns a text about samples that were lost although the subscriber requested reliability, with a
+/// remedy.
 std::string reliable_loss_text(const Writer& writer, std::uint64_t lost) {
   const bool in_memory = writer.transport == TransportKind::shm;
   return std::to_string(lost) + " lost by " + to_string(writer.transport) +

@@ -1,4 +1,5 @@
-// Pure functions that derive the events between an earlier and a later state of a publisher or subscriber.
+// Pure functions that derive events from the differences between an earlier and a later state of a
+// publisher or subscriber.
 #pragma once
 
 #include <vector>
@@ -9,7 +10,7 @@
 
 namespace sft::core {
 
-/// Returns the events of a publisher. `type` is the message type, by which fields are named.
+/// Returns the events of a publisher. `type` is the message type, from which the names of fields are taken.
 std::vector<Event> events_between(const PublisherStatus& before, const PublisherStatus& after,
                                   const TypeSupport& type);
 /// Returns the events of a subscriber. `reliability` is the policy that the subscriber requests.

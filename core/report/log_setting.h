@@ -1,6 +1,6 @@
-// Determines the destination of the lines of a node's log, and their lowest level. The lines go to the sink
-// of the program. Without a sink, warnings and errors go to the standard error, unless the environment
-// variable SFT_LOG names another level.
+// Determines where the lines of a node's log are written, and the minimum level of these lines. The lines
+// are passed to the sink of the program. Without a sink, warnings and errors are written to the standard
+// error; the environment variable SFT_LOG may set another level.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace sft::core {
 struct LogSetting {
   NodeOptions::LogSink sink{};  ///< empty: there is no log
   LogLevel threshold = LogLevel::warning;
-  std::string complaint{};  ///< the fault of SFT_LOG, to be logged as a warning; empty: no fault
+  std::string complaint{};  ///< the fault in the value of SFT_LOG, to be logged as a warning; empty: no fault
 };
 
 /// Returns the setting of a node. `environment` is the value of SFT_LOG, or null.

@@ -79,8 +79,8 @@ RepeatPause* NodeLog::pause_of(const std::string& text) {
   return &pauses_[key];
 }
 
-/// Writes a line about losses. If the line must not be written now, its losses are added to the next line of
-/// the pair.
+/// Writes a line about losses. If the line must not be written now, its losses are added to the next line
+/// about the same pair.
 void NodeLog::write_loss(const std::string& topic, const std::string& pair, const Event& event, Time now) {
   const auto [known, is_new] = losses_.try_emplace(pair + ", publisher " + in_hex(event.peer), Losses{topic});
   Losses& losses = known->second;

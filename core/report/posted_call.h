@@ -1,5 +1,5 @@
 // A callback of the program that runs on the callback thread and can be cleared. After clear() it is not
-// called any more, even if calls of it still wait for that thread.
+// called any more, even if calls of it are still queued for that thread.
 #pragma once
 
 #include <functional>
@@ -28,8 +28,8 @@ class PostedCall {
     if (thread_ == nullptr) return (*call_)(argument);
     thread_->post(call_.get(), [call = call_, argument = std::move(argument)] { (*call)(argument); });
   }
-  /// Clears the function. When clear() returns, no call is running any more, except for a call of the
-  /// function that itself called clear() (CallGate::close()).
+  /// Clears the function. When clear() returns, no call is running any more, except a call that has itself
+  /// called clear() (CallGate::close()).
   void clear() noexcept {
     if (call_ != nullptr) call_->clear();
   }

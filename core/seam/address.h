@@ -9,20 +9,20 @@
 
 namespace sft::core {
 
-/// Random, new each time that an endpoint is opened; never 0; datagrams carry the low 32 bits.
+/// A random number that is new each time that an endpoint is opened; never 0. Datagrams contain its low 32
+/// bits.
 using EndpointId = std::uint64_t;
 
 /// The address to which datagrams for a reader are sent.
 struct UdpAddress {
   IpAddress ip;
   std::uint16_t port = 0;
-  /// The size of the socket's receive buffer in bytes, as the kernel counts. A sender limits its bursts by
-  /// this size.
+  /// The size of the socket's receive buffer in bytes, as the kernel counts it. A sender limits its bursts
+  /// by this size.
   std::uint32_t receive_buffer_bytes = 0;
   bool wireless = false;  ///< true if the interface of this address is wireless
   /// A random number of the node that owns the socket, new each time that the node is opened. If two
-  /// addresses have equal numbers and ports, the newer one replaces the other. 0: it is not known which other
-  /// addresses the socket has.
+  /// addresses have equal numbers and ports, the newer one replaces the other. 0: unknown.
   std::uint64_t node = 0;
   friend bool operator==(const UdpAddress&, const UdpAddress&) = default;
 };
@@ -46,8 +46,8 @@ struct DoorbellAddress {
 
 using Locator = std::variant<UdpAddress, DoorbellAddress>;
 
-/// The identity of the memory that processes of one host share: the boot_id, and the token that the daemon
-/// wrote to /dev/shm.
+/// The identity of the memory that processes of one host share: the boot id of the host, and the token that
+/// the daemon wrote to /dev/shm.
 struct HostToken {
   std::array<std::uint8_t, 32> bytes{};
   bool known() const { return bytes != std::array<std::uint8_t, 32>{}; }

@@ -21,7 +21,7 @@ constexpr std::size_t capacity_of(std::size_t size_class) {
   return round + std::min(round / 8, extra_bytes_max);
 }
 
-/// Returns the number of the smallest class whose buffers hold `bytes`.
+/// Returns the number of the smallest class whose buffers hold `bytes` bytes.
 constexpr std::size_t class_for(std::size_t bytes) {
   const auto shift = static_cast<std::size_t>(std::bit_width(bytes));  // 2^shift is more than `bytes`
   if (shift <= min_shift) return 0;
@@ -29,9 +29,9 @@ constexpr std::size_t class_for(std::size_t bytes) {
   return bytes <= capacity_of(below) ? below : below + 1;
 }
 
-/// The limits of stock(): the least size of the buffers that it prepares, the fraction of the pool's limit
-/// (1/8) that such a buffer may have at most, and the number of buffers of each size. Two are prepared so
-/// that one may be taken while the other one is made.
+/// The limits of stock(): the minimum size of the buffers that it prepares, the maximum size of such a
+/// buffer as a fraction of the pool's limit (1/8), and the number of buffers of each size. Two buffers are
+/// prepared, so that one of them may be taken while another one is being prepared.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
 constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
 
@@ -113,8 +113,8 @@ void BufferPool::take_kept(std::size_t bytes, std::size_t leave_bytes, std::size
   }
 }
 
-/// Returns the kept buffer that was used last, because it is the likeliest to be in a cache. Returns null if
-/// none is kept.
+/// Returns the kept buffer that was used last, because this buffer is the most likely to be in a cache.
+/// Returns null if no buffer of the class is kept.
 SampleBuffer* BufferPool::pick(std::size_t size_class) noexcept {
   auto& list = free_[size_class];
   if (list.empty()) return nullptr;
@@ -187,9 +187,9 @@ bool BufferPool::stock_one(std::size_t size_class) noexcept {
   return true;
 }
 
-/// Returns unneeded buffers to the system, at the end of each period. The buffers that have been unused for
-/// the longest time are at the front of their list. There may be very many small buffers: one call frees only
-/// some of them, and later calls free the rest.
+/// At the end of each period, returns the buffers that were not needed during the period to the system. The
+/// buffers that have been unused for the longest time are at the front of their list. There may be very
+/// many small buffers: one call frees only some of them, and later calls free the rest.
 void BufferPool::give_back(Time now) noexcept {
   if (now < period_ends_) return;
   std::array<SampleBuffer*, 1024> unneeded{};

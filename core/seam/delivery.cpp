@@ -37,8 +37,9 @@ Reading& Reading::operator-=(const Reading& other) noexcept {
   return *this;
 }
 
-/// Returns the counts of the reading. The queue may have lost samples that were put there for other readers
-/// before this reader joined. So at most as many losses count for this reader as samples were sent to it.
+/// Returns the reading as counts of one reader. The losses of the queue may include samples that were sent
+/// to other readers before this reader joined. So no more losses count for this reader than samples were
+/// sent to it.
 Delivered Reading::delivered() const noexcept {
   Delivered d;
   const std::uint64_t lost_of_ours = std::min(lost, sent);
@@ -129,8 +130,8 @@ void DeliveryBook::keep(const std::set<std::uint64_t>& readers) {
   forget_the_gone();
 }
 
-/// Moves the counts of departed readers to the total. Readers on the open pages are left out, because their
-/// counts may grow until the next page is turned.
+/// Moves the counts of departed readers to the total. Readers on the pages in force are left out, because
+/// their counts may grow until the next page is in force.
 void DeliveryBook::forget_the_gone() {
   for (auto entry = accounts_.begin(); entry != accounts_.end();) {
     const Account& account = entry->second;

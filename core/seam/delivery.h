@@ -1,10 +1,11 @@
 // The counts of a publisher's samples that were sent, withheld, dropped or lost, for each of its readers.
 //
-// Counts are kept for groups of readers that get the same samples. The sender adds to the tally of a group:
-// three additions for a sample, whatever the number of readers. A page says which tallies belong to which
-// reader. New routes bring new tallies and pages; the old tallies end with the old routes. The book carries
-// each reader's counts from page to page. The publisher's thread turns the page between two samples, at the
-// time when it begins to count by the new tallies. So each sample counts exactly once.
+// Readers that get the same samples form a group, and the sender counts in the tally of the group. This
+// takes three additions for a sample, whatever the number of readers. A page is a table that assigns
+// tallies to readers while certain routes are in force. New routes have new tallies and a new page; the
+// former tallies are not used any more. The book keeps the sum of each reader's counts over all pages. The
+// publisher's thread replaces the page ("turns" it) between two samples, when it begins to count in the new
+// tallies. So each sample counts exactly once.
 #pragma once
 
 #include <atomic>
@@ -22,23 +23,23 @@
 
 namespace sft::core {
 
-/// The counts of one reader, or of several together. Bytes are those of bodies, without headers.
+/// The counts of one reader, or the sum for several readers. Bytes are counted for bodies, without headers.
 struct Delivered {
   std::uint64_t sent = 0;
   std::uint64_t withheld = 0;
   std::uint64_t dropped = 0;
   std::uint64_t retained = 0;
-  std::uint64_t diverted = 0;     ///< the part of `sent` that went by a fallback route
-  std::uint64_t bytes = 0;        ///< bytes that were sent
+  std::uint64_t diverted = 0;     ///< the part of `sent` that was sent by a fallback route
+  std::uint64_t bytes = 0;        ///< the size of the samples sent, in bytes
   std::uint64_t bytes_saved = 0;  ///< bytes of the fields that were left out of the samples sent
   friend bool operator==(const Delivered&, const Delivered&) = default;
 };
 
-/// The counts of one group of readers. Any thread.
+/// The counts of one group of readers. Any thread may use it.
 class DeliveryTally {
  public:
-  /// Counts samples of which `bytes` were sent. `whole_bytes` is the size of the samples with all their
-  /// fields.
+  /// Counts samples that were sent with `bytes` bytes in all. `whole_bytes` is the size of the same samples
+  /// with all their fields.
   void sent(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
     sent_.fetch_add(samples, std::memory_order_relaxed);
     bytes_.fetch_add(bytes, std::memory_order_relaxed);
@@ -51,7 +52,8 @@ class DeliveryTally {
   std::atomic<std::uint64_t> sent_{0}, dropped_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The losses of the readers of one queue: samples that counted as sent and never left the queue. Any thread.
+/// The losses of the readers of one queue: samples that counted as sent, but never left the queue. Any
+/// thread may use it.
 class LossTally {
  public:
   void lost(std::uint64_t bytes, std::uint64_t whole_bytes, std::uint64_t samples = 1) noexcept {
@@ -65,10 +67,11 @@ class LossTally {
   std::atomic<std::uint64_t> lost_{0}, bytes_{0}, whole_bytes_{0};
 };
 
-/// The tallies that count for a reader while one page is open. Each of the pointers may be null.
+/// The tallies in which samples for one reader are counted while one page is in force. Each pointer may be
+/// null.
 class DeliveryMeter {
  public:
-  /// The values of the tallies at one time. Only differences of two readings are meaningful.
+  /// The values of the tallies at a point in time. Only differences of two readings are meaningful.
   struct Reading {
     std::uint64_t sent = 0, dropped = 0, bytes = 0, whole_bytes = 0;
     std::uint64_t lost = 0, lost_bytes = 0, lost_whole_bytes = 0;
@@ -88,43 +91,43 @@ class DeliveryMeter {
 
 class DeliveryBook {
  public:
-  /// The component that counts: the publisher itself, or its port to the network. Each component turns its
-  /// own pages.
+  /// The component that counts: the publisher itself, or its network port. Each component replaces its own
+  /// pages.
   enum class Origin : std::uint8_t { publisher, network };
-  /// The ids of the readers of the page, each with the meter of the reader.
+  /// The assignment of tallies to readers: the ids of the readers, each with its meter.
   using Page = std::vector<std::pair<std::uint64_t, DeliveryMeter>>;
 
   // The functions for the agent's thread.
 
-  /// Opens accounts for the readers of the page. Must be called with a page before turn_to() is called with
-  /// it.
+  /// Opens accounts for the readers of the page. Must be called with each page before turn_to().
   void enter(const Page& page);
   /// Adds to the count of retained samples that were sent to a reader at first.
   void retained(std::uint64_t reader, std::uint64_t samples);
-  /// Removes the accounts of all readers but `readers`. The removed readers must not come back. From then on
-  /// their counts are only in total().
+  /// Removes the accounts of all readers except `readers`. The removed readers must not come back. From
+  /// then on their counts are contained only in total().
   void keep(const std::set<std::uint64_t>& readers);
 
-  /// `to_come` means that the tallies of the previous page may still increase until the next call of
-  /// turn_to(). Then the new page must not have any of these tallies.
+  /// `to_come`: the tallies of the previous page may still increase until the next call of turn_to(). Then
+  /// the new page must not have any of these tallies.
   enum class LateCounts : std::uint8_t { none, to_come };
 
-  /// Makes `page` the open page of `origin`. The publisher's thread. Allocates nothing.
+  /// Puts `page` in force for `origin`. Called by the publisher's thread. Allocates nothing.
   void turn_to(Origin origin, const Page& page, LateCounts late = LateCounts::none) noexcept;
 
   // The functions for any thread.
 
   Delivered of(std::uint64_t reader) const;
-  /// Returns the counts of all readers together, including departed ones.
+  /// Returns the counts of all readers together, including departed readers.
   Delivered total() const;
 
  private:
-  struct Counts {  ///< the counts of one origin for one reader
+  struct Counts {  ///< The counts of one origin for one reader. The total is `before`, plus the growth of
+                   ///< `meter`, plus the growth of `late`.
     DeliveryMeter::Reading before{};
-    DeliveryMeter::Reading at_first{};  ///< the reading of `meter` when the present page was opened
+    DeliveryMeter::Reading at_first{};  ///< the reading of `meter` when the present page came into force
     DeliveryMeter meter{};
-    DeliveryMeter::Reading at_last{};  ///< the reading of `late` when the previous page was closed
-    DeliveryMeter late{};              ///< the meter of the previous page, if it may still grow
+    DeliveryMeter::Reading at_last{};  ///< the reading of `late` that is already contained in `before`
+    DeliveryMeter late{};              ///< the meter of the previous page, if its tallies may still grow
     void close(LateCounts late_counts) noexcept;
     DeliveryMeter::Reading sum() const noexcept;
   };

@@ -12,8 +12,8 @@ std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us) {
   return hash.value() == 0 ? 1 : hash.value();
 }
 
-/// Only samples that fulfil the conditions count against the rate. The first sample for a reader passes even
-/// if the rate does not allow it.
+/// Only samples that fulfil the conditions count against the rate. The first sample for a reader passes
+/// even if it exceeds the maximum rate.
 bool Gate::decide(const detail::FieldSource& sample, std::int64_t stamp_ns) {
   if (reader_begins_.load(std::memory_order_relaxed) &&
       reader_begins_.exchange(false, std::memory_order_relaxed)) {

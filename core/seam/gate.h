@@ -11,15 +11,15 @@
 
 namespace sft::core {
 
-/// Returns the id of a gate with conditions, or 0 if there are none. Samples name the gates that they have
-/// passed by these ids. `conditions` is the hash of a Selection's gate without a rate, or 0.
+/// Returns the id of a gate with conditions, or 0 if there are none. Samples contain the ids of the gates
+/// that they have passed. `conditions` is the hash of a Selection's gate without a rate, or 0.
 std::uint64_t gate_id(std::uint64_t conditions, std::uint32_t min_period_us);
 
-/// The functions of a gate are called by the publisher's thread, except for functions that say otherwise.
+/// The publisher's thread calls the functions of a gate, except for those that say otherwise.
 class Gate {
  public:
   /// Makes a gate for a maximum rate without conditions. The gate begins with a budget for one sample, so
-  /// that there is no burst. The gates at its readers do so, too.
+  /// that there is no burst. The gates of its readers begin with the same budget.
   explicit Gate(std::uint32_t min_period_us) : budget_(min_period_us, 1) {}
   /// Makes a gate with conditions, which Conditions::check() must have accepted. No sample passes before
   /// reader_begins() was called for the first reader. `hash` is that of the selection's gate without a rate.
@@ -29,14 +29,14 @@ class Gate {
         id_(gate_id(hash, min_period_us)),
         is_open_(false) {}
 
-  /// Returns the least time between two samples, in us. Any thread.
+  /// Returns the minimum time between two samples, in microseconds. Any thread may call this.
   std::uint32_t min_period_us() const { return budget_.min_period_us(); }
-  /// Returns the id of the gate (gate_id()), or 0 if the gate has no conditions. Any thread.
+  /// Returns the id of the gate (gate_id()), or 0 if the gate has no conditions. Any thread may call this.
   std::uint64_t id() const { return id_; }
 
-  /// Decides if a sample passes. Called once for every sample. If the sample passes, made() or refused() must
-  /// be called next. If the sample could not be made, neither is called: the readers miss the sample, and
-  /// later samples are compared with the one before it.
+  /// Decides if a sample passes. Called once for every sample. If the sample passes, made() or refused()
+  /// must be called next. If the sample could not be made, neither must be called. Then the readers miss
+  /// the sample, and later samples are compared with the sample before it.
   void consider(const detail::FieldSource& sample, std::int64_t stamp_ns) {
     before_ = budget_;
     passes_ = conditions_.empty() ? budget_.take(stamp_ns) : decide(sample, stamp_ns);
@@ -60,16 +60,16 @@ class Gate {
     add(passed_, -1);
   }
   /// Called when the request of a reader takes effect. The next sample that fulfils the conditions is the
-  /// first one for this reader: it is not compared with earlier samples, and passes even if the rate does not
-  /// allow it. Any thread.
+  /// first one for this reader. This sample is not compared with earlier samples, and passes even if it
+  /// exceeds the maximum rate. Any thread may call this.
   void reader_begins() noexcept { reader_begins_.store(true, std::memory_order_relaxed); }
 
   /// Returns true if the sample that was considered last is for the readers of this gate.
   bool passes() const { return passes_; }
-  /// Returns the number of the last sample that passed. Readers use it to distinguish lost samples from
-  /// withheld ones.
+  /// Returns the ordinal of the last sample that passed the gate: its number among all samples that passed.
+  /// Readers use it to distinguish lost samples from withheld ones.
   std::uint32_t ordinal() const { return ordinal_; }
-  // The numbers of samples that passed and that were withheld. Any thread.
+  // The counts of samples that passed the gate, and of those that it withheld. Any thread may call this.
   std::uint64_t passed() const { return passed_.load(std::memory_order_relaxed); }
   std::uint64_t withheld() const { return withheld_.load(std::memory_order_relaxed); }
 

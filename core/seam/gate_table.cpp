@@ -42,7 +42,7 @@ void write_gate_table(SampleBuffer& sample, std::size_t slots, std::span<const s
     at += sizeof entry;
     ++written;
   }
-  // An atomic store, because the agent's thread may already be giving the sample to a late reader.
+  // An atomic store, because the agent's thread may already be sending this sample to a late reader.
   __atomic_store_n(&sample.header().gates, written, __ATOMIC_RELEASE);
 }
 
@@ -58,7 +58,7 @@ std::optional<std::uint32_t> ordinal_in_gate(const SampleBuffer& sample, std::si
     Entry entry;
     std::memcpy(&entry, at, sizeof entry);
     if (entry.gate != gate) continue;
-    if (ordinal) return {};  // another gate has the same hash
+    if (ordinal) return {};  // two gates have this hash, so the number is ambiguous
     ordinal = entry.ordinal;
   }
   return ordinal;

@@ -16,7 +16,8 @@ std::int64_t RateBudget::slot_of(std::int64_t stamp_ns) const {
   return stamp_ns / period_ns - (stamp_ns % period_ns < 0 ? 1 : 0);
 }
 
-/// Returns the number of samples that would be saved at the time of the stamp if there were no bound.
+/// Returns the number of samples that would be saved at the time of the stamp if the number of saved
+/// samples were not bounded.
 std::int64_t RateBudget::worth(std::int64_t stamp_ns) const {
   if (slot_ == never) return saved_;
   return saved_ + std::max<std::int64_t>(0, slot_of(stamp_ns) - slot_);

@@ -18,27 +18,28 @@ struct Route {
   EndpointId reader = 0;
   Locator destination;
   Selection selection;
-  /// The least time between two samples, by the rate that the reader asks for; 0: no limit.
+  /// The minimum time between two samples in microseconds, according to the maximum rate that the reader
+  /// requests; 0: no limit.
   std::uint32_t min_period_us = 0;
-  /// Enforces the rate and the conditions of the selection; null: every sample is for the reader.
+  /// Enforces the rate and the conditions of the selection; null: the reader gets every sample.
   std::shared_ptr<const Gate> gate{};
   /// Not 0: the reader is served separately from all others, and this number of retained samples is sent to
   /// it first.
   std::uint32_t history = 0;
-  /// True: the reader is served in shared memory. This route is only for samples that shared memory could not
-  /// take.
+  /// True: the reader is served in shared memory, and this route is used only for samples that shared
+  /// memory could not take.
   bool fallback = false;
   bool reliable = false;  ///< true: samples that are lost on the way are sent again
 
-  /// Returns true if the route has conditions. Then the reader does not want every sample that its rate
-  /// allows.
+  /// Returns true if the route has conditions. Then the reader may not want every sample that its maximum
+  /// rate allows.
   bool has_conditions() const { return gate != nullptr && gate->id() != 0; }
   friend bool operator==(const Route&, const Route&) = default;
 };
 
 /// The addresses of a writer's node. Answers to the writer are sent to no other addresses.
 struct Announced {
-  /// False: no address is known, and answers go to the source addresses of the datagrams.
+  /// False: no address is known, and answers are sent to the source addresses of the datagrams.
   bool known = false;
   std::vector<UdpAddress> addresses{};
   /// True: the node is in the network of this process, so that the loopback may reach it, too.
@@ -68,7 +69,7 @@ struct Wanted {
   friend bool operator==(const Wanted&, const Wanted&) = default;
 };
 
-/// A request of a reader to its writers: the present request, or an earlier one while samples of it may be
+/// A request of a reader to its writers: the present request, or an earlier one while samples for it may be
 /// under way.
 struct Accepted {
   Wanted wanted;
@@ -76,7 +77,7 @@ struct Accepted {
   /// order. Once a writer has reported the first sample for which a request is in force, that sample and
   /// later ones are not delivered for earlier requests. 0: not used.
   std::uint64_t request = 0;
-  bool heard = false;  ///< true: each writer that was asked has received the request by now
+  bool heard = false;  ///< true: each writer that was asked has received the request in the meantime
 };
 
 }  // namespace sft::core

@@ -28,18 +28,20 @@ class BufferOwner {
   virtual void recycle(SampleBuffer& buffer) noexcept = 0;
 };
 
-/// A buffer and the properties of the sample in it. The owner sets the members when it lends the buffer, with
-/// empty `elements`. The origin is set by publishers, and by ports of readers once they have checked the
+/// A buffer and the properties of the sample in it. When the owner lends the buffer, it sets the members,
+/// and empties `elements`. Publishers set the origin, and so do ports of readers once they have checked the
 /// header.
 struct SampleBuffer : SampleOrigin {
   std::byte* data = nullptr;  ///< 8-aligned; begins with a SampleHeader
   std::size_t capacity = 0;
   FieldMask mask;  ///< the leaves that the sample has
-  /// Selection::parts_hash() if the sample has only parts of some fields; 0: all fields are whole.
+  /// Selection::parts_hash() if the sample has only parts of some fields; 0: the sample has all its fields
+  /// completely.
   std::uint64_t parts = 0;
   detail::ElementIndex elements;      ///< the positions of elements that readers have found so far
-  std::int64_t receive_stamp_ns = 0;  ///< the time of CLOCK_REALTIME; 0 on the sending side
-  /// On the sending side: the bytes of the body with all fields, from which the saved bytes are counted; 0:
+  std::int64_t receive_stamp_ns = 0;  ///< the time of CLOCK_REALTIME at which the sample arrived; 0 on the
+                                      ///< sending side
+  /// On the sending side: the bytes of the body with all fields, by which the saved bytes are computed; 0:
   /// unknown.
   std::uint32_t whole_bytes = 0;
   /// On the sending side, while publish() runs: the parts of the body that are still in the program's own
@@ -50,10 +52,10 @@ struct SampleBuffer : SampleOrigin {
   std::atomic<std::uint32_t> references{0};
 
   detail::SampleHeader& header() const { return *reinterpret_cast<detail::SampleHeader*>(data); }
-  /// Copies the origin from the header. To be called while only this process can write to the header.
+  /// Copies the origin from the header. Call this only while no other process can write to the header.
   void trust_header() noexcept { trust(header()); }
   SampleOrigin& origin() noexcept { return *this; }
-  /// Copies the postponed parts. To be called before another thread or process reads the body, and before
+  /// Copies the postponed parts. Must be called before another thread or process reads the body, and before
   /// publish() returns.
   void complete() noexcept {
     if (detail::PostponedCopies* const copies = std::exchange(postponed, nullptr)) copies->make_all();
@@ -81,7 +83,7 @@ inline detail::SampleState state_of(const SampleBuffer& buffer, std::size_t slot
 class SampleHandle {
  public:
   SampleHandle() = default;
-  /// Adds one reference to the buffer.
+  /// Makes a handle, which adds one reference to the buffer.
   explicit SampleHandle(SampleBuffer& buffer) : buffer_(&buffer) {
     buffer.references.fetch_add(1, std::memory_order_relaxed);
   }
@@ -104,10 +106,11 @@ class SampleHandle {
     owner->recycle(*buffer);
   }
 
-  /// Returns true if this is the only handle. All accesses through former handles have happened before.
+  /// Returns true if this is the only handle. In this case all accesses through former handles happen
+  /// before the return.
   bool is_only() const noexcept { return buffer_->references.load(std::memory_order_acquire) == 1; }
 
-  /// Gives the reference away. adopt() makes a handle from a reference that was given away.
+  /// Releases ownership of the reference. adopt() makes a handle from such a reference.
   [[nodiscard]] SampleBuffer* release() noexcept { return std::exchange(buffer_, nullptr); }
   static SampleHandle adopt(SampleBuffer* buffer) noexcept {
     SampleHandle handle;

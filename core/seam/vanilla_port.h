@@ -1,6 +1,7 @@
-// The port by which a publisher sends to unmodified readers of DDS and ROS 2, and what a subscriber gets from
-// unmodified writers. Readers take whole samples only, and DDS discovers and matches them. So there are no
-// routes to them: the publisher hands each sample over once, whatever the number of readers.
+// The port by which a publisher sends to unmodified readers of DDS and ROS 2, and the samples that a
+// subscriber gets from unmodified writers. Such readers take whole samples only, and DDS discovers and
+// matches them. So they have no routes: the publisher passes each sample to this port once, whatever the
+// number of readers.
 #pragma once
 
 #include <cstddef>
@@ -23,18 +24,19 @@ class VanillaPort {
  public:
   virtual ~VanillaPort() = default;
 
-  /// Hands the sample over and returns at once. The sample must have all fields, and must not change while
-  /// the port keeps its handle. If too many samples wait, the oldest are dropped. Called by the publisher's
-  /// thread.
+  /// Queues the sample to be sent, and returns at once. The sample must have all fields, and must not
+  /// change while the port keeps its handle. If too many samples are queued, the oldest ones are dropped.
+  /// Called by the publisher's thread.
   virtual void send(const SampleHandle& sample) noexcept = 0;
 
   // Called by the agent.
 
   /// Takes the samples that the publisher had retained when it began to send by this port. They are sent
-  /// before those of send(), which may have some of them, too. Must be called only once.
+  /// before the samples that are passed to send(). Some samples may be passed to both functions. Must be
+  /// called only once.
   virtual void begin_with(std::vector<SampleHandle> retained) = 0;
 
-  /// Returns the present number of readers. Any thread.
+  /// Returns the present number of readers. Any thread may call this.
   virtual std::size_t readers() const noexcept = 0;
 };
 

@@ -26,7 +26,7 @@ class EventCount {
     return count_;
   }
 
-  /// Waits until the count is greater than `seen`. Returns false if the deadline passes before.
+  /// Waits until the count is greater than `seen`. Returns false if the deadline has passed without that.
   bool wait_beyond(std::uint64_t seen, TimePoint deadline) {
     Lock lock(mutex_);
     while (count_ <= seen) {

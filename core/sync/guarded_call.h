@@ -1,7 +1,7 @@
-// Callbacks that any thread may call, and that can be cleared. After clear() no call is running any more, so
-// that all objects that the callback uses may be destroyed. No lock is held while the callback runs.
+// Callbacks that any thread may call, and that can be cleared. After clear() no call is running any more,
+// so that all objects that the callback uses may be destroyed. No lock is held while the callback runs.
 //
-// The objects of the classes below must outlive all calls of their own functions, also after clear().
+// An object of these classes must outlive all calls of its functions, even after clear().
 #pragma once
 
 #include <atomic>
@@ -14,7 +14,7 @@
 namespace sft::core {
 
 /// Allows calls until it is closed. Any number of threads may be inside the gate at once, each of them more
-/// than once. Any thread.
+/// than once. Any thread may use it.
 class CallGate {
  public:
   /// Calls `function` unless the gate is closed. Returns true if the function was called.
@@ -29,9 +29,9 @@ class CallGate {
 
   bool is_closed() const noexcept { return (state_.load() & closed) != 0; }
 
-  /// Closes the gate. When the function returns, no call is inside any more, with two exceptions: calls of
-  /// this thread, and calls whose threads wait in close() for this thread. The function does not wait for
-  /// these, because callbacks that close each other's gates would wait forever.
+  /// Closes the gate. When close() returns, no call is inside the gate any more, with two exceptions: calls
+  /// of this thread, and calls whose threads wait in close() for this thread. close() does not wait for
+  /// these calls, because callbacks that close each other's gates would wait forever.
   void close() noexcept {
     const std::uint32_t own = Call::of(*this, Call::innermost());
     if (inside(state_.fetch_or(closed)) > own) wait_for_others();
@@ -74,8 +74,8 @@ class CallGate {
     const bool is_refused_;
   };
 
-  /// A thread that waits in close(). Such threads are in a list, which one mutex of the process protects.
-  /// Threads that need not wait do not lock the mutex.
+  /// A thread that waits in close(). All such threads of the process are in one list, which one mutex
+  /// protects. A close() that need not wait does not lock this mutex.
   struct Closing {
     const CallGate* gate;
     const Call* innermost;
@@ -126,8 +126,8 @@ class CallGate {
     Closing::changed.notify_all();
   }
 
-  // The state counts the calls inside, and has one bit that says that the gate is closed. It is one word, so
-  // that a call either sees that the gate is closed or is seen by close().
+  // The state counts the calls inside, and has one bit that says that the gate is closed. The state is one
+  // atomic word. So either a call sees that the gate is closed, or close() sees the call.
   static constexpr std::uint32_t closed = std::uint32_t{1} << 31;
   static constexpr std::uint32_t inside(std::uint32_t state) { return state & ~closed; }
 
@@ -147,8 +147,8 @@ class GuardedCall {
   void operator()(Args... args) {
     if (function_ != nullptr) gate_.call([&] { function_(std::forward<Args>(args)...); });
   }
-  /// Clears the function. When clear() returns, no call is running any more, except for a call of the
-  /// function that itself called clear() (CallGate::close()).
+  /// Clears the function. When clear() returns, no call is running any more, except a call that has itself
+  /// called clear() (CallGate::close()).
   void clear() noexcept { gate_.close(); }
 
  private:

@@ -42,13 +42,13 @@ class SFT_SCOPED_CAPABILITY Lock {
 };
 
 /// A condition variable. A wait unlocks the lock, and locks it again before it returns. A wait may also end
-/// without a cause, so callers wait in a loop. There are no functions that take a predicate, because Clang
+/// spuriously, so callers must wait in a loop. There are no functions that take a predicate, because Clang
 /// does not know that the predicate is called with the lock held.
 class Condition {
  public:
   void wait(Lock& lock) { condition_.wait(lock.lock_); }
 
-  /// Waits at most for `time`. Returns false if the time is over.
+  /// Waits for at most `time`. Returns false if `time` has passed.
   template <class Rep, class Period>
   bool wait_for(Lock& lock, const std::chrono::duration<Rep, Period>& time) {
     return condition_.wait_for(lock.lock_, time) == std::cv_status::no_timeout;

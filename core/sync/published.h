@@ -1,11 +1,11 @@
-// A value that some threads replace now and then, and that another thread reads all the time without a lock:
-// reading an unchanged value is one atomic load. There is one reading thread at a time.
+// A value that some threads replace now and then, and that another thread reads frequently and without a
+// lock. Reading an unchanged value takes one atomic load. Only one thread at a time may read.
 //
 // A thread that has replaced the value may wait until the reading thread no longer uses a former value. For
-// this purpose the reading thread reads within a Reading, which begins before the value is loaded. The other
-// thread replaces the value, and then checks for a Reading. These accesses are sequentially consistent, so
-// that at least one of the threads sees the action of the other. So a Reading that the other thread did not
-// see loads the new value.
+// this purpose the reading thread reads within a Reading, which begins before the value is loaded. The
+// other thread replaces the value, and then checks for a Reading. These accesses are sequentially
+// consistent, so that at least one of the threads sees the action of the other. So if the replacing thread
+// does not see a Reading, this Reading loads the new value.
 #pragma once
 
 #include <atomic>
@@ -31,8 +31,8 @@ class Published {
   }  // the former value is destroyed after the lock is released
 
   /// Waits until no Reading uses a value that was replaced before this call. The function waits for the
-  /// present Reading, if any, but not for later ones, so that it ends even if the reading thread reads all
-  /// the time. Must not be called within a Reading.
+  /// present Reading, if there is one, but not for later ones. So it returns even if the reading thread
+  /// reads all the time. Must not be called within a Reading.
   void wait_for_reader() const {
     const std::uint64_t seen = steps_.load(std::memory_order_seq_cst);
     if (seen % 2 == 0) return;
@@ -58,7 +58,8 @@ class Published {
     }
     Reading(const Reading&) = delete;
     Reading& operator=(const Reading&) = delete;
-    /// Returns false if another Reading lasts. Then two threads read at once, and nothing may be loaded.
+    /// Returns false if another Reading existed when this one began. Then two threads read at the same
+    /// time, and load() must not be called.
     bool is_only() const { return is_only_; }
 
    private:
@@ -66,8 +67,8 @@ class Published {
     const bool is_only_;
   };
 
-  /// Returns the latest value, which lives until the next load(). A Reading is only needed if a thread calls
-  /// wait_for_reader().
+  /// Returns the latest value, which lives until the next load(). It must be called within a Reading if any
+  /// thread calls wait_for_reader().
   const T* load() {
     if (version_.load(std::memory_order_seq_cst) != seen_) refresh();
     return in_use_.get();

@@ -16,8 +16,9 @@ inline void pause_core() {
 #endif
 }
 
-/// Spins until `over()` returns true, and then returns true. Returns false if the time is over before. The
-/// thread yields to threads that wait for this core, since one of them may cause the event.
+/// Spins until `over()` returns true, and then returns true. Returns false if the time `until` has come
+/// without that. The thread yields to threads that wait for this core, since one of them may cause the
+/// event.
 template <class Over>
 bool spin(std::chrono::steady_clock::time_point until, Over&& over) {
   constexpr int looks_per_yield = 8;

@@ -14,7 +14,7 @@
 
 /// The member is read and written only while this mutex is held.
 #define SFT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(guarded_by(mutex))
-/// The object behind the pointer is read and written only while this mutex is held.
+/// The object to which the pointer points is read and written only while this mutex is held.
 #define SFT_PT_GUARDED_BY(mutex) SFT_THREAD_ATTRIBUTE(pt_guarded_by(mutex))
 
 /// A thread that takes several of these mutexes takes this mutex after (or before) the given ones
@@ -36,7 +36,7 @@
 
 /// The class is a mutex. `kind` is the name for it in Clang's messages.
 #define SFT_CAPABILITY(kind) SFT_THREAD_ATTRIBUTE(capability(kind))
-/// The class locks a mutex in its constructor, and unlocks it in its destructor.
+/// An object of the class locks a mutex in its constructor, and unlocks it in its destructor.
 #define SFT_SCOPED_CAPABILITY SFT_THREAD_ATTRIBUTE(scoped_lockable)
 
 /// An object of the class is used once, by a function that is marked SFT_USES (-Wconsumed).

@@ -26,8 +26,8 @@ int main() {
   // ready.
   int in_place = 0;
   for (std::uint32_t i = 0; i < 200 && in_place < 5; ++i) {
-    // The number of points is not known yet, so the loan has room for the largest cloud. The room is not
-    // zeroed.
+    // The number of points is not known yet, so the loan reserves memory for the largest cloud. This memory
+    // is not set to zero.
     auto loan = clouds.loan_for_overwrite({.height = 1, .point_step = sizeof(Point)},
                                           {.data = points_max * std::uint32_t{sizeof(Point)}});
     if (!loan) return std::fprintf(stderr, "%s\n", loan.error().message.c_str()), 1;

@@ -1,5 +1,5 @@
-// publisher [COUNT]: publishes the state of a battery ten times per second. At the end it prints the fields
-// that each reader was sent.
+// publisher [COUNT]: publishes the state of a battery ten times per second. At the end it prints which
+// fields were sent to each reader.
 #include <sft/sft.h>
 
 #include <chrono>

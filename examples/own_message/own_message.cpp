@@ -1,5 +1,5 @@
-// Publishes a message that the .msg files of this folder define. The subscriber asks for one member of each
-// element.
+// Publishes a message that the .msg files of this folder define. The subscriber requests only one member of
+// each element.
 #include <sft/sft.h>
 
 #include <algorithm>

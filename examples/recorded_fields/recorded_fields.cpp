@@ -1,6 +1,6 @@
 // No fields are declared here. SFT records which fields the callback reads, and soon sends only these. When
-// the callback begins to read a further field, that field is absent in the present sample, and is sent from
-// then on.
+// the callback begins to read a further field, that field is absent from the present sample, but is sent
+// with later samples.
 #include <sft/sft.h>
 
 #include <atomic>

@@ -10,7 +10,7 @@
 using namespace std::chrono_literals;
 using route_msgs::srv::Measure;
 
-/// Returns a response, or an error, whose message the client gets.
+/// Returns a response, or an error whose message is sent to the client.
 sft::Result<Measure::Response> measure(const Measure::Request& request) {
   if (request.points.size() < 2)
     return sft::fail(sft::Errc::invalid_argument, "a path has two points at least");

@@ -14,8 +14,8 @@ using std_msgs::msg::Float64;
 
 std::atomic<int> deadlines_missed{0};
 
-/// Events are reported on a thread of the node, which does no other work meanwhile. So a callback must handle
-/// them quickly.
+/// Events are reported on a thread of the node, which can report no further event until the callback
+/// returns. So a callback must return quickly.
 sft::Event::Callback print_events_of(const char* whose) {
   return [whose](const sft::Event& event) {
     if (event.kind == sft::Event::Kind::deadline_missed) ++deadlines_missed;
@@ -25,7 +25,7 @@ sft::Event::Callback print_events_of(const char* whose) {
 
 int main(int argc, char**) {
   sft::NodeOptions options{.name = "status_and_events"};
-  // The log reports the same events as lines of text, from this level on.
+  // The log reports the same events as lines of text, if they have at least this level.
   options.log_level = sft::LogLevel::warning;
   options.log = [](sft::LogLevel, std::string_view line) { std::cout << "log: " << line << std::endl; };
   auto node = sft::Node::open(options);

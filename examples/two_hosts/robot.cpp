@@ -1,5 +1,5 @@
 // robot [SECONDS]: publishes clouds of 6.3 MB, twenty per second. At the end it prints the number of bytes
-// that went over the network.
+// that were sent over the network.
 #include <sft/sft.h>
 
 #include <chrono>

@@ -18,7 +18,7 @@ int main(int argc, char** argv) {
   auto node = sft::Node::open(options);
   if (!node) return std::fprintf(stderr, "%s\n", node.error().message.c_str()), 1;
 
-  // Asks for two numbers of a cloud, at most five times per second. The robot sends nothing else.
+  // Requests only two numbers of a cloud, at most five times per second. The robot sends nothing else.
   auto points = node->subscriber<PointCloud2, F::height | F::width>("robot/points", {.max_rate_hz = 5});
   if (!points) return std::fprintf(stderr, "%s\n", points.error().message.c_str()), 1;
   auto timeout = 60s;  // the time to start the robot

@@ -1,7 +1,7 @@
 // hostile_actor ACT ACCOUNT SEED: performs the act against the programs of that account until its standard
-// input, a socket, is closed or receives something. Writes to the socket when the act has begun, and at the
-// end what the act gained. `hostile_actor --list` prints all acts. `hostile_actor --sftd-status` ends with
-// the exit code of `sftd status`, without its output.
+// input, which is a socket, is closed or receives data. Writes to this socket when the act has begun, and
+// at the end what the attacker has gained. `hostile_actor --list` prints all acts. `hostile_actor
+// --sftd-status` ends with the exit code of `sftd status`, without its output.
 #include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>

@@ -58,7 +58,7 @@ constexpr std::array all_acts{
     Entry{"doorbells_of_the_honest", "Announces one whose doorbells are links to those of others.",
           other_account, none, doorbells_of_the_honest},
 
-    // Mishaps
+    // Accidents
     Entry{"removed_doorbells", "Removes the doorbells from /dev/shm.", owner, none, removed_doorbells},
     Entry{"removed_shared_memory", "Removes all names from /dev/shm.", owner, none, removed_shared_memory},
     Entry{"removed_tmp", "Removes all names from /tmp.", owner, none, removed_tmp},

@@ -24,7 +24,7 @@ std::shared_ptr<ForgedControl> forged_control_of(Target& target) {
   return std::make_shared<ForgedControl>(target.random() | 1);
 }
 
-/// Returns an act that calls `say` for every honest endpoint of that role at each tick.
+/// Returns an act that at each tick calls `say` for every honest endpoint of that role.
 Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const Endpoint&)> say) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), role, say = std::move(say)] {
             for (const Endpoint& endpoint : forged_control->heard(role)) say(*forged_control, endpoint);
@@ -32,8 +32,8 @@ Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const 
           }};
 }
 
-/// Returns an act of a forged node, which announces `count` endpoints made from an honest one of that role,
-/// some at each tick, and keeps itself alive.
+/// Returns an act of a forged node, which announces `count` endpoints that `make` derives from an honest
+/// endpoint of that role, some at each tick. The node also sends heartbeats, so that it counts as alive.
 Act crowd(Target& target, Role role, std::size_t count,
           std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
   struct State {
@@ -105,7 +105,7 @@ Endpoint numbered_reader(const Endpoint& writer, std::uint64_t node, std::uint64
   return reader;
 }
 
-/// Announces a reader at an address that never answers, and counts the bytes that come there.
+/// Announces a reader at an address that never answers, and counts the bytes that arrive there.
 Act reflection_to(Target& target, bool own_host_of_the_writer) {
   struct State {
     explicit State(std::uint64_t id) : node(id) {}
@@ -150,7 +150,7 @@ Act requests_to_nobody(Target& target) {
   });
 }
 
-/// Repeats the records of others by its own writers, as a cache may do.
+/// Repeats the records of other participants through its own writers, as a cache might do.
 Act repeated_announcements(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target)] {
             for (const auto& heard : forged_control->records_heard())
@@ -220,7 +220,7 @@ Act senseless_announcements(Target& target) {
   });
 }
 
-/// Announces writers that have the short id of an honest one, and a smaller whole id.
+/// Announces writers whose short id is that of an honest writer, and whose whole id is smaller.
 Act twin_writers(Target& target) {
   const std::uint64_t node = target.random();
   return to_each(target, Role::writer, [node](ForgedControl& forged_control, const Endpoint& writer) {
@@ -234,7 +234,7 @@ Act reflection(Target& target) { return reflection_to(target, false); }
 
 Act reflection_to_the_own_host(Target& target) { return reflection_to(target, true); }
 
-/// Reports progress of endpoints of others. Only reports of a process about its own endpoints count.
+/// Reports progress of other processes' endpoints. Such reports must be ignored.
 Act false_progress(Target& target) {
   const auto sent = std::make_shared<std::uint64_t>(1'000'000);
   return to_each(target, Role::writer, [sent](ForgedControl& forged_control, const Endpoint& writer) {
@@ -242,7 +242,7 @@ Act false_progress(Target& target) {
   });
 }
 
-/// Reports accounts of the pairs of each endpoint with all others.
+/// Reports false accounts for each pair of two endpoints.
 Act false_accounts(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             const std::vector<Endpoint> all = forged_control->heard();
@@ -261,7 +261,8 @@ Act false_accounts(Target& target) {
           }};
 }
 
-/// Inquires about all topics and many that do not exist, alternately for accounts and progress.
+/// Sends inquiries about all topics, and about many topics that do not exist, alternately for accounts and
+/// for progress.
 Act questions_without_end(Target& target) {
   const auto asked = std::make_shared<std::uint64_t>(0);
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), asked] {
@@ -277,7 +278,8 @@ Act questions_without_end(Target& target) {
           }};
 }
 
-/// Writes records of kinds and versions that do not exist, in its own name and in the names of others.
+/// Writes records of kinds and versions that do not exist, in its own name and in the names of other
+/// participants.
 Act unknown_records(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             for (ForgedControl::HeardRecord heard : forged_control->records_heard()) {
@@ -305,7 +307,8 @@ Act slots_without_end(Target& target) {
           }};
 }
 
-/// Sends heartbeats with random digests, so that records of this process always seem to be missing.
+/// Sends heartbeats with random digests, so that records of the attacker's process always seem to be
+/// missing.
 Act heartbeats_without_records(Target& target) {
   return {.begin = {}, .go_on = [forged_control = forged_control_of(target), &random = target.random] {
             forged_control->live({random(), random()});

@@ -1,4 +1,4 @@
-// Acts on the control topics in which a process lies about itself, or writes too much.
+// Acts on the control topics in which a process makes false statements about itself, or writes too much.
 #pragma once
 
 #include "tests/hostile/act.h"

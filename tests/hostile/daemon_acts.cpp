@@ -29,7 +29,7 @@ void signal_all(const std::vector<pid_t>& processes, int number) {
   for (const pid_t process : processes) kill(process, number);
 }
 
-/// An sftd of the attacker's own, which is started again when it ends.
+/// An sftd of the attacker, which is started again whenever it ends.
 class OwnDaemon {
  public:
   void keep_running() {
@@ -88,8 +88,7 @@ class FalseNeighbour {
  public:
   explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), forged_control_(node_) {}
 
-  /// Announces the reader once to each publisher. `make_page` gets the path of the reader's page of
-  /// doorbells.
+  /// Announces the reader once to each publisher. `make_page` gets the path of the reader's doorbell page.
   void announce_to_all(const std::function<void(const std::string&)>& make_page) {
     for (const core::Endpoint& writer : forged_control_.heard(core::Role::writer)) {
       if (!writer.host.known() || !known_.insert({writer.id, writer.host.bytes}).second) continue;
@@ -135,7 +134,7 @@ Act doorbell_that(Target& target, std::function<void(const std::string&)> make,
               }};
 }
 
-/// Makes a file that has the length of a page of doorbells.
+/// Makes a file with the length of a doorbell page.
 void make_page(const std::string& path) {
   const int page = open(path.c_str(), O_CREAT | O_RDWR | O_CLOEXEC, 0666);
   if (page < 0 || ftruncate(page, core::DoorbellPage::slots * sizeof(core::Doorbell)) != 0) return;
@@ -148,8 +147,8 @@ void remove_all_in(const char* directory) {
   for (const auto& entry : fs::directory_iterator(directory, ignored)) remove_quietly(entry.path());
 }
 
-/// Limits the descriptors of processes so that they cannot open further ones. A process has run for a moment
-/// before that, so that its start does not fail.
+/// Limits the file descriptors of processes so that they cannot open further ones. A process is limited
+/// only after it has run for a moment, so that its start does not fail.
 class DescriptorLimits {
  public:
   void impose(const std::vector<pid_t>& processes) {
@@ -207,7 +206,7 @@ Act doorbell_of_nobody(Target& target) {
   return doorbell_that(target, [](const std::string&) {});
 }
 
-/// Makes the announced page a link to one at which an honest reader waits.
+/// Makes the announced page a link to a page at which an honest reader waits.
 Act doorbells_of_the_honest(Target& target) {
   return doorbell_that(target, [](const std::string& page) {
     for (const std::string& honest : shared_files("sft_bell")) (void)!symlink(honest.c_str(), page.c_str());

@@ -1,4 +1,4 @@
-// Acts with sftd and with doorbells, and mishaps of the account that runs the honest programs.
+// Acts with sftd and with doorbells, and accidents caused by the account that runs the honest programs.
 #pragma once
 
 #include "tests/hostile/act.h"

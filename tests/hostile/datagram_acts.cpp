@@ -20,7 +20,7 @@ using udp::FirstHeader;
 
 constexpr std::uint32_t channels_swept = 16;
 
-/// Returns the header of a sample of two small fields that claims to be of this writer.
+/// Returns the header of a sample of two small fields that claims to come from this writer.
 FirstHeader sample_header(const Endpoint& writer, const Endpoint& reader, std::uint32_t sequence,
                           std::uint16_t variant) {
   FirstHeader header;
@@ -57,8 +57,8 @@ Act to_each_reader(PairUse use) {
           }};
 }
 
-/// Returns such an act that attacks each pair once in half a second, so that the pair can recover in
-/// between.
+/// Returns an act like that of to_each_reader(), but which attacks each pair only once in half a second, so
+/// that the pair can recover between two attacks.
 Act once_to_each_reader(PairUse use) {
   constexpr int ticks_between = 50;
   const auto ticks = std::make_shared<std::map<std::pair<core::EndpointId, core::EndpointId>, int>>();
@@ -78,7 +78,7 @@ Act to_each_writer(std::function<void(const Sender&, const Endpoint& writer, con
           }};
 }
 
-/// Returns the address of a host that does not exist, in a network without hosts.
+/// Returns the address of a host that does not exist, in a network in which no host exists.
 sockaddr_in made_up_host(unsigned number) {
   sockaddr_in address{};
   address.sin_family = AF_INET;
@@ -96,7 +96,8 @@ Act sequence_jumps(Target&) {
       });
 }
 
-/// Sends three such samples in a row, also in a channel, so that each is confirmed by the next.
+/// Sends three samples with sequences far ahead, one after the other and also in a channel, so that each
+/// sample is confirmed by the next.
 Act sequence_jumps_confirmed(Target&) {
   return once_to_each_reader(
       [](const Sender& sender, const Endpoint& writer, const Endpoint& reader, const sockaddr_in& to) {
@@ -224,7 +225,7 @@ Act garbage(Target& target) {
   });
 }
 
-/// Half of the datagrams begin like messages of DDS.
+/// Sends random datagrams to the ports of discovery. Half of the datagrams begin like messages of DDS.
 Act garbage_for_discovery(Target& target) {
   const auto sender = std::make_shared<Sender>();
   return {.begin = {}, .go_on = [sender, &random = target.random] {

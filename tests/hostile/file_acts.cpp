@@ -26,7 +26,7 @@ namespace {
 
 constexpr std::size_t block_bytes = 1024 * 1024;
 
-/// Returns an act that calls `put` for each free name, and at the end removes what was put there.
+/// Returns an act that calls `put` for each free name, and at the end removes what `put` has made.
 Act at_every_name(const Target& target, std::function<bool(const std::string&)> put) {
   const auto taken = std::make_shared<std::vector<std::string>>();
   const auto take = [names = names_of(target.account), put = std::move(put), taken] {
@@ -92,7 +92,8 @@ struct OpenFiles {
   }
 };
 
-/// Returns an act that opens each readable file once, and calls `how` with its descriptor to lock it.
+/// Returns an act that opens each readable file once, and calls `how` with the descriptor of the file to
+/// lock it.
 Act locks(std::function<void(int)> how) {
   const auto locked = std::make_shared<OpenFiles>();
   const auto known = std::make_shared<std::vector<std::string>>();
@@ -159,7 +160,7 @@ Act hard_links(Target& target) {
 
 Act sockets(Target& target) { return at_every_name(target, make_socket); }
 
-/// Does the same as fifos(), but at the moment at which a name becomes free.
+/// Does the same as fifos(), but repeatedly, as soon as a name becomes free.
 Act snatched_names(Target& target) {
   Act act = fifos(target);
   act.go_on = [snatch = act.go_on] {
@@ -176,8 +177,8 @@ Act read_locks(Target&) {
   });
 }
 
-/// Requests each lock in a separate process, which waits. The lock is granted when the honest holder is
-/// gone.
+/// Requests each lock in a separate process, which waits for the lock. The system grants the lock when the
+/// honest holder has released it.
 Act waiting_read_locks(Target&) {
   const auto waiting = std::make_shared<std::vector<pid_t>>();
   Act act = locks([waiting](int descriptor) {

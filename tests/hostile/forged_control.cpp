@@ -15,7 +15,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// Multicasts on the loopback use ports of their own.
+/// The settings for the loopback, where multicasts use separate ports.
 constexpr const char* loopback_ports =
     "<Ports><MulticastMetaOffset>2</MulticastMetaOffset><MulticastDataOffset>3</MulticastDataOffset></Ports>";
 
@@ -56,7 +56,8 @@ ForgedControl::ForgedControl(core::ProcessId process) : own_(process, core::Timi
 
 ForgedControl::~ForgedControl() = default;
 
-/// Keeps a record of others. Withdrawn endpoints stay known, so that attacks on them continue.
+/// Keeps a record of another participant. Withdrawn endpoints are kept, too, so that attacks on them
+/// continue.
 void ForgedControl::note(const test::ControlParticipant::Came& came) {
   auto& known = records_[{came.participant, came.role, came.key}];
   if (came.record.revision < known.record.revision) return;

@@ -1,5 +1,5 @@
-// Participants of the control topics that write anything, on the network and, for nodes of their own host,
-// on the loopback. Together they act as one process, and receive what honest nodes announce.
+// Participants of the control topics that can write any records, on the network and, for nodes of their own
+// host, on the loopback. Together they act as one process, and receive what honest nodes announce.
 #pragma once
 
 #include <cstddef>
@@ -23,8 +23,8 @@ namespace sft::hostile {
 
 class ForgedControl {
  public:
-  /// Joins the domain of the honest nodes as a process with this id. With 0 it only listens, and other nodes
-  /// see no process. Throws if there is no network.
+  /// Joins the domain of the honest nodes as a process with this id. If the id is 0, the object only
+  /// listens, and other nodes do not recognize it as a process. Throws if there is no network.
   explicit ForgedControl(core::ProcessId process = 0);
   ~ForgedControl();
   ForgedControl(const ForgedControl&) = delete;
@@ -38,13 +38,13 @@ class ForgedControl {
     dds_guid_t writer{};
     sft_control_Record sample{};
   };
-  /// Returns the newest records of others, including withdrawn ones. Their bodies are valid until the next
-  /// call.
+  /// Returns the newest records of other participants, including withdrawn records. Their bodies are valid
+  /// until the next call.
   std::vector<HeardRecord> records_heard();
   /// Returns the other participants on the network, including those with certificates.
   std::vector<test::ControlParticipant::Other> participants() const;
 
-  // Records of its own. They may claim anything about any endpoint.
+  // Records in its own name, which may contain false statements about any endpoint.
 
   /// Announces an endpoint; for a reader also its request.
   void announce(const core::Endpoint& endpoint);
@@ -52,24 +52,24 @@ class ForgedControl {
   /// Writes these bytes as the announcement of the endpoint.
   void announce_bytes(core::Role role, core::EndpointId id, std::vector<std::byte> bytes);
   void inquire(std::uint64_t owner, const core::Inquiry& inquiry);
-  /// Sends a report to the nodes that inquire, by the topic of reports.
+  /// Sends a report on the topic of reports to the nodes that inquire.
   void report(const core::NodeReport& report);
-  /// Writes a sample in its own name. Its heartbeats do not count it.
+  /// Writes a sample in its own name. The digests of its heartbeats do not include this sample.
   void write_as_own(core::Role role, sft_control_Record sample);
   /// Sends a heartbeat if one is due.
   void live();
   /// Sends a heartbeat with these digests.
   void live(const core::PerRole<std::uint64_t>& digests);
 
-  // Messages in other names.
+  // Messages in the names of other participants.
 
-  /// Write the sample as it is on all links, or dispose of its key. Names, keys and versions are not
-  /// checked.
+  /// These functions write the sample unchanged on all links, or dispose of its key on all links. Names,
+  /// keys and versions are not checked.
   void write_raw(core::Role role, const sft_control_Record& sample);
   void dispose(core::Role role, const sft_control_Record& key);
-  /// Sends the heartbeat by the network.
+  /// Sends the heartbeat over the network.
   void send(const core::Heartbeat& heartbeat);
-  /// Returns the heartbeats of others that have come by the network since the last call.
+  /// Returns the heartbeats of other participants that have come over the network since the last call.
   std::vector<core::Heartbeat> overheard();
 
  private:
@@ -89,8 +89,8 @@ class ForgedControl {
 /// The name of forged nodes.
 inline constexpr const char* made_up = "made up";
 
-/// Returns a reader that fits this writer, as another node would announce it. It asks for all fields and
-/// listens to the writer at these addresses.
+/// Returns a reader that fits this writer, as another node would announce it. The reader requests all
+/// fields, and receives at these addresses.
 core::Endpoint made_up_reader(const core::Endpoint& writer, std::uint64_t id, std::uint64_t node,
                               std::vector<core::UdpAddress> addresses);
 /// Returns a writer that fits this reader.

@@ -40,7 +40,8 @@ core::ParticipantGuid octets_of(const dds_guid_t& guid) {
 }
 
 /// Returns an act that changes each record of this kind and writes it in the name of its writer with the
-/// greatest revision. `change` returns the new body; empty to skip the record.
+/// greatest revision. `change` returns the new body; an empty result means that the record is left
+/// unchanged.
 Act rewritten(core::RecordKind kind,
               std::function<std::vector<std::byte>(core::Role, std::span<const std::byte>)> change) {
   const auto forged_control = std::make_shared<ForgedControl>();
@@ -62,8 +63,8 @@ Act rewritten(core::RecordKind kind,
   return {.begin = {}, .go_on = now_and_then(rewrite)};
 }
 
-/// Returns an act that changes control messages of honest programs and sends them again, also in their
-/// names.
+/// Returns an act that changes control messages of honest programs and sends them again, in some cases in
+/// the names of these programs.
 Act control_changed(Target& target, int at_a_time, std::function<void(Bytes&, Random&)> change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
@@ -105,8 +106,8 @@ void cut_body(Bytes& bytes, Random& random) { bytes.resize(1 + random() % bytes.
 
 }  // namespace
 
-/// Disposes of all records, and withdraws those of the first slots in their writers' names. Guesses the
-/// writers if they are hidden.
+/// Disposes of all records, and withdraws the records of the first slots in the names of their writers. If
+/// the writers are hidden, guesses them.
 Act forged_disposals(Target& target) {
   const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
   const auto dispose = [forged_control] {
@@ -161,7 +162,7 @@ Act altered_announcements(Target&) {
   });
 }
 
-/// Uses great sequence numbers, so that Cyclone DDS takes all later samples of these writers for old.
+/// Uses great sequence numbers, so that Cyclone DDS considers all later samples of these writers outdated.
 Act outdated_records(Target&) {
   const auto forged_control = std::make_shared<ForgedControl>();
   const auto outdate = [forged_control] {
@@ -176,8 +177,8 @@ Act outdated_records(Target&) {
   return {.begin = {}, .go_on = now_and_then(outdate)};
 }
 
-/// Makes participants that claim to belong to honest processes, replaces the announcements of these, and
-/// counts its own records in its heartbeats.
+/// Makes participants that claim to belong to honest processes, replaces the announcements of these
+/// processes, and includes its own records in the digests of its heartbeats.
 Act claimed_processes(Target&) {
   struct State {
     ForgedControl honest;
@@ -200,8 +201,8 @@ Act claimed_processes(Target&) {
   return {.begin = {}, .go_on = now_and_then(claim)};
 }
 
-/// Announces the endpoints of others as its own, in their first state. A node that receives these first
-/// keeps them.
+/// Announces endpoints of other processes as its own, in their first state. A node that receives such an
+/// announcement earlier than the genuine one keeps it.
 Act copied_endpoints(Target& target) {
   const auto forged_control = std::make_shared<ForgedControl>(target.random() | 1);
   const auto first = std::make_shared<std::vector<core::Endpoint>>();

@@ -1,6 +1,6 @@
-// After an act all honest programs work as before. The test tries each act of the table; it begins before,
-// while or after the programs start. `./run bench recovery` measures how soon all programs work again, and
-// has the limit for that.
+// After an act all honest programs work as before. The test tries each act of the table; the act begins
+// before, while or after the programs start. `./run bench recovery` measures how soon all programs work
+// again, and checks this time against a limit.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -46,13 +46,13 @@ class Hostile : public test::RandomTest, public ::testing::WithParamInterface<En
 
 TEST_P(Hostile, ActsCostNoMoreThanTheirTime) { expect_that_all_works_again(Certificates::none); }
 
-/// Acts in the names of others, against programs with certificates.
+/// Acts in the names of other participants, against programs with certificates.
 class HostileToCertified : public Hostile {};
 
 TEST_P(HostileToCertified, ActsCostNothing) { expect_that_all_works_again(Certificates::all); }
 
-/// Returns the acts in the names of others, except forged_deaths: DDS Security does not protect the end of a
-/// participant (SECURITY.md).
+/// Returns the acts in the names of other participants. Leaves out forged_deaths, because DDS Security does
+/// not protect the end of a participant (SECURITY.md).
 std::vector<Entry> forging_acts() {
   std::vector<Entry> forging;
   std::ranges::copy_if(acts(), std::back_inserter(forging), [](const Entry& entry) {

@@ -19,7 +19,7 @@ std::vector<std::string> shared_files(const std::string& prefix);
 /// Removes a file, or a directory with its content. A path that does not exist is no error.
 void remove_quietly(const std::filesystem::path& path);
 
-/// Returns the ids of the processes that run a program file of that name.
+/// Returns the ids of the processes that run a program file with that name.
 std::vector<pid_t> processes(const std::string& program);
 /// Returns the processes of the honest programs whose names begin with `name`, such as "near".
 std::vector<pid_t> honest_program(const std::string& name);

@@ -27,7 +27,7 @@ Act with_overheard(std::function<void(const Overheard&)> use) {
           }};
 }
 
-/// The newest few datagrams of each kind.
+/// The newest datagrams of each kind; only a few of each are kept.
 class Collection {
  public:
   void keep(const Overheard& heard) {
@@ -49,8 +49,8 @@ class Collection {
 
 using Change = std::function<void(Bytes&, Random&)>;
 
-/// Returns an act that at each tick changes `at_a_time` of the overheard datagrams that are `wanted`, and
-/// sends them to their original destinations.
+/// Returns an act that at each tick changes `at_a_time` of the overheard datagrams for whose kind `wanted`
+/// returns true, and sends them to their original destinations.
 Act changed(Target& target, int at_a_time, std::function<bool(udp::DatagramKind)> wanted, Change change) {
   struct State {
     explicit State(Random& numbers) : random(numbers) {}
@@ -83,8 +83,8 @@ void put(Bytes& bytes, std::size_t at, Number number) {
   if (at + sizeof number <= bytes.size()) std::memcpy(bytes.data() + at, &number, sizeof number);
 }
 
-/// Returns a random place in the headers: a multiple of `step`, where most headers have their numbers, or
-/// any place, because following datagrams have them elsewhere.
+/// Returns a random offset within the headers. It is either a multiple of `step`, where most headers have
+/// their numbers, or any offset, because following datagrams have their numbers at other offsets.
 std::size_t any_place(const Bytes& bytes, Random& random, std::size_t step) {
   constexpr std::size_t headers_bytes = 72;
   if (random() % 2 == 0) step = 1;
@@ -139,8 +139,8 @@ void mutate(Bytes& bytes, Random& random) {
   }
 }
 
-/// Returns an act that answers each overheard heartbeat by an ack from `answer` to the writer, in the
-/// reader's name.
+/// Returns an act that answers each overheard heartbeat by the ack that `answer` returns; the ack is sent
+/// to the writer in the reader's name.
 Act for_heartbeats(std::function<udp::Ack(const udp::Heartbeat&)> answer) {
   const auto spoofer = std::make_shared<Spoofer>();
   return with_overheard([spoofer, answer = std::move(answer)](const Overheard& heard) {
@@ -153,7 +153,8 @@ Act for_heartbeats(std::function<udp::Ack(const udp::Heartbeat&)> answer) {
 
 }  // namespace
 
-/// Uses the numbers of channels in use, and sends two heartbeats, so that the second confirms the first.
+/// Uses the numbers of channels in use, and sends two heartbeats, so that the second heartbeat confirms the
+/// first.
 Act heartbeats_a_little_ahead(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto ticks = std::make_shared<int>(0);
@@ -201,8 +202,8 @@ Act forged_reports(Target&) {
   });
 }
 
-/// Sends heartbeats for the writer's channels that name another host, to which acks would go although it
-/// never asked for them.
+/// Sends heartbeats for the writer's channels that name another host, to which acks would then be sent
+/// although that host never requested them.
 Act heartbeats_that_name_another_host(Target&) {
   const auto drain = std::make_shared<Drain>();
   const auto sender = std::make_shared<Sender>();
@@ -228,7 +229,7 @@ Act replayed_datagrams(Target&) {
   });
 }
 
-/// Sends the first overheard datagrams again and again, which become older and older.
+/// Sends the first overheard datagrams again and again, so that these become older and older.
 Act replayed_datagrams_of_long_ago(Target&) {
   const auto spoofer = std::make_shared<Spoofer>();
   const auto first = std::make_shared<std::vector<Overheard>>();

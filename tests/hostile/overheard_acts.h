@@ -1,5 +1,5 @@
 // Acts with datagrams that were overheard on the network. They are repeated, altered, and answered in the
-// names of others.
+// names of other participants.
 #pragma once
 
 #include "tests/hostile/act.h"

@@ -31,8 +31,8 @@ constexpr std::chrono::microseconds publishing_period = 5ms;
 constexpr Ms hang_timeout = test::hang_timeout;
 constexpr Ms timeout_while_setting_up = 2s;
 
-/// Returns the account, and mounts the programs for it. The hosts are copies of this process's mount
-/// namespace.
+/// Returns the account, and mounts the programs at a path that it can read. The simulated hosts copy this
+/// process's mount namespace.
 test::Account account(uid_t user) {
   if (access((std::string(programs) + "/sftd").c_str(), X_OK) != 0 &&
       mount(test::program_directory().c_str(), programs, nullptr, MS_BIND, nullptr) != 0)
@@ -40,10 +40,11 @@ test::Account account(uid_t user) {
   return {user, programs};
 }
 
-/// Not in /tmp or /dev/shm, because each host has its own of these.
+/// The directory is not in /tmp or /dev/shm, because each host has separate ones.
 constexpr const char* certificates_directory = "/media/certificates";
 
-/// Makes the certificate of the honest programs if they are to have one. Returns its argument.
+/// Makes the certificate of the honest programs if the programs should have one and it does not exist yet.
+/// Returns its argument.
 Certificates made(Certificates certificates) {
   if (certificates == Certificates::none || access(certificates_directory, X_OK) == 0) return certificates;
   if (mount("tmpfs", "/media", "tmpfs", 0, "size=4m") != 0)
@@ -57,7 +58,7 @@ Certificates made(Certificates certificates) {
 
 json honest_policies(bool is_reliable) { return {{"reliable", is_reliable}}; }
 
-/// Describes one end of a pair in short.
+/// Returns a short description of one end of a pair.
 std::string describe(const json& entry) {
   if (entry.is_null()) return "knows nothing of it";
   const bool is_up = entry.value("served", entry.value("matched", false) && entry.value("alive", false));
@@ -109,16 +110,17 @@ std::string_view to_string(Moment moment) {
 struct Stage::Pair {
   std::string name;
   const test::Host& host;
-  std::string transport;  ///< the transport that serves it in the normal case
+  std::string transport;  ///< the transport that serves the subscriber in the normal case
   bool is_reliable;
   std::unique_ptr<test::Peer> subscriber{};
-  std::uint64_t received = 0;     ///< samples by any path, at the last look()
-  std::uint64_t received_by = 0;  ///< samples by `transport`, at the last look()
+  std::uint64_t received = 0;     ///< the number of samples received by any path, at the last look()
+  std::uint64_t received_by = 0;  ///< the number of samples received by `transport`, at the last look()
   std::string state{};
-  bool falls_back = false;  ///< served by UDP, and the status names an obstructing file
+  bool falls_back = false;  ///< served by UDP instead of shared memory, and the status names an obstructing
+                            ///< file
   bool is_stopped = false;  ///< the present act has stopped the subscriber
 
-  /// The numbers of samples at one moment, with which later ones are compared.
+  /// The numbers of samples at one moment, with which later numbers are compared.
   struct Noted {
     std::uint64_t received, received_by;
   };
@@ -157,7 +159,7 @@ class Stage::Actor {
   void await_begin() {
     if (hear() != "begun") throw std::runtime_error("act " + name_ + " does not begin");
   }
-  /// Ends the act and returns what it gained.
+  /// Ends the act, and returns what the attacker has gained.
   std::string end() {
     has_ended_ = true;
     (void)!send(socket_, "end", 3, MSG_NOSIGNAL);
@@ -214,14 +216,15 @@ json Stage::options(bool start_daemon) const {
   return options;
 }
 
-/// Returns the harm to expect. Messages in the names of others harm only programs without certificates.
+/// Returns the harm to expect. Messages in the names of other participants harm only programs without
+/// certificates.
 Harm Stage::harm_of(const Entry& entry) const {
   return entry.harm == Harm::forges && certificates_ == Certificates::all ? Harm::none : entry.harm;
 }
 
 void Stage::launch() {
   if (!publisher_) {
-    // Each publisher has a new name, so that it is not mistaken for a killed one.
+    // Each publisher has a new name, so that it is not mistaken for an earlier publisher that was killed.
     const std::string name = "publisher_" + std::to_string(++publishers_);
     publisher_ = std::make_unique<test::Peer>(here_, name, options(true), honest_);
     publisher_->advertise(honest_policies(true));
@@ -237,8 +240,8 @@ void Stage::launch() {
 }
 
 /// Asks both sides, and returns true if both report that the pair is served by its usual transport. A
-/// subscriber that the act has stopped is not asked, because it cannot answer. It counts as served until the
-/// act ends.
+/// subscriber that the act has stopped is not asked, because it cannot answer. Such a subscriber counts as
+/// served until the act ends.
 bool Stage::look(Pair& pair) {
   if (pair.is_stopped) return true;
   const json reader = publisher_->look_at(pair.name)["reader"];
@@ -281,7 +284,7 @@ bool Stage::start() {
       hang_timeout, 10ms);
 }
 
-/// Waits until the act has really stopped its subscriber, because a signal takes effect a little later.
+/// Waits until the act has actually stopped the subscriber, because a signal takes effect with a delay.
 void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   if (entry.harm != Harm::stops_near) return;
   for (const auto& pair : pairs_) {
@@ -291,8 +294,8 @@ void Stage::note_stopped(const Entry& entry, Outcome& outcome) {
   }
 }
 
-/// Expects that samples come to every subscriber by any path. A pair that is being set up gets time for
-/// that.
+/// Expects that samples arrive at every subscriber by any path. A pair that is being set up is given time
+/// for this.
 void Stage::expect_samples(Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
@@ -306,8 +309,8 @@ void Stage::expect_samples(Outcome& outcome) {
   }
 }
 
-/// Waits until all pairs are served as before and samples come. More than two further samples have to come,
-/// because some may have been under way when the act ended.
+/// Waits until all pairs are served as before and samples arrive. More than two further samples have to
+/// arrive, because some may have been under way when the act ended.
 void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome& outcome) {
   std::vector<Pair::Noted> noted;
   all_served();
@@ -328,8 +331,8 @@ void Stage::await_recovery(const Entry& entry, Clock::time_point ended, Outcome&
 }
 
 /// Waits until `sftd status` answers while all pairs are served. The pairs may have continued in the memory
-/// of a daemon that is about to be replaced. Then no daemon runs for a moment, or it does not answer yet.
-/// Any other failure is a complaint.
+/// of a daemon that is about to be replaced. In this case no daemon may be running for a moment, or the new
+/// daemon may not answer yet. Any other failure is added to the complaints.
 void Stage::await_command_line(const Entry& entry, Clock::time_point ended, Outcome& outcome) {
   auto code = shm::ExitCode::not_running;
   const auto is_over = [&] {
@@ -362,7 +365,8 @@ Outcome Stage::perform(const Entry& entry, Moment moment, Ms length) {
     note_stopped(entry, outcome);
     launch();
     const auto begin = Clock::now();
-    // A pair that can be set up during the act must not count as recovery from the act.
+    // Pairs that can be set up even during the act are awaited here, so that this time does not count as
+    // recovery from the act.
     if (moment != Moment::after_they_started)
       test::eventually([&] { return all_served(); }, timeout_while_setting_up, 20ms);
     const Harm harm = harm_of(entry);

@@ -1,6 +1,6 @@
 // Two hosts with honest programs, a third one for attackers on the network, and the checks of the honest
-// programs: they stay alive, samples come while an act lasts, and soon after the act everything is as
-// before.
+// programs: they stay alive, samples arrive while an act lasts, and soon after the act all pairs are served
+// as before.
 #pragma once
 
 #include <array>
@@ -26,25 +26,26 @@ inline constexpr std::array moments{Moment::after_they_started, Moment::while_th
                                     Moment::before_they_start};
 std::string_view to_string(Moment moment);
 
-/// The result of an act for the honest programs.
+/// The effect of an act on the honest programs.
 struct Outcome {
   std::vector<std::string> complaints{};  ///< sentences; empty if there was no fault
-  /// The time from the end of the act until each pair was served as before; empty if that did not happen.
+  /// The time from the end of the act until each pair was served as before; empty if this did not happen in
+  /// time.
   std::optional<Ms> recovery{};
-  /// The time from the end of the act until `sftd status` answered and each pair was served; empty if that
-  /// was not tried or did not happen.
+  /// The time from the end of the act until `sftd status` answered and each pair was served; empty if this
+  /// was not checked or did not happen in time.
   std::optional<Ms> command_line{};
 };
 
 /// Which honest programs have certificates of DDS Security (tools/security).
 enum class Certificates : std::uint8_t { none, all };
 
-/// A publisher with a subscriber in shared memory and two by UDP on another host: one with reliable, one with
-/// best-effort delivery.
+/// A publisher with a subscriber in shared memory, and with two subscribers by UDP on another host: a
+/// reliable one and a best-effort one.
 class Stage {
  public:
-  /// Returns why there can be no stage; empty if there can be one. REQUIRES: the program is isolated
-  /// (isolated_host.h).
+  /// Returns the reason why a stage cannot be set up on this system; empty if it can. REQUIRES: the program
+  /// is isolated (isolated_host.h).
   static std::string refusal();
 
   explicit Stage(std::uint64_t seed, Certificates certificates = Certificates::none);
@@ -52,16 +53,17 @@ class Stage {
   Stage(const Stage&) = delete;
   Stage& operator=(const Stage&) = delete;
 
-  /// Starts the honest programs that do not run. Returns false if they are not all served in time.
+  /// Starts the honest programs that do not run. Returns false if not all of their pairs are served in
+  /// time.
   bool start();
-  /// Performs an act, and starts new honest programs if `moment` requires that. The act lasts `length` from
-  /// the moment at which all honest programs run.
+  /// Performs an act, and starts new honest programs if `moment` requires that. The act continues for
+  /// `length` once all honest programs are running.
   Outcome perform(const Entry& entry, Moment moment, Ms length);
   /// Ends the honest programs. Returns complaints about those that crashed or hung.
   std::vector<std::string> end();
 
-  /// Kills the publisher and starts another one. Returns the time until all pairs are served. No recovery
-  /// that needs a new publisher can be faster.
+  /// Kills the publisher and starts another one. Returns the time until all pairs are served. Any recovery
+  /// that needs a new publisher takes at least this time.
   std::optional<Ms> restart_publisher();
 
  private:
@@ -80,7 +82,7 @@ class Stage {
   std::string state();
 
   std::uint64_t seed_;
-  // Declared before the hosts, because these copy the mounts that the next two make.
+  // Declared before the hosts, because the hosts copy the mounts that the next two members make.
   test::Account honest_;
   const Certificates certificates_;
   test::Network network_;

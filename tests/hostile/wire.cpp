@@ -67,7 +67,7 @@ bool is_of(Listener::Traffic traffic, std::uint16_t port, std::span<const std::b
   return (port < dds_ports_begin || port >= dds_ports_end) && looks_like_sft(payload);
 }
 
-/// Makes the socket send multicasts by eth0. Returns the socket.
+/// Makes the socket send multicasts through eth0. Returns the socket.
 int with_multicast(int socket) {
   ip_mreqn interface {};
   interface.imr_ifindex = static_cast<int>(if_nametoindex("eth0"));
@@ -75,7 +75,7 @@ int with_multicast(int socket) {
   return socket;
 }
 
-/// Returns the datagram in the frame; empty if it is not of that traffic.
+/// Returns the datagram in the frame; empty if the datagram does not belong to that traffic.
 Overheard parse_frame(std::span<const std::byte> frame, Listener::Traffic traffic) {
   iphdr ip{};
   udphdr udp{};

@@ -15,13 +15,13 @@ namespace sft::hostile {
 
 using Bytes = std::vector<std::byte>;
 
-/// A number that no honest writer reaches.
+/// A sequence that no honest writer reaches.
 inline constexpr std::uint64_t far_future = std::uint64_t{1} << 62;
 
 /// Returns an address of this host as an endpoint announces it.
 core::UdpAddress own_address(std::uint16_t port);
 
-/// Addresses in network byte order. The hosts of these tests have only IPv4.
+/// Returns the address in network byte order. The hosts of these tests have only IPv4.
 sockaddr_in to_sockaddr(const core::UdpAddress& address);
 /// Returns the addresses at which an endpoint receives; empty if it announces none.
 std::vector<sockaddr_in> addresses_of(const core::Endpoint& endpoint);
@@ -87,7 +87,7 @@ struct Overheard {
 };
 
 /// Receives datagrams between other hosts, as on a network without switches. It keeps only those that look
-/// like SFT's: samples and their answers, or messages of the control plane.
+/// like datagrams of SFT: samples and their answers, or messages of the control plane.
 class Listener {
  public:
   enum class Traffic : std::uint8_t { data, control };

@@ -23,7 +23,7 @@ class AccountsBetweenNodes : public PubSubTest {
   static bool is_silent(const std::optional<DomainSnapshot::Account>& account) {
     return account && !account->publisher && !account->subscriber;
   }
-  /// Returns true if both sides soon report that `samples` samples were sent and received.
+  /// Returns true if both nodes of the pair soon report that `samples` samples were sent and received.
   static bool tells(const Node& node, std::uint64_t samples) {
     return eventually([&] {
       const auto account = account_of(node, "points");

@@ -1,4 +1,4 @@
-// These tests do not run under the sanitizers, which reserve more address space than there is memory.
+// These tests do not run under the sanitizers, which reserve a very large address space.
 #include <gmock/gmock.h>
 #include <sys/resource.h>
 #include <unistd.h>

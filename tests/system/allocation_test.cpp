@@ -7,7 +7,8 @@ namespace {
 
 class AllocationTest : public PubSubTest {
  protected:
-  /// Counts the allocations of this thread over 200 samples. 50 samples are passed before, to warm up.
+  /// Counts the allocations of this thread over 200 samples. 50 further samples are passed before these, to
+  /// warm up.
   template <class Pass>
   static std::uint64_t allocations_of(Pass pass) {
     for (int i = 0; i < 50; ++i) pass();
@@ -67,12 +68,12 @@ TEST_P(AllocationTest, LoansAndRecordedReadersAllocateNothing) {
     const auto sample = sub.take();
     read += sample->width() && sample->data() ? 1 : 0;
   };
-  // After 100 recorded samples the subscriber asks only for the fields that it reads. Then the samples that
-  // it expects change, too.
+  // After 100 recorded samples the subscriber requests only the fields that it reads. This also changes the
+  // samples that it expects.
   const auto asked_for = [&] { return pub.status().readers.at(0).mask; };
   const FieldMask all = asked_for();
-  // These passes last until the receiver has made its first report, too. After that more samples may be under
-  // way.
+  // These passes also last until the receiver has sent its first report. After this report more samples may
+  // be under way.
   for (int i = 0; i < 400; ++i) pass();
   ASSERT_TRUE(eventually([&] {
     pass();

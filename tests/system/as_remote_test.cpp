@@ -35,7 +35,7 @@ class SameCopyTest : public ::testing::TestWithParam<const char*> {
     return node.subscriber("points", node.find_type("points", hang_timeout).value(), GetParam(), options)
         .value();
   }
-  /// Takes all samples up to the last published one. That sample passes all conditions of these tests.
+  /// Takes all samples up to the last published one. The last sample passes all conditions of these tests.
   static std::vector<Got> take_all(DynamicSubscriber& subscriber) {
     std::vector<Got> all;
     while ((all.empty() || all.back().sequence < samples) && subscriber.wait(hang_timeout)) {

@@ -1,6 +1,6 @@
-// The same program with the same quality of service gets the same samples over each transport. If a publisher
-// waits for its subscribers, all reliable samples arrive. If it does not wait, the samples that a subscriber
-// misses are counted and logged.
+// The same program with the same quality of service gets the same samples over each transport. If a
+// publisher waits for its subscribers, all reliable samples arrive. If the publisher does not wait, the
+// samples that a subscriber misses are counted and logged.
 #include <poll.h>
 
 #include <mutex>
@@ -20,7 +20,7 @@ constexpr std::uint32_t samples = 20'000;
 
 class ReliablePairTest : public PubSubTest {
  protected:
-  /// Takes samples until the one with the number `last` has arrived, or no more arrive.
+  /// Takes samples until the sample with the number `last` has arrived, or until no more samples arrive.
   template <class S>
   static std::vector<std::uint64_t> take_all(S& subscriber, std::uint64_t last) {
     std::vector<std::uint64_t> numbers;

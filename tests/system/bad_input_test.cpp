@@ -102,8 +102,8 @@ TEST_F(BadInputTest, AProgramWithTooFewDescriptorsGetsAnErrorThatSaysSo) {
   EXPECT_EQ(opened_with(200), Opened::node);
 }
 
-/// Cyclone DDS waits with select(2). The limit of descriptors of services is often higher than the numbers
-/// that select(2) can handle.
+/// Cyclone DDS waits with select(2). Services often have a limit on descriptors that is greater than the
+/// maximum number that select(2) can handle.
 TEST_F(BadInputTest, AProgramWithMoreOpenFilesThanSelectCanTakeGetsAnErrorThatSaysSo) {
   rlimit usual{};
   getrlimit(RLIMIT_NOFILE, &usual);
@@ -229,7 +229,7 @@ TEST_F(BadInputTest, APayloadThatIsNotTheTypeIsAnError) {
 TEST_F(BadInputTest, DatagramsOfNoOneAreCountedAndHurtNobody) {
   Node a = udp_node("a");
   NodeOptions options = node_options(Way::udp, "b");
-  options.udp.port = 17'000;  // less than 32'768, where the ports begin that the system assigns
+  options.udp.port = 17'000;  // less than 32'768, the first port that the system assigns by itself
   Node b = Node::open(options).value();
   auto pub = a.publisher<PointCloud2>("points").value();
   auto sub = b.subscriber<PointCloud2, F::height>("points").value();

@@ -1,4 +1,4 @@
-// Best effort between two hosts, on a cable that loses, repeats and swaps frames. The reported losses are
+// Best effort between two hosts, over a cable that loses, repeats and swaps frames. The reported losses are
 // exactly the samples that the subscriber missed.
 #include <gtest/gtest.h>
 
@@ -25,14 +25,14 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 constexpr std::uint32_t samples_sent = 1000;
-constexpr double bytes_max = 100'000;  // about 70 datagrams: most samples of this size lose one
+constexpr double bytes_max = 100'000;  // about 70 datagrams: most samples of this size lose a datagram
 
 struct Published {
   std::atomic<bool> failed{false};
   std::atomic<bool> served{false};
   std::atomic<std::uint32_t> wanted{0};  ///< the number of samples to publish
   std::atomic<std::uint32_t> count{0};
-  std::atomic<std::uint64_t> dropped{0};  ///< samples that the publisher itself has dropped
+  std::atomic<std::uint64_t> dropped{0};  ///< the number of samples that the publisher itself has dropped
 };
 
 struct Taken {
@@ -112,7 +112,8 @@ class BestEffortTest : public testing::TestWithParam<bool> {
 INSTANTIATE_TEST_SUITE_P(By, BestEffortTest, testing::Bool(),
                          [](const auto& param) { return param.param ? "IoUring" : "Sockets"; });
 
-/// The cable is good for the first and the last sample, so that all samples between them are accounted for.
+/// The cable has no faults while the first and the last sample are sent, so that all samples between them
+/// are accounted for.
 TEST_P(BestEffortTest, TellsASubscriberExactlyWhatWasDroppedOnTheWay) {
   SCOPED_TRACE(how_to_repeat());
   const NodeProcessWith<Published> publisher(cable_->host(0), options(), publish_clouds);

@@ -127,8 +127,8 @@ TEST(CallbackRules, AreThoseOfTheGuide) {
   EXPECT_EQ(known, acts.size());
 }
 
-/// Runs an act in the first callback of a kind after arm(). If a node is closed in its own callback, it may
-/// call back for a while after the end of the test.
+/// Runs an act in the first callback of a kind after arm(). A node that is closed in its own callback may
+/// call back for a while, even after the end of the test.
 class ActInCallback {
  public:
   void arm(Kind kind, std::function<void()> act) {

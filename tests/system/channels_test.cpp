@@ -37,7 +37,7 @@ PointCloud2 numbered(std::uint32_t number) {
   return cloud;
 }
 
-/// Returns the selection in the form in which it is requested.
+/// Returns the selection in the form in which subscribers request it.
 Selection closed(std::string_view text) {
   const TypeSupport& type = type_support<PointCloud2>();
   return type.closed(type.parse_selection(text).value());

@@ -1,9 +1,9 @@
 // A small sample between two sleeping nodes takes a limited number of wake-ups and system calls. The tests
-// compare these counts instead of times, because each wake-up and each system call costs some microseconds on
-// any machine.
+// compare these counts instead of times, because each wake-up and each system call costs some microseconds
+// on any machine.
 //
-// The counts of a sample are taken between two times at which all threads of both processes sleep. The lower
-// quartile over the samples leaves out other work of the nodes, such as discovery.
+// The counts for a sample are taken between two times at which all threads of both processes sleep. The
+// lower quartile over the samples excludes other work of the nodes, such as discovery.
 #include <gtest/gtest.h>
 #include <semaphore.h>
 #include <unistd.h>
@@ -82,7 +82,7 @@ std::int64_t usual(std::vector<std::int64_t> values) {
   return values[values.size() / 4];
 }
 
-/// Returns the number of times that the thread for slow callbacks was woken.
+/// Returns how often the thread for slow callbacks was woken.
 std::int64_t slow_calls(const std::vector<ThreadCounts>& threads) {
   const auto thread =
       std::ranges::find_if(threads, [](const ThreadCounts& one) { return one.name.starts_with("sft-call"); });
@@ -126,7 +126,7 @@ class ColdPathTest : public ::testing::TestWithParam<Variant> {
     ASSERT_TRUE(
         eventually([&] { return publisher_->report().process != 0 && subscriber_->report().process != 0; }));
     ASSERT_TRUE(publisher_->report().served);
-    pass_one();  // more work is needed for the first sample
+    pass_one();  // the first sample needs more work
   }
 
   void pass_samples() {
@@ -179,7 +179,7 @@ TEST_P(ColdPathTest, ASmallSampleTakesFewSystemCalls) {
   EXPECT_LE(usual(subscriber_side_.system_calls), GetParam().subscriber_calls_max);
 }
 
-// The sending thread may be woken for an answer to a reliable sample.
+// The sending thread may also be woken for an answer to a reliable sample.
 INSTANTIATE_TEST_SUITE_P(Ways, ColdPathTest,
                          ::testing::Values(Variant{Way::udp, Reliability::best_effort, 1, 2, 1},
                                            Variant{Way::udp_sockets, Reliability::best_effort, 1, 2, 3},

@@ -1,5 +1,5 @@
-// Subscribers with conditions on other hosts: many of them, behind a cable that is pulled, and behind a cable
-// that loses, repeats and swaps frames.
+// Subscribers with conditions on other hosts: many subscribers, subscribers whose cable is pulled, and
+// subscribers whose cable loses, repeats and swaps frames.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -26,15 +26,16 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// The number of samples. The stamp of a sample is its place among the published samples, counted from 0. Its
-/// row_step is the number to which the conditions apply. The last sample, at place 2000, passes `every 2nd`
-/// and `every 20th`.
+/// The number of samples. The stamp of a sample is its index among the published samples, counted from 0.
+/// Its row_step is the number to which the conditions apply. The last sample, with index 2000, passes
+/// `every 2nd` and `every 20th`.
 constexpr std::size_t samples = 2001;
 
 struct Published {
   std::atomic<bool> failed{false};
   std::atomic<std::size_t> served{0};
-  std::atomic<std::size_t> in_groups{0};  ///< the number of readers in groups, counted while no sample is due
+  std::atomic<std::size_t> in_groups{0};  ///< the number of readers that share multicast groups, counted
+                                          ///< while no sample is due
   std::atomic<std::size_t> wanted{0};     ///< the number of samples to publish
   std::atomic<std::size_t> count{0};
   std::atomic<std::uint64_t> sent{0}, withheld{0}, dropped{0};  ///< totals of all readers
@@ -44,11 +45,12 @@ constexpr std::size_t readers_max = 16;
 
 struct Taken {
   struct Reader {
-    std::atomic<std::size_t> end{0};  ///< the place of the last sample that arrived, plus 1
+    std::atomic<std::size_t> end{0};  ///< the index of the last sample that arrived, plus 1
     std::atomic<std::uint64_t> received{0}, lost{0}, withheld{0};
   };
   std::atomic<bool> failed{false};
-  /// True if a sample arrived that should not have passed, was out of order, or was not the requested part.
+  /// True if a sample arrived that should not have passed, was out of order, or did not have the requested
+  /// part.
   std::atomic<bool> wrong{false};
   std::array<Reader, readers_max> readers{};
 };
@@ -95,7 +97,7 @@ void publish_numbers(Node& node, Published& published, Reliability reliability) 
   }
 }
 
-/// A reader with conditions that asks for a part of the data, and knows which samples must arrive.
+/// A reader with conditions that requests a part of the data, and knows which samples must arrive.
 class Choosy {
  public:
   Choosy(Node& node, const Rule& rule, Reliability reliability)
@@ -162,7 +164,7 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
                         }),
         rules_(std::move(rules)) {}
 
-  /// Waits until each reader has received all samples before the place `end` that pass its conditions.
+  /// Waits until each reader has received all samples with an index below `end` that pass its conditions.
   testing::AssertionResult has_all_before(std::size_t end) const {
     for (std::size_t i = 0; i < rules_.size(); ++i) {
       const std::vector<std::size_t> expected = expected_of(i, end);
@@ -172,8 +174,8 @@ class SubscriberProcess : public NodeProcessWith<Taken> {
     }
     return testing::AssertionSuccess();
   }
-  /// Expects that every sample that passed has arrived, and that all other samples between the first and the
-  /// last that passed count as withheld.
+  /// Expects that every sample that passed has arrived, and that all other samples between the first and
+  /// the last sample that passed count as withheld.
   void expect_all_accounted(std::size_t end) const {
     EXPECT_FALSE(report().wrong);
     for (std::size_t i = 0; i < rules_.size(); ++i) {
@@ -243,7 +245,7 @@ TEST_P(ConditionsOfOtherHosts, SixtyFourReadersOnFourHostsGetJustWhatTheirOwnCon
   EXPECT_EQ(published.dropped, 0U);
 }
 
-/// Two of the hosts share one set of conditions, the other two another set.
+/// Two of the hosts share one set of conditions, and the other two hosts share another set.
 TEST_P(ConditionsOfOtherHosts, HostsWithTheSameConditionsAreServedByOneGroupAndMissNothing) {
   SCOPED_TRACE(how_to_repeat());
   const auto network = hosts::EmulatedNetwork::create(5);
@@ -283,8 +285,8 @@ TEST_P(ConditionsOfOtherHosts, ACableThatIsPulledAndPutBackLosesNothingThatPasse
   put("down");
   ASSERT_TRUE(publisher.publishes_up_to(1000));
   put("up");
-  // A publisher keeps 4,096 samples for a host. With these eight readers a published sample takes about three
-  // of these places. So about 1,300 published samples are kept.
+  // A publisher keeps 4,096 samples for a host. With these eight readers, a published sample is kept about
+  // three times, for different conditions. So about 1,300 published samples are kept.
   ASSERT_TRUE(publisher.publishes_up_to(1200));
   ASSERT_TRUE(subscriber.has_all_before(1200));
   ASSERT_TRUE(publisher.publishes_up_to(samples));
@@ -302,7 +304,7 @@ class ConditionsOnABadCable : public ConditionsOfOtherHosts {
     cable = std::move(*made);
     ASSERT_TRUE(eventually([&] { return cable->notes().ready.load(); }));
   }
-  /// Publishes all samples. The cable is good for the first and the last sample.
+  /// Publishes all samples. The cable has no faults while the first and the last sample are sent.
   void publish_all(const PublisherProcess& publisher, const SubscriberProcess& subscriber) {
     ASSERT_TRUE(publisher.serves(rules.size()));
     ASSERT_TRUE(publisher.publishes_up_to(1));

@@ -21,7 +21,8 @@
 namespace sft::test {
 namespace {
 
-/// The places of samples among the published ones, counted from 0. A sample's stamp is its place.
+/// The indices ("places") of samples among the published ones, counted from 0. A sample's stamp is its
+/// index.
 using Places = std::vector<std::size_t>;
 
 constexpr std::size_t samples = 200;
@@ -31,7 +32,7 @@ class ConditionsTest : public PubSubTest {
  protected:
   DynamicType type() { return b.find_type("points", hang_timeout).value(); }
   static std::string text(const Rule& rule) { return "header.stamp @ " + rule.conditions; }
-  /// Returns the sample for that place. The conditions apply to its `number`.
+  /// Returns the sample with that index. The conditions apply to its `number`.
   static PointCloud2 sample(std::size_t place, std::uint32_t number) {
     PointCloud2 cloud;
     cloud.header.stamp.sec = static_cast<std::int32_t>(place);
@@ -45,8 +46,8 @@ class ConditionsTest : public PubSubTest {
   static std::size_t place_of(const DynamicSample& sample) {
     return static_cast<std::size_t>(sample.view()["header"]["stamp"]["sec"].as<std::int32_t>().value());
   }
-  /// Takes all samples up to the one at the place `last`, which must arrive. Returns the places of the
-  /// samples.
+  /// Takes all samples up to the sample with the index `last`, which must arrive. Returns the indices of
+  /// the samples.
   static Places until(DynamicSubscriber& sub, std::size_t last) {
     Places places;
     while (places.empty() || places.back() != last) {
@@ -66,8 +67,8 @@ class ConditionsTest : public PubSubTest {
     ADD_FAILURE() << "nobody asks for " << selection;
     return {};
   }
-  /// Opens a subscriber for each rule and publishes to all of them. Compares the samples that each subscriber
-  /// gets, and the counts of both sides, with the expectations by the rules.
+  /// Opens a subscriber for each rule and publishes to all of them. Compares the samples that each
+  /// subscriber gets, and the counts of both sides, with the expected ones according to the rules.
   void expect_that_each_gets_its_own(std::size_t readers) {
     SCOPED_TRACE(how_to_repeat());
     const std::vector<Rule> rules = different_rules(readers);
@@ -101,15 +102,15 @@ TEST_P(ConditionsTest, EachOfSixtyFourReadersGetsJustWhatItsOwnConditionsLetPass
   expect_that_each_gets_its_own(64);
 }
 
-/// A sample in shared memory names at most 64 gates. A reader of a further gate cannot tell withheld samples
-/// from lost ones, but gets the right samples.
+/// A sample in shared memory contains the ids of at most 64 gates. A reader of a further gate cannot
+/// distinguish withheld samples from lost ones, but gets the right samples.
 TEST_P(ConditionsTest, MoreReadersThanASampleCanNameGatesForGetTheirsAllTheSame) {
   expect_that_each_gets_its_own(80);
 }
 
-/// The other reader gets every sample. This shows that without its condition the first reader would have got
-/// them, too. The other reader is on a separate node, because a waiting thread receives datagrams for all
-/// subscribers of its node.
+/// The other reader gets every sample. This shows that without its condition the first reader would have
+/// got these samples, too. The other reader is on a separate node, because a waiting thread receives
+/// datagrams for all subscribers of its node.
 TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   const DynamicType type = this->type();
   auto quiet = b.subscriber("points", type, "header.stamp @ row_step > 1000", all_kept).value();
@@ -158,11 +159,12 @@ TEST_P(ConditionsTest, AReaderBehindAClosedGateIsNotWokenByAThousandSamples) {
   EXPECT_EQ(quiet.status().lost, 0U);
 }
 
-/// Returns the memory that the program has allocated at present, in bytes; 0 if the allocator does not say.
+/// Returns the memory that the program has allocated at present, in bytes; 0 if the allocator does not
+/// report this.
 std::size_t memory_in_use() { return mallinfo2().uordblks; }
 
-/// Each of these readers has its own conditions, so the publisher makes a gate for each, and removes most of
-/// the gates later.
+/// Each of these readers has its own conditions, so the publisher makes a gate for each reader, and removes
+/// most of the gates later.
 TEST_P(ConditionsTest, AReaderThatComesAndGoesTwoHundredTimesCostsTheOtherReadersNothing) {
   SCOPED_TRACE(how_to_repeat());
   constexpr std::size_t rounds = 200, warm = 100;

@@ -53,7 +53,7 @@ class ConfigurationTest : public ::testing::Test {
     const std::scoped_lock lock(mutex_);
     return warnings_;
   }
-  /// Waits for a warning with that text, because the log is written on another thread.
+  /// Waits until a warning with that text is logged, because the log is written on another thread.
   bool is_warned_of(const std::string& text) {
     return eventually([&] { return warnings().find(text) != std::string::npos; });
   }
@@ -195,7 +195,8 @@ std::vector<std::string> threads() {
   return names;
 }
 
-/// A node that is never destroyed: once its descriptors are closed, its threads cannot be woken to end.
+/// A node that is never destroyed, because its threads cannot be woken and ended once its descriptors are
+/// closed.
 struct NodeForGood {
   std::mutex mutex;
   std::string warnings;
@@ -214,7 +215,7 @@ struct NodeForGood {
   }
 };
 
-/// Returns true if the threads of this process take less than a fifth of a core for 300 ms.
+/// Returns true if the threads of this process use less than a fifth of a core for 300 ms.
 bool is_idle() {
   const auto taken = [] {
     timespec time{};

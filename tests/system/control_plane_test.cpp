@@ -20,7 +20,7 @@ using core::Role;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// A node that other nodes find by its records.
+/// The discovery of a node, which announces records and finds those of other nodes.
 class Node {
  public:
   explicit Node(const std::string& process, const std::string& cyclone_config = "")

@@ -27,7 +27,7 @@ namespace sft::test {
 /// Returns the DDS domain of the host on which the test runs.
 inline std::uint32_t control_domain() { return core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(); }
 
-/// A participant of plain Cyclone DDS that exchanges samples with the nodes of this host.
+/// A participant of plain Cyclone DDS that can exchange samples with the nodes of this host.
 class LoopbackParticipant {
  public:
   LoopbackParticipant() {
@@ -66,7 +66,7 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 /// Announces endpoints and requests as a node does, and records what other nodes announce.
 class ControlReader final : private core::DiscoveryListener {
  public:
-  /// Objects with the same process name share Cyclone domains. Objects with different names discover each
+  /// Objects with the same name `process` share Cyclone domains. Objects with different names discover each
   /// other as if they were in different processes.
   explicit ControlReader(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
@@ -102,7 +102,7 @@ class ControlReader final : private core::DiscoveryListener {
   bool hears(core::EndpointId id) const {
     return eventually([&] { return heard().contains(id); });
   }
-  /// Returns the number of endpoints that were withdrawn or lost.
+  /// Returns the number of announced endpoints that were withdrawn or lost.
   std::size_t gone() const {
     const core::Lock lock(mutex_);
     return gone_;

@@ -1,6 +1,6 @@
-// A daemon is killed or stopped under running nodes, and the next one starts. The nodes continue over UDP and
-// return to shared memory. No sample is taken twice, and each missed sample is counted. Samples and loans
-// that the program holds stay valid.
+// A daemon is killed or stopped while nodes use it, and the next daemon starts. The nodes continue over UDP
+// and return to shared memory. No sample is taken twice, and each missed sample is counted. Samples and
+// loans that the program holds stay valid.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <poll.h>
@@ -42,7 +42,7 @@ NodeOptions without_starting_one(const std::string& name) {
 
 enum class End { killed, stopped };
 
-/// A process of sftd, which ends with this object.
+/// A process of sftd, which is ended by the destructor.
 class Sftd {
  public:
   /// Starts sftd. Returns when sftd reports that it is ready.
@@ -125,8 +125,8 @@ class PublishingProcess {
 /// selection.
 class Reading {
  public:
-  /// Takes samples until one has arrived by the transport `way` for each selection. Returns the time at which
-  /// the last of these samples was taken, or nothing if they do not arrive.
+  /// Takes samples until one has arrived by the transport `way` for each selection. Returns the time at
+  /// which the last of these samples was taken, or nothing if these samples do not arrive.
   std::optional<Clock::time_point> hears_by(TransportKind way) {
     std::array<bool, 2> heard{};
     std::optional<Clock::time_point> all_heard;
@@ -141,8 +141,8 @@ class Reading {
     });
     return all_heard;
   }
-  /// Returns success if each selection took each sample from the first to the last one once and in order, or
-  /// counted it as lost.
+  /// Returns success if each selection took each sample between its first and last sample once and in
+  /// order, or counted it as lost.
   testing::AssertionResult accounts_for_all() const {
     for (const std::size_t i : {0, 1}) {
       const Taken& taken = taken_[i];
@@ -248,7 +248,8 @@ class Pair {
         << number;
     return taken;
   }
-  /// Publishes and takes clouds until one arrives by that transport. Returns false if none does.
+  /// Publishes and takes clouds until one arrives by that transport. Returns false if no cloud arrives by
+  /// that transport.
   bool goes_by(TransportKind way) {
     return eventually([&] {
       const Taken taken = pass_on(cloud(1), 1);
@@ -305,7 +306,7 @@ INSTANTIATE_TEST_SUITE_P(OfADaemon, HeldMemory, testing::Values(End::killed, End
                            return end.param == End::killed ? "ThatIsKilled" : "ThatIsStopped";
                          });
 
-/// Returns the number of times that the threads of this process have gone to sleep so far.
+/// Returns how often threads of this process have gone to sleep so far.
 long wakes_of_all_threads() {
   rusage used{};
   getrusage(RUSAGE_SELF, &used);

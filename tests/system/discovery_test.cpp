@@ -34,7 +34,8 @@ struct Report {
   std::atomic<std::uint64_t> liveliness_lost{0};
   std::atomic<std::uint64_t> out_of_order{0};  ///< samples that did not follow the previous sample
   std::atomic<std::size_t> addresses{0};       ///< the number of addresses that the publisher's node reports
-  std::atomic<double> share_of_a_core{1};      ///< CPU time of the process divided by the time that it waited
+  std::atomic<double> share_of_a_core{1};      ///< the CPU time of the process divided by the time for which
+                                               ///< it waited
 };
 
 class NodeProcess : public NodeProcessWith<Report> {
@@ -73,7 +74,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// Publishes no samples, so that only the heartbeats of its node show that it is alive.
+/// Publishes no samples, so that only the heartbeats of its node show that the publisher is alive.
 void promise_life(Node& node, Report&) {
   const auto publisher = node.publisher<PointCloud2>("points", {.liveliness_lease = 500ms}).value();
   for (;;) pause();
@@ -214,8 +215,8 @@ TEST_F(DiscoveryTest, NodesThatNameEachOtherFindEachOtherWithoutMulticast) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// With several subscribers, one multicast datagram for all of them would be cheaper. It must not be used,
-/// because it would not arrive.
+/// With several subscribers, one multicast datagram for all of them would be cheaper. Multicast must not be
+/// used, because the datagram would not arrive.
 TEST_F(DiscoveryTest, PeersThatMulticastDoesNotReachAreFoundAndTheirEndIsNoticed) {
   for (const std::size_t number : {0U, 1U}) {
     // The BPF program (ldb [0]; jeq 1, drop, pass) drops multicasts: the first byte of the destination's
@@ -256,7 +257,7 @@ TEST_F(DiscoveryTest, AFirewallThatDropsUnicastIsNamedInTheLogWithTheHostAndWhat
   EXPECT_EQ(subscriber.report().matched, 0U);
 }
 
-/// Nodes with peers send signs of life less often than a node without peers expects them.
+/// Nodes with peers announce themselves less often than a node without peers expects.
 TEST_F(DiscoveryTest, TheEndOfANodeThatHasPeersIsNoticedByOneThatHasNone) {
   const NodeProcess publisher(host(0), options(), publish);
   NodeProcess subscriber(host(1), options({.peers = {address(0)}, .interfaces = {}}), subscribe);
@@ -335,7 +336,7 @@ TEST_F(DiscoveryTest, AKilledNodeIsNoticedWithinSeconds) {
   EXPECT_TRUE(publisher.matches(0, 4s));
 }
 
-/// A firewall that knows only the ports of DDS may drop heartbeats.
+/// A firewall that allows only the ports of DDS drops heartbeats.
 TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   const std::uint32_t domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value();
   const std::string port = std::to_string(core::dds_config(domain, {}, "").value().heartbeat_port.value());
@@ -351,7 +352,8 @@ TEST_F(DiscoveryTest, NodesWhoseHeartbeatsAreDroppedKeepEachOtherAllTheSame) {
   EXPECT_TRUE(publisher.matches(0, 12s)) << "the lease, and what the signs of life of others may take longer";
 }
 
-/// Meanwhile Cyclone keeps the participants, so that no participant has to be discovered again.
+/// While the link is down, Cyclone keeps the participants, so that no participant has to be discovered
+/// again.
 TEST_F(DiscoveryTest, ANodeBehindALinkThatWasDownIsServedAgainAtOnce) {
   const NodeProcess publisher(host(0), options(), publish);
   const NodeProcess subscriber(host(1), options(), subscribe);
@@ -376,7 +378,7 @@ TEST_F(DiscoveryTest, AHostWithTwoNetworksIsSentSamplesInTheOneThatLeadsThere) {
   EXPECT_TRUE(subscriber.takes_samples());
 }
 
-/// Each interface has nodes that cannot be reached by the other interfaces.
+/// Each interface leads to a node that cannot be reached through the other interfaces.
 TEST_F(DiscoveryTest, NodesAreFoundOnAllInterfacesThatAreListed) {
   plug_in_another_cable();
   const NodeProcess publisher(host(0), options({.interfaces = {"eth0", "10.78.0.1"}}), publish);

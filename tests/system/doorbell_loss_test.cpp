@@ -29,7 +29,8 @@ using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
 /// A process that takes clouds and publishes each again. The width of the published cloud is the number of
-/// the transport by which the cloud came. The process starts when it reads the first byte from its pipe.
+/// the transport by which the original cloud arrived. The process starts when it reads the first byte from
+/// its pipe.
 class Listening {
  public:
   /// REQUIRES: this process has no other threads yet.
@@ -101,11 +102,11 @@ class Talking {
  public:
   explicit Talking(const NodeOptions& options) : node_(Node::open(options).value()) {}
 
-  /// Publishes until `listeners` listeners have received one sample by `way` within 50 ms.
+  /// Publishes until `listeners` listeners have received the same sample by `way` within 50 ms.
   bool is_heard(TransportKind way, std::size_t listeners = 1) {
     return is_heard_by(listeners, [way](TransportKind came) { return came == way; });
   }
-  /// Does the same for samples by any transport.
+  /// Does the same as is_heard() for samples by any transport.
   bool is_heard_by(std::size_t listeners) {
     return is_heard_by(listeners, [](TransportKind) { return true; });
   }
@@ -139,7 +140,7 @@ class Talking {
   std::uint32_t number_ = 0;
 };
 
-/// While this object lives, the process cannot open a file. (Discovery already has its sockets.)
+/// While this object lives, the process cannot open further files. (Discovery already has its sockets.)
 class NoDescriptors {
  public:
   NoDescriptors() {
@@ -170,8 +171,8 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
                reader.reason.find("Too many open files") != std::string::npos;
       });
     }));
-    // A datagram of this sample wakes the second listener. Then that listener may find the sample in shared
-    // memory.
+    // A datagram of this sample wakes the second listener. When it is awake, it may find the sample in
+    // shared memory.
     EXPECT_TRUE(talking.is_heard_by(2));
     EXPECT_TRUE(eventually([&] { return warned_of("Too many open files") == 1; }));
   }
@@ -194,7 +195,7 @@ TEST_F(DoorbellLoss, OfNamesThatSomebodyRemovedCostsRunningPairsAndNewcomersNoth
   EXPECT_EQ(warned_of("/dev/shm/sft_bell_"), 0U);
 }
 
-/// A service manager at log-out or a clean-up script may remove all files of shared memory.
+/// A service manager at log-out or a clean-up script may remove all files in /dev/shm.
 TEST_F(DoorbellLoss, TogetherWithAllOfSharedMemoryIsOverInAMoment) {
   const Listening running;
   Talking talking(options());

@@ -1,4 +1,4 @@
-// Publishers of types that the program was not compiled with.
+// Publishers in a program that was not compiled with their message types.
 #include <gmock/gmock.h>
 
 #include <algorithm>

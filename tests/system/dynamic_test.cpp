@@ -26,7 +26,7 @@ using namespace detail;
 
 using ::testing::HasSubstr;
 
-/// The role of another process, which is compiled with the type.
+/// The role of another process, which is compiled with the message type.
 [[noreturn]] void publish_forever(Way way) {
   Node node = Node::open(node_options(way, "publisher")).value();
   auto publisher = node.publisher<PointCloud2>("points").value();
@@ -262,7 +262,7 @@ TEST_P(DynamicTest, ATypeLivesAsLongAsWhatUsesIt) {
     pub.publish(small_cloud());
     ASSERT_TRUE(sub->wait(hang_timeout));
     last = sub->take();
-    pub.publish(small_cloud());  // is under way or in the queue when `sub` is destroyed
+    pub.publish(small_cloud());  // the sample is under way or in the queue when `sub` is destroyed
     sub.reset();
     EXPECT_EQ(last->view()["width"].as<int>(), 1024);
     expect_served(pub, 0);

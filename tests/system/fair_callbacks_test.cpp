@@ -1,5 +1,5 @@
-// Callbacks of one node share threads. No callback waits for ever because another one always has a next
-// sample, and the log names a callback that waits long.
+// Callbacks of one node share threads. Even if one callback always has a next sample, no other callback
+// waits for ever. The log names a callback that waits long.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -43,12 +43,12 @@ class FairCallbacks : public PubSubTest {
     for (int i = 0; i < 4; ++i) publish_next();
     ASSERT_TRUE(eventually([&] { return images_ > 10; }));
   }
-  /// Called on this thread and on the thread of the callbacks.
+  /// Called on the thread of the test and on the thread of the callbacks.
   void publish_next() {
     const core::Lock lock(publishing_);
     camera_->publish(cloud(++images_));
   }
-  /// Returns how many of 80 samples did not reach their callback.
+  /// Returns the number of samples, out of 80, for which the callback was not called.
   std::size_t starved(Clock::duration work) {
     auto halt = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
     std::atomic<std::size_t> stops{0};

@@ -1,5 +1,5 @@
-// Threads of a program that wait for subscribers of one node. No thread waits for ever because another thread
-// always has a next sample.
+// Threads of a program that wait for subscribers of one node. Even if one thread always has a next sample,
+// no other thread waits for ever.
 #include <gtest/gtest.h>
 #include <poll.h>
 
@@ -17,8 +17,8 @@ class FairWaits : public PubSubTest {
  protected:
   static constexpr std::uint32_t presses = 80;
 
-  /// Takes samples of a topic that always has a next sample, whatever the speed of the machine: each time
-  /// that the thread takes a sample, it publishes another one.
+  /// Starts a thread that takes samples of a topic. Whatever the speed of the machine, there is always a
+  /// next sample, because the thread publishes a sample for each sample that it takes.
   std::jthread take_images_without_end(Subscriber<PointCloud2>& camera) {
     for (int i = 0; i < 4; ++i) images_.publish(cloud(0));
     return std::jthread([this, &camera](const std::stop_token& ends) {

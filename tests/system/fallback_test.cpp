@@ -1,6 +1,6 @@
-// Samples that shared memory cannot take go by UDP, in order with the others. These are samples that are too
-// large, and samples for which no chunk is free because readers hold all chunks. The publisher never fails
-// for this reason.
+// Samples that shared memory cannot take are sent by UDP, and arrive in order with the other samples. These
+// are samples that are too large, and samples for which no chunk is free because readers hold all chunks.
+// The publisher never fails for this reason.
 #include <fcntl.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -267,7 +267,7 @@ TEST_F(FallbackTest, AReaderWithoutUdpMissesWhatIsTooLargeAndThatIsCounted) {
 }
 
 // A durable publisher chooses the routes of a sample after it has added the sample to the history. So it
-// updates its counts at another time than other publishers.
+// updates its counts at another step than other publishers.
 TEST_F(FallbackTest, ADurablePublisherCountsEachSampleOnceByWhicheverWayItGoes) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
   Node a = Node::open(options("a")).value();

@@ -1,5 +1,5 @@
-// Typical mistakes of programs that set no option for the log. The standard error names the mistake, and the
-// remedy or the difference.
+// Typical mistakes of programs that set no option for the log. The text on standard error names the
+// mistake, and says what to do or what differs.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 #include <sys/mman.h>

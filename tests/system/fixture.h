@@ -1,5 +1,5 @@
-// The base of tests with a publisher's node and a subscriber's node, which run over each transport with the
-// same expectations.
+// The base of tests with a publisher's node and a subscriber's node, which are run over each transport with
+// the same expectations.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -25,8 +25,8 @@ inline std::atomic<bool> warnings_expected{false};
 /// If not null, the test provokes lines with this text and no others.
 inline std::atomic<const char*> expected_warning{nullptr};
 
-/// Returns true if the log may have this line. Some lines are always accepted, because they occur on a busy
-/// machine: the node then tries again, and the test only has to wait longer.
+/// Returns true if the test accepts this line in the log. Some lines are always accepted, because they
+/// occur on a busy machine. In these cases the node tries again, and the test only has to wait longer.
 inline bool is_expected(std::string_view line) {
   const auto has = [&](const char* text) { return text != nullptr && line.find(text) != line.npos; };
   return warnings_expected || has(expected_warning) || has("sftd did not answer in time");

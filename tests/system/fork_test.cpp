@@ -28,7 +28,8 @@ struct Held {
 };
 std::optional<Held> held;  // exit() destroys it
 
-/// Returns the files by which other processes reach this one: its doorbells, and its sockets to the daemon.
+/// Returns the files by which other processes reach this process: its doorbells, and its sockets to the
+/// daemon.
 std::vector<std::string> shared_files() {
   std::vector<std::string> names;
   for (const char* directory : {"/dev/shm", "/tmp"}) {
@@ -92,7 +93,8 @@ class ForkTest : public PubSubTest {
       EXPECT_EQ(sample.info().lost_before, 0U);
       ASSERT_TRUE(eventually([&] { return called_ >= called_before + static_cast<int>(i); })) << i;
     }
-    // This request is sent after any message that the child might have sent to the daemon or to other nodes.
+    // This request is sent later than any message that the child might have sent to the daemon or to other
+    // nodes.
     const auto later = held->reading.subscriber<PointCloud2, F::height>("points").value();
     expect_served(held->publisher, 3);
     EXPECT_EQ(disturbances_, 0);

@@ -1,7 +1,8 @@
-// A program that opens and closes objects again and again leaves nothing behind. After the first rounds the
-// memory, the descriptors and the threads of this process and of its peers do not grow, nor does the number
-// of chunks in use. CI runs some hundred rounds, ./run soak ten thousand of most acts. A soak also prints the
-// figure endpoint_left_bytes: the bytes that each round leaves for good.
+// A program that opens and closes objects again and again must not use more and more resources. After the
+// first rounds, the memory, the descriptors and the threads of this process and of its peers do not grow,
+// nor does the number of chunks in use. CI runs some hundred rounds, and ./run soak runs ten thousand
+// rounds of most acts. A soak also prints the figure endpoint_left_bytes: the bytes per round that are
+// never freed.
 #include <gtest/gtest.h>
 #include <malloc.h>
 
@@ -53,7 +54,7 @@ struct Holdings {
   }
 };
 
-/// Returns the last status of the daemon.
+/// Returns the last status that the daemon has written.
 nlohmann::json daemon_status() {
   const std::string command = program_directory() + "/sftd status --json";
   const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
@@ -83,8 +84,8 @@ struct HoldingsOfOther {
   std::atomic<std::int64_t> bytes{0}, descriptors{0}, threads{0};
   std::atomic<std::uint64_t> looks{0};
   std::atomic<bool> failed{false};
-  /// True once the process has its shared memory, if it uses shared memory. From then on the resources that
-  /// it holds remain constant without further acts.
+  /// True once the process has its shared memory, if it uses shared memory. From then on, the resources
+  /// that the process holds remain constant as long as there are no further acts.
   std::atomic<bool> settled{false};
 };
 
@@ -236,8 +237,8 @@ constexpr Act acts[] = {
     {"groups", 30, serve_group},
 };
 
-/// The most bytes that may be left: the noise of the allocators, and for each round less than the size of the
-/// smallest block of memory.
+/// The maximum number of bytes that may be left: some bytes for the noise of the allocators, and for each
+/// round less than the size of the smallest block of memory.
 constexpr std::int64_t left_bytes_max(std::uint64_t rounds) {
   return (1 << 16) + 8 * static_cast<std::int64_t>(rounds);
 }
@@ -250,7 +251,7 @@ class Growth : public testing::TestWithParam<Act> {
     if (!network) GTEST_SKIP() << network.error().message;
     network_.emplace(std::move(*network));
     for (std::size_t i = 0; i < others; ++i) {
-      const bool by_shm = i == 0;  // for one process only: the hosts share one /dev/shm
+      const bool by_shm = i == 0;  // for one process only, because all hosts share one /dev/shm
       NodeOptions options{.name = "other"};
       options.transport = by_shm ? TransportChoice::automatic : TransportChoice::udp;
       others_.push_back(std::make_unique<Other>(
@@ -288,7 +289,7 @@ class Growth : public testing::TestWithParam<Act> {
     all.push_back(holdings_of_daemon(daemon_));
     return all;
   }
-  /// Returns the same when no node keeps ids of withdrawn endpoints any more.
+  /// Waits until no node keeps ids of withdrawn endpoints any more, and then returns holdings().
   std::vector<Holdings> settled_holdings() const {
     eventually([] { return false; }, remembered_for, 1s);
     return holdings();
@@ -298,8 +299,8 @@ class Growth : public testing::TestWithParam<Act> {
       GetParam().do_once(*stage_, next_round_++);
   }
 
-  /// Repeats the rounds, because the lists of Cyclone DDS may become longer once more, though not in each
-  /// repetition.
+  /// Repeats the rounds until one repetition leaves nothing. The lists of Cyclone DDS may become longer in
+  /// some repetitions, but not in all.
   void expect_nothing_left(std::uint64_t rounds) {
     std::int64_t left = left_bytes_max(rounds) + 1;
     for (int time = 0; time < 5 && left > left_bytes_max(rounds); ++time) {
@@ -331,7 +332,7 @@ INSTANTIATE_TEST_SUITE_P(Of, Growth, testing::ValuesIn(acts),
 /// Cyclone DDS keeps free lists, which fill up within the first minutes.
 constexpr std::int64_t bytes_at_first = 1 << 20;
 constexpr std::int64_t bytes_each_round = 16;
-/// The number of threads and descriptors that the first samples add. These samples may be sent after the
+/// The number of threads and descriptors that are added by the first samples, which may be sent after the
 /// first rounds.
 constexpr std::int64_t begun_later = 2;
 /// The number of chunks that may hold samples of the other processes, which are under way or not taken by any
@@ -354,8 +355,9 @@ std::string growth(const std::vector<Holdings>& before, const std::vector<Holdin
   return text;
 }
 
-/// A leak grows in each repetition. The lists of Cyclone DDS grow only if more samples of the control topics
-/// than ever before wait for acknowledgement at once. This depends on the speed of the rounds.
+/// A leak grows in each repetition. The lists of Cyclone DDS, however, grow only when the number of
+/// unacknowledged samples of the control topics exceeds its previous maximum, which depends on the speed of
+/// the rounds.
 TEST_P(Growth, EndsAfterTheFirstRounds) {
   constexpr int times = 5;
   const std::uint64_t rounds = test_rounds(GetParam().rounds);

@@ -1,4 +1,5 @@
-// The nodes of a process share discovery. Still each node discovers other nodes and is discovered by them.
+// The nodes of a process share discovery. Nevertheless each node discovers other nodes, and is discovered
+// by them.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -213,7 +214,7 @@ TEST_F(JointDiscoveryTest, StaysWithTheOtherNodesWhenTheFirstOneGoes) {
   EXPECT_TRUE(TopicMonitor("sft_writer").readers_become(1));
 }
 
-// The two configurations are equal except for that number.
+// The two configurations are equal except for the number of the domain.
 TEST_F(JointDiscoveryTest, IsNotSharedByNodesWhoseUserGivesTheDomainAnotherNumber) {
   const auto numbered = [](int domain) {
     return "<CycloneDDS><Domain id=\"any\"><Discovery><ExternalDomainId>" + std::to_string(domain) +

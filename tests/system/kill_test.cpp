@@ -1,5 +1,5 @@
-// kill -9 of any process that takes part, at any time. No other process crashes or hangs, memory is freed,
-// and the next start works.
+// Any process that takes part is killed (kill -9) at any time. No other process crashes or hangs, memory is
+// freed, and the next start works.
 #include <dirent.h>
 #include <gtest/gtest.h>
 #include <signal.h>
@@ -59,8 +59,8 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   }
 }
 
-/// Publishes no samples, and offers a liveliness lease. The lease of its node is so long that only the lease
-/// of its publisher can end while a test waits.
+/// Publishes no samples, but offers a liveliness lease. The lease of its node is so long that only the
+/// lease of the publisher can expire while a test waits.
 [[noreturn]] void live_forever() {
   NodeOptions options{.name = "living"};
   options.cyclonedds_config =
@@ -77,7 +77,8 @@ constexpr std::uint32_t cloud_bytes = 1'000'000;
   for (;;) pause();
 }
 
-/// Requests every second sample and, by a second selection, every seventh. Takes all of them.
+/// Requests every second sample and, by a second selection, every seventh sample. Takes all of these
+/// samples.
 [[noreturn]] void choose_forever(TransportChoice transport) {
   Node node = Node::open({.name = "choosy", .transport = transport}).value();
   auto subscriber = node.subscriber<PointCloud2>(
@@ -144,7 +145,7 @@ class KillTest : public ::testing::Test {
     if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
   }
 
-  /// Takes samples until one arrives by `way`. Returns false if none does.
+  /// Takes samples until one arrives by `way`. Returns false if no sample arrives by `way`.
   template <class S>
   static bool hears_by(S& subscriber, TransportKind way) {
     return eventually(
@@ -194,7 +195,8 @@ TEST_F(KillTest, AReaderKilledWithSamplesInItsHandsCostsOtherReadersNothing) {
     taken += sample->height() == published ? 1 : 0;
   };
   for (int round = 0; round < 10; ++round) {
-    // Six killed programs would hold all chunks of this size, and the rounds are faster than the daemon.
+    // Waits for the daemon, because the rounds are faster, and six killed programs would hold all chunks of
+    // this size.
     ASSERT_TRUE(eventually([] { return programs_with_sockets() == 1; })) << "round " << round;
     Process other("subscriber");
     // Killed readers stay in the publisher's status until their lease ends.
@@ -229,7 +231,7 @@ TEST_F(KillTest, WhenTheDaemonIsKilledSamplesGoOnByUdpAndThenThroughANewOne) {
   publishing.join();
 }
 
-// Together with the three tests above and the other tests that kill daemons, these are 30 kills.
+// Together with the three tests above and the other tests that kill daemons, a daemon is killed 30 times.
 TEST_F(KillTest, OfTheDaemonAtRandomMomentsEachSampleIsTakenOnceOrCountedAndHeldOnesStayValid) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};
@@ -295,7 +297,7 @@ TEST_F(KillTest, AKilledNodeIsNoticedAndNoLongerServed) {
       10s));
 }
 
-/// Cyclone DDS keeps the announcements of the killed node for 40 s more.
+/// Cyclone DDS keeps the announcements of the killed node for another 40 s.
 TEST_F(KillTest, AKilledNodeIsNotListedByNodesThatOpenAfterwards) {
   const auto lists_points = [](Node& node) {
     const std::vector<TopicInfo> topics = node.topics();
@@ -338,7 +340,7 @@ TEST_F(KillTest, AReaderThatIsWaitedForAndKilledIsSoonWaitedForNoMore) {
 }
 
 /// Takes samples of a subscriber with two selections on a separate thread. If the thread of the test took
-/// them, the queue might overflow while a busy machine starts a process.
+/// the samples, the queue might overflow while a busy machine starts a process.
 class Taking {
  public:
   using Heights = std::array<std::vector<std::uint32_t>, 2>;  ///< in the order of the selections
@@ -353,8 +355,8 @@ class Taking {
           }
         }) {}
 
-  /// Takes samples until the last one of each selection has arrived, and then stops. Returns the heights of
-  /// all samples.
+  /// Takes samples until the sample with the height `last` of each selection has arrived, and then stops.
+  /// Returns the heights of all samples.
   Heights up_to(const std::array<std::uint32_t, 2>& last) {
     for (const std::size_t i : {0, 1}) EXPECT_TRUE(eventually([&] { return last_[i] == last[i]; })) << i;
     thread_.request_stop();
@@ -369,8 +371,8 @@ class Taking {
 };
 
 /// The killed reader has conditions and two selections, too, and the publisher waits for it. Samples are
-/// small, because the queues of several killed readers keep some samples for a while, and shared memory must
-/// have room for further ones.
+/// small, because the queues of several killed readers keep some samples for a while, and shared memory
+/// must still have free chunks for further samples.
 TEST_F(KillTest, AReaderWithConditionsThatIsKilledInTrafficCostsTheOthersNothing) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

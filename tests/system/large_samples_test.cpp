@@ -147,10 +147,10 @@ TEST_F(ThreeLidars, DivertNothingIfNoReaderTakesAndTheNewestCloudsWait) {
   }
 }
 
-/// Tests that chunks take memory only when they are used.
+/// Tests that chunks occupy memory only once they are used.
 class MemoryOnDemand : public ThreeLidars {
  protected:
-  /// Returns the memory that all files in /dev/shm take, in MiB.
+  /// Returns the memory that all files in /dev/shm occupy, in MiB.
   static std::uint64_t used_mebibytes() {
     const std::filesystem::space_info space = std::filesystem::space("/dev/shm");
     return (space.capacity - space.free) >> 20;

@@ -1,5 +1,6 @@
-// Parts of a field with a layout rule of the user, over every transport. The publisher is compiled with the
-// type. The subscriber knows the type from the description that the publisher sends.
+// Subscribers request parts of a field whose layout rule the user has defined, over every transport. The
+// publisher is compiled with the type. The subscriber knows the type from the description that the
+// publisher sends.
 #include <gmock/gmock.h>
 
 #include <layout_msgs/msg/Cells.hpp>
@@ -28,8 +29,7 @@ class LayoutNodesTest : public PubSubTest {
 
   DynamicType type() { return b.find_type("map", hang_timeout).value(); }
 
-  /// Returns a map in which the height of a cell is 100 times its row plus its column plus the number of the
-  /// map.
+  /// Returns a map in which the height of a cell is 100 * row + column + `number`.
   static HeightMap map(std::uint32_t number = 0) {
     HeightMap m;
     m.rows = rows;

@@ -96,7 +96,7 @@ void subscribe(Node& node, Report& report) {
   }
 }
 
-/// Two hosts with only a loopback interface, and a room with switches.
+/// Two hosts with only a loopback interface, and a separate network namespace with switches.
 class LinksTest : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -120,7 +120,7 @@ class LinksTest : public ::testing::Test {
     const Result<void> done = host(where).run({"sh", "-ec", commands});
     return done ? true : (ADD_FAILURE() << done.error().message, false);
   }
-  /// Gives a host an interface that is connected to a switch of the room. The port of the switch is named
+  /// Gives a host an interface that is connected to one of the switches. The port of the switch is named
   /// "<interface>_<host>".
   void plug_in(std::size_t where, const std::string& interface, const std::string& address,
                const std::string& network_switch = "first") const {
@@ -220,7 +220,7 @@ class ChangesOfNetwork : public LinksTest {
   }
   NodeProcess& publisher() { return *publisher_; }
   NodeProcess& subscriber() { return *subscriber_; }
-  /// Returns true if the robot has sent more packets by that interface than by the other one.
+  /// Returns true if the robot has sent more packets by `interface` than by `other`.
   bool goes_by(const std::string& interface, const std::string& other) const {
     return host(robot)
         .run({"sh", "-ec",
@@ -289,8 +289,8 @@ TEST_F(ChangesOfNetwork, ByASecondNetworkThatOutlivesTheFirst) {
   EXPECT_TRUE(comes_soon(subscriber()));
 }
 
-/// Neither host sees the cut, and heartbeats arrive by the other network all the time. Samples must use the
-/// other network, too.
+/// Neither host detects that one network is interrupted, and heartbeats continue to arrive by the other
+/// network. Samples must then use the other network, too.
 TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
   plug_in(robot, "lan1", "10.1.0.1", "second");
   plug_in(laptop, "lan1", "10.1.0.2", "second");
@@ -333,8 +333,8 @@ TEST_F(LinksTest, NodesOfOneHostFindEachOtherWhateverItsNetworkDoes) {
   EXPECT_EQ(publisher.report().matched, 1U);
 }
 
-/// Publishes while open files take all descriptors that select(2) can handle. The program closes these files
-/// when the test requests it.
+/// Publishes while open files occupy all descriptor numbers that select(2) can handle. The program closes
+/// these files when the test requests it.
 void publish_beside_many_files(Node& node, Report& report) {
   rlimit limit{};
   getrlimit(RLIMIT_NOFILE, &limit);

@@ -51,8 +51,7 @@ std::uint64_t not_received(const core::FileDescriptor& end) {
   return stats.tp_drops;
 }
 
-/// Returns the low half of the sequence of the sample of which the frame carries a part, or 0 if the frame
-/// carries no part of a sample.
+/// If the frame contains a part of a sample, returns the low half of the sample's sequence, otherwise 0.
 std::uint32_t sequence_in(Frame frame) {
   constexpr std::size_t ether_type = 12, protocol = 14 + 9;
   if (frame.size() <= udp_header_end || frame[ether_type] != std::byte{8} ||
@@ -138,7 +137,7 @@ LossyCable::~LossyCable() {
 }
 
 /// Connects an end of the cable to a host. The process of the cable carries whole frames, so the interfaces
-/// must add checksums and cut trains into frames.
+/// must add checksums and split trains of datagrams into frames.
 Result<void> LossyCable::plug_in(std::size_t number) const {
   const std::string end = "end" + std::to_string(number);
   const std::string address = hosts::EmulatedNetwork::address(number);

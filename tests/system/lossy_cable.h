@@ -1,6 +1,6 @@
-// A cable between two hosts. A process carries each frame from end to end. While the cable is bad, the
-// process drops some frames, sends some twice, and swaps some with the next frame. It records the samples
-// that were affected.
+// A cable between two hosts. A process forwards each frame from one end to the other. While the faults are
+// switched on (`bad`), the process drops some frames, sends some frames twice, and swaps some frames with
+// the next one. It records the samples that were affected.
 #pragma once
 
 #include <sys/types.h>
@@ -42,7 +42,8 @@ class LossyCable {
     std::atomic<std::uint64_t> lost{0}, repeated{0}, swapped{0};  ///< the numbers of frames
     /// The number of frames that the kernel dropped or refused. These losses are not intended.
     std::atomic<std::uint64_t> failed{0};
-    /// By sequence: true if the cable has lost a part of a sample with that sequence, of any publisher.
+    /// For each sequence, true if the cable has lost a part of a sample with that sequence, of any
+    /// publisher.
     std::array<std::atomic<bool>, samples_max> harmed{};
   };
   const Notes& notes() const { return *notes_; }

@@ -1,5 +1,5 @@
 // A program that locks its memory, as real-time programs do, has no page fault on the path of samples. All
-// memory that samples need is mapped once the nodes are open and warm.
+// memory that samples need is mapped once the nodes are open and have warmed up.
 #include <sys/mman.h>
 #include <unistd.h>
 
@@ -14,7 +14,7 @@
 namespace sft::test {
 namespace {
 
-/// The page faults of a thread of this process: minor ones needed no disk, major ones did.
+/// The page faults of a thread of this process: minor faults need no access to a disk, major faults do.
 struct Faults {
   std::string thread;
   std::uint64_t minor = 0;
@@ -29,7 +29,7 @@ std::map<int, Faults> faults() {
     const std::size_t open = line.find('('), close = line.rfind(')');
     std::istringstream rest(line.substr(close + 2));
     std::string skipped;
-    for (int i = 0; i < 7; ++i) rest >> skipped;  // the fields from state to flags
+    for (int i = 0; i < 7; ++i) rest >> skipped;  // skips the fields from `state` to `flags`
     Faults& of = faults[std::stoi(entry.path().filename())];
     of.thread = line.substr(open + 1, close - open - 1);
     rest >> of.minor >> skipped >> of.major;
@@ -82,8 +82,8 @@ TEST_P(MemoryLockTest, ThreadsThatPublishSendReceiveAndCallBackMeetNoPageFault) 
       while (const auto sample = taken.take()) bytes += sample->data().size();
     }
   };
-  // Samples that are under way take memory. On a busy machine it may take time until the largest number of
-  // samples has been under way at once.
+  // Samples that are under way occupy memory. On a busy machine it may take a while until the number of
+  // samples under way has reached its maximum for the first time.
   std::string faulting;
   EXPECT_TRUE(eventually(
       [&] {

@@ -35,8 +35,8 @@ class SharedWithChildren {
   T* value_;
 };
 
-/// A process that opens a node and calls the same role with it again and again. The role writes its progress
-/// to a report. The destructor kills the process.
+/// A process that opens a node, and calls its role, a function of the test, with this node again and again.
+/// The role writes its progress to a report. The destructor kills the process.
 template <class Report>
 class NodeProcessWith {
  public:

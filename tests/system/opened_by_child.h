@@ -28,12 +28,12 @@ inline std::pair<std::size_t, std::size_t> in_use() {
   return counts;
 }
 
-/// Opens a node in a child process in which `lack` has run before. The outcome is Opened::limit_exceeded only
-/// if the error names `limit`.
+/// Opens a node in a child process in which `lack` is called first. The outcome is Opened::limit_exceeded
+/// only if the error names `limit`.
 inline Opened opened_by_child(const std::function<void()>& lack, const std::string& limit) {
   const pid_t child = fork();
   if (child == 0) {
-    alarm(30);  // a child that hangs ends like a child that crashes
+    alarm(30);  // ends a child that hangs in the same way as a crash
     lack();
     const auto before = in_use();
     const auto node = Node::open(node_options(Way::udp, "short_of_all"));

@@ -1,5 +1,5 @@
-// A publisher of clouds, and subscribers on other hosts that ask for channels, ranges and windows. Each
-// subscriber gets exactly its part, and the network carries each part once.
+// A publisher of clouds, and subscribers on other hosts that request channels, ranges and windows. Each
+// subscriber gets exactly the requested part, and each part is sent only once over the network.
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
@@ -39,7 +39,7 @@ struct Cloudcast {
 struct Received {
   std::atomic<bool> failed{false};
   std::atomic<bool> wrong{false};  ///< true: a sample did not match its selection, or was out of order
-  std::atomic<std::uint32_t> selection{0};  ///< the index of the selection to request
+  std::atomic<std::uint32_t> selection{0};  ///< the index of the selection that the subscriber should request
   std::atomic<std::uint32_t> count{0}, last{0};
   std::atomic<std::uint64_t> lost{0};
   std::atomic<std::uint32_t> named{0};  ///< the index of the selection of the last sample
@@ -106,8 +106,8 @@ std::vector<std::uint8_t> part_of_cloud(std::uint32_t number, const Selection::P
   return bytes;
 }
 
-/// Returns true if the sample was made from the cloud with that number, and has exactly the part that its
-/// selection names.
+/// Returns true if the sample was made from the cloud with that number, and contains exactly the part that
+/// its selection names.
 bool is_what_it_names(const DynamicSample& sample, std::uint32_t number) {
   const Selection* const named = sample.selection();
   if (named == nullptr) return false;
@@ -213,7 +213,7 @@ class PartHostsTest : public testing::Test {
   }
   Cloudcast& cast() { return publisher_->report(); }
   Received& received(std::size_t subscriber) { return subscribers_[subscriber]->report(); }
-  /// Publishes `count` more samples, and waits until all subscribers have the last one.
+  /// Publishes `count` more samples, and waits until all subscribers have received the last one.
   bool publish_more(std::uint32_t count) {
     cast().wanted += count;
     return eventually(
@@ -223,12 +223,12 @@ class PartHostsTest : public testing::Test {
         },
         hang_timeout);
   }
-  /// Publishes until at least `readers` readers are in groups.
+  /// Publishes until at least `readers` readers are in multicast groups.
   bool publish_until_in_groups(std::size_t readers) {
     return eventually([&] { return cast().in_groups >= readers || (publish_more(5), false); }, hang_timeout);
   }
-  /// Returns the bytes on the link per sample. The next sample is published only when every subscriber has
-  /// the previous one, so that no reader lags behind its group.
+  /// Returns the bytes on the link per sample. Each sample is published only when every subscriber has
+  /// received the previous one, so that no reader lags behind its group.
   double bytes_of_a_sample() {
     constexpr std::uint32_t samples = 20;
     EXPECT_TRUE(publish_more(1));
@@ -236,7 +236,8 @@ class PartHostsTest : public testing::Test {
     for (std::uint32_t i = 0; i < samples; ++i) EXPECT_TRUE(publish_more(1));
     return static_cast<double>(cast().link_bytes - before) / samples;
   }
-  /// Measures until the groups have settled, and a sample takes at most `bytes` bytes.
+  /// Measures until the multicast groups have settled, and a sample takes at most `bytes` bytes on the
+  /// link.
   testing::AssertionResult sends_at_most(double bytes) {
     double least = bytes_of_a_sample();
     const auto is_within = [&] { return least <= bytes || (least = bytes_of_a_sample()) <= bytes; };
@@ -272,8 +273,8 @@ TEST_F(PartHostsTest, WholePartsAndScalarsAreServedBesideEachOther) {
   expect_all_is_right();
 }
 
-/// The hosts ask for windows that overlap for the most part. They cut the windows out of one field that is
-/// sent to all hosts.
+/// The hosts request windows that largely overlap. The whole field is sent once to all hosts, and each host
+/// cuts its window out of the field.
 TEST_F(PartHostsTest, WindowsThatOverlapAreCutOutOfOneCopyOfTheWholeField) {
   open_all({{"data[:3900]"}, {"data[50:3950]"}, {"data[100:]"}, {"data{x,y,z,intensity,ring}"}});
   ASSERT_TRUE(publish_until_in_groups(4));

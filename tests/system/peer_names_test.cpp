@@ -61,7 +61,7 @@ class NameServer {
   NameServer(const NameServer&) = delete;
   NameServer& operator=(const NameServer&) = delete;
 
-  /// Sets the address of every name, and answers the questions that have arrived before.
+  /// Sets the address of every name, and answers the questions that have arrived so far.
   void set_address(const std::string& address) {
     const std::scoped_lock lock(mutex_);
     address_ = at(address, 0).sin_addr.s_addr;
@@ -117,8 +117,8 @@ void put(const std::string& file, const std::string& text) {
 
 bool run(const std::string& command) { return std::system(command.c_str()) == 0; }
 
-/// The tests have a parameter. It is true if the configuration of Cyclone DDS names the peers, and false if
-/// the node's settings do.
+/// The parameter of the tests is true if the configuration of Cyclone DDS names the peers, and false if the
+/// node's settings name them.
 class PeerNamesTest : public ::testing::TestWithParam<bool> {
  protected:
   void SetUp() override {
@@ -155,7 +155,7 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
     EXPECT_TRUE(eventually([&] { return publisher.status().readers.size() == 1; }));
   }
   /// Opens a socket at the address of a participant, so that the socket gets the datagrams for the
-  /// participant. The nodes of this test have the first ports.
+  /// participant. The participants of this test use the first ports.
   static core::FileDescriptor participant_at(const std::string& address) { return socket_at(address, 7440); }
   static bool is_asked(const core::FileDescriptor& participant) {
     pollfd waits{.fd = participant.get(), .events = POLLIN, .revents = 0};
@@ -166,8 +166,8 @@ class PeerNamesTest : public ::testing::TestWithParam<bool> {
       "'robot.example' is not looked for yet: the lookup of its address has not been answered";
 };
 
-/// If a node waited for the answer, the lookup would fail before the node continues, and the warning would
-/// name this failure.
+/// If a node waited for the answer, the lookup would fail first, and the warning would contain this
+/// failure.
 TEST_P(PeerNamesTest, HoldNeitherANodeNorItsNewcomersUpWhileTheNameServerIsSilent) {
   const NameServer silent;
   Node node = Node::open(options()).value();

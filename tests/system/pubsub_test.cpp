@@ -345,7 +345,8 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
   Node a = open("a");
   auto pub = a.publisher<PointCloud2>("points").value();
   std::atomic<bool> gone{false};
-  // Orders the threads for the thread sanitizer, which does not see that the network orders them.
+  // Orders the threads for the thread sanitizer, which cannot detect that messages over the network order
+  // the threads.
   std::atomic<bool> complete{false};
   std::optional<Node> b = open("b");
   using Sub = Subscriber<PointCloud2, F::height>;
@@ -356,7 +357,7 @@ TEST_P(PubSubTest, ASubscriberMayBeDestroyedInItsOwnCallback) {
                  gone = true;
                }).value());
   complete = true;
-  b.reset();  // now only the subscriber keeps the node alive, and the callback takes the last reference
+  b.reset();  // now only the subscriber keeps the node alive, and the callback destroys the last reference
   expect_served(pub, 1);
   pub.publish(cloud(1));
   EXPECT_TRUE(eventually([&] { return gone.load(); }));
@@ -396,7 +397,7 @@ TEST_P(PubSubTest, ACallbackThatHasDestroyedItsSubscriberMayAskTheNode) {
   sub.emplace(b.subscriber<PointCloud2, F::height>("points", [&](const auto&) {
                  if (!complete) return;
                  sub.reset();
-                 expect_served(pub, 0);  // true when the agent has removed the subscriber
+                 expect_served(pub, 0);  // this holds once the agent has removed the subscriber
                  topics = b.topics().size();
                }).value());
   complete = true;

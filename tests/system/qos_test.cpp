@@ -14,7 +14,7 @@
 namespace sft::test {
 namespace {
 
-/// The events of one publisher or subscriber. The log must outlive it.
+/// The events of one publisher or subscriber. The log must outlive the publisher or subscriber.
 class EventLog {
  public:
   Event::Callback callback() {
@@ -44,7 +44,7 @@ class EventLog {
 
 using sensor_msgs::msg::Image;
 
-/// Takes samples, and expects consecutive sequences from the first one on.
+/// Takes samples, and expects that their sequences are consecutive.
 template <class S>
 void expect_unbroken(S& late, int samples) {
   std::uint64_t last = 0;
@@ -153,7 +153,8 @@ TEST_P(QosTest, LossesAreTold) {
 
 TEST_P(QosTest, AReliableSubscriberThatComesLateGetsAllThatIsRetainedWhateverItsSize) {
   constexpr std::uint32_t retained = 16;
-  const std::size_t bytes = in_shared_memory() ? 100'000 : 6'000'000;  // more than a channel keeps at a time
+  const std::size_t bytes = in_shared_memory() ? 100'000 : 6'000'000;  // in the second case, more than a
+                                                                       // channel keeps at a time
   auto pub =
       a.publisher<PointCloud2>(
            "points", {.reliability = reliable, .durability = transient_local, .history_depth = retained})
@@ -329,9 +330,10 @@ class RateTest : public QosTest {
     }
     return heard;
   }
-  /// A maximum rate of `hz` allows one sample in each period of 1 / `hz`, and saves up to two unused samples.
-  /// Even if the publisher runs unsteadily, the reader must have got a sample in each period in which one was
-  /// certainly published, and at most two samples more than there are periods.
+  /// A maximum rate of `hz` allows one sample in each period of 1 / `hz`, and up to two unused samples can
+  /// be saved. Even if the publisher runs unsteadily, the reader must have got a sample in each period in
+  /// which a sample was certainly published. In all, the number of its samples must exceed the number of
+  /// periods by at most two.
   void expect_rate(const Heard& heard, std::int64_t hz) {
     const std::int64_t period_ns = 1'000'000'000 / hz;
     const std::int64_t first = heard.first.source_stamp.time_since_epoch().count() / period_ns;
@@ -390,7 +392,7 @@ TEST_P(RateTest, ReadersOfOneProcessHaveEachTheirOwn) {
   auto slower = b.subscriber<PointCloud2, F::height>("points", {.depth = 64, .max_rate_hz = 5}).value();
   expect_served(pub, 3);
   const Ticker ticker(period, publish, Keeps::rate);
-  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // the first samples may use up saved ones
+  for (auto* sub : {&slow, &slower}) (void)hear(*sub, 3);  // the first samples may use up the saved budget
   const Heard of_slow = hear(slow, 20);
   expect_rate(of_slow, 20);
   expect_rate(hear(slower, 7), 5);
@@ -413,7 +415,7 @@ TEST_P(RateTest, TheRateChangesWhileSamplesFlow) {
   EXPECT_EQ(of_all.samples, of_all.published()) << "every one that was published meanwhile";
   ASSERT_TRUE(sub.set_max_rate_hz(10));
   ASSERT_TRUE(eventually([&] { return pub.status().readers.at(0).max_rate_hz == 10; }));
-  (void)hear(sub, 12);  // these samples were under way at the change
+  (void)hear(sub, 12);  // these samples were under way when the rate changed
   expect_rate(hear(sub, 8), 10);
   EXPECT_EQ(sub.status().lost, 0U);
   EXPECT_FALSE(sub.set_max_rate_hz(-1));

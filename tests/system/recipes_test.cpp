@@ -38,8 +38,8 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Makes each printed line arrive at once. Newer C libraries refuse to change the buffering after the first
-/// output, so it is changed at the start.
+/// Makes standard output line-buffered, so that each printed line arrives at once. Newer C libraries refuse
+/// to change the buffering after the first output, so it is changed at the start.
 [[maybe_unused]] const int line_buffered = std::setvbuf(stdout, nullptr, _IOLBF, BUFSIZ);
 
 class RecipesTest : public testing::Test {
@@ -48,7 +48,7 @@ class RecipesTest : public testing::Test {
   sft::Node other_ = sft::Node::open({.name = "there"}).value();
 };
 
-/// Redirects standard output as long as the object lives, so that the test can read it line by line.
+/// Redirects standard output as long as this object lives, so that the test can read it line by line.
 class PrintedLines {
  public:
   PrintedLines() {

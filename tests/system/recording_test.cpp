@@ -1,4 +1,4 @@
-// Automatic recording of requirements, end to end: a subscriber asks for the fields that the program reads.
+// Automatic recording of requirements, end to end: a subscriber requests the fields that the program reads.
 #include <mutex>
 #include <thread>
 #include <vector>
@@ -24,8 +24,8 @@ class RecordingTest : public PubSubTest {
     return sub->wait(hang_timeout) ? sub->take() : Sample<PointCloud2, recorded>();
   }
 
-  /// Publishes and reads until the publisher has applied `mask`. Every sample must be right under the mask
-  /// that the sample names.
+  /// Publishes and reads until the publisher has applied `mask`. Every sample must be correct under the
+  /// mask that the sample itself names.
   template <class Read>
   bool until_asked_for(const FieldMask& mask, Read read) {
     return eventually([&] {

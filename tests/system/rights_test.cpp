@@ -37,7 +37,7 @@ bool other_users_exist() {
          count > reader;
 }
 
-/// Answers each sample that arrives by shared memory, as a user with the right to read only.
+/// Answers each sample that arrives by shared memory. Runs as a user that may only read shared memory.
 [[noreturn]] void answer_what_comes_through_shared_memory() {
   if (setgroups(1, &readers_group) != 0 || setgid(reader) != 0 || setuid(reader) != 0) _exit(1);
   Node node = Node::open({.name = "reader"}).value();

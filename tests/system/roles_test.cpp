@@ -1,5 +1,5 @@
-// A node with readers receives the records of writers, and a node with writers the records of readers. A node
-// receives all records once it asks for all.
+// A node with readers receives the records of writers, and a node with writers the records of readers. A
+// node receives all records once it has requested them.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -7,7 +7,7 @@ namespace sft::test {
 
 namespace {
 
-/// Returns the n-th rule of one of 8 kinds. Each n from 0 to 99 gives a different rule.
+/// Returns the n-th rule of one of 8 kinds. The rules for all n from 0 to 99 differ.
 Rule rule_of(std::size_t kind, std::int64_t n) {
   const std::int64_t bound = 500 + 4 * n, step = 2 + n;
   const std::string bound_text = std::to_string(bound), step_text = std::to_string(step);

@@ -8,7 +8,7 @@
 namespace sft::test {
 
 /// Returns a cloud with four rows of 50 points. There are gaps between the channels x, y and ring, and
-/// behind each row.
+/// after each row.
 inline PointCloud2 scan_cloud(std::uint64_t number) {
   using sensor_msgs::msg::PointField;
   PointCloud2 cloud;

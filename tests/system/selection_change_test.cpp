@@ -73,8 +73,8 @@ class AnySelection {
   Random random_{test_seed()};
 };
 
-/// Returns true if the sample equals, byte for byte, the part that the reference cuts from the cloud with the
-/// number of the sample.
+/// Returns true if the sample equals, byte for byte, the part that the reference implementation cuts from
+/// the cloud with the number of the sample.
 bool is_what_it_names(const DynamicSample& sample) {
   PointCloud2 expected = scan_cloud(sample.info().sequence);
   if (sample.selection() != nullptr) {
@@ -145,7 +145,7 @@ TEST_P(SelectionChangeTest, ASampleOfACompiledSubscriberNamesItsPart) {
   }));
 }
 
-// The reader is reliable and misses no sample, while a different selection is in force for each sample.
+// The reader is reliable and misses no sample, although a different selection is in force for each sample.
 TEST_P(SelectionChangeTest, AThousandSelectionsInTrafficAreEachDecodedAsWhatTheyName) {
   SCOPED_TRACE(how_to_repeat());
   Random random{test_seed()};

@@ -19,7 +19,7 @@ namespace {
 using service_msgs::srv::Add;
 using ::testing::HasSubstr;
 
-/// A gate that blocks a handler until the gate is opened.
+/// Blocks a handler until the test opens the gate.
 class Gate {
  public:
   void open() { is_open_ = true; }
@@ -48,7 +48,7 @@ class ServiceTest : public PubSubTest {
   }
   static Client<Add> client_of(Node& node) { return Client<Add>::open(node, "sum").value(); }
 
-  /// Returns the sum, or the text of the error.
+  /// Calls the service. Returns the sum as text, or the text of the error.
   static std::string answer(Client<Add>& client, std::int64_t a, std::int64_t b,
                             std::chrono::nanoseconds timeout = hang_timeout) {
     const auto response = client.call({.a = a, .b = b}, timeout);

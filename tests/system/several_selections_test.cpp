@@ -201,8 +201,8 @@ TEST_P(SeveralSelectionsTest, OneFileDescriptorTellsOfAll) {
   EXPECT_EQ(::poll(&readable, 1, 0), 0);
 }
 
-// The first selection lets one sample pass and then none. So only samples of the second selection can wake
-// the thread. The thread itself receives UDP.
+// The first selection lets one sample pass, and then no further sample. So only samples of the second
+// selection can wake the thread. Over UDP, the waiting thread itself receives the datagrams.
 TEST_P(SeveralSelectionsTest, AThreadThatWaitsIsWokenByTheSecondOneAlone) {
   auto sub = b.subscriber("points", type(), "height @ height == 1", with({"height @ height > 100"})).value();
   expect_served(pub, 2);
@@ -268,7 +268,7 @@ TEST_P(SeveralSelectionsTest, ADeadlineIsForTheFirstOneOnly) {
   for (const std::size_t i : {0, 1}) EXPECT_EQ(sub.status(i).writers.at(0).deadlines_missed, 0U) << i;
 }
 
-// A selection without fields requests all fields, in each option in which a compiled program can give such a
+// A selection without fields requests all fields, in each option by which a compiled program can set a
 // selection.
 TEST_P(SeveralSelectionsTest, AConditionAloneLeavesAllFieldsOfACompiledSubscriber) {
   SubscriberOptions options = with({"", "@ height > 100", "width"});

@@ -24,8 +24,8 @@ using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 using namespace std::chrono_literals;
 
-/// The sizes of samples in bytes: a sample takes one datagram that fits, one datagram that is too long, a few
-/// datagrams, or many.
+/// The sizes of samples in bytes: one datagram that is short enough, one datagram that is too long, a few
+/// datagrams, and many datagrams.
 constexpr std::array<std::size_t, 4> sizes{100, 1300, 9000, 200'000};
 constexpr std::array<Reliability, 2> reliabilities{Reliability::best_effort, Reliability::reliable};
 constexpr std::size_t topics = sizes.size() * reliabilities.size();
@@ -37,7 +37,8 @@ std::string name_of(std::size_t topic) {
 struct Report {
   std::atomic<bool> failed{false};
   std::array<std::atomic<std::uint64_t>, topics> taken{};
-  std::atomic<std::size_t> limits_in_status{0};  ///< the number of pairs whose status reports the limit
+  std::atomic<std::size_t> limits_in_status{0};  ///< the number of pairs whose status reports the limit on
+                                                 ///< the length of datagrams
   std::atomic<std::size_t> limits_in_log{0};
   std::atomic<std::size_t> in_groups{0};  ///< the number of pairs that share a multicast group
 };
@@ -146,8 +147,8 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
   EXPECT_EQ(told->limits_in_log, 1U);
 }
 
-/// Two hosts ask for the same fields. So one copy by multicast serves both, once it is known how long a
-/// multicast datagram may be.
+/// Two hosts request the same fields. So one copy by multicast serves both of them, once the maximum length
+/// of a multicast datagram is known.
 TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAtHostsThatShareACopy) {
   const NodeProcess publisher(network_->host(0), options("publisher"), publish);
   const NodeProcess one(network_->host(1), options("one"), subscribe);

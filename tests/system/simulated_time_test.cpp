@@ -30,7 +30,8 @@ class SimulatedTimeTest : public PubSubTest {
     options.use_sim_time = true;
     return options;
   }
-  /// Publishes the time until the node has it, because best-effort samples may be lost.
+  /// Publishes the time again and again until the node has received it, because best-effort samples may be
+  /// lost.
   static bool follows(const Node& node, Publisher<ClockMessage>& clock, std::chrono::nanoseconds time) {
     const ClockMessage message{.clock = duration_message<builtin_interfaces::msg::Time>(time)};
     return eventually([&] {

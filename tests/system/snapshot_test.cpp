@@ -247,7 +247,7 @@ TEST_P(NodeSnapshotTest, AsJsonItHasTheSameUnderStableNames) {
   auto stranger = b.subscriber<PointCloud2, F::height>("points", {.reliability = reliable}).value();
   expect_served(pub, 1);
   const auto is_connected = [](const auto& writer) { return writer.connected; };
-  // A reader reports to its publisher that it is connected before its own status says so.
+  // A reader reports to its publisher that it is connected before its own status shows this.
   ASSERT_TRUE(eventually([&] {
     return pub.status().readers.size() == 2 && stranger.status().writers.size() == 1 &&
            std::ranges::any_of(sub.status().writers, is_connected);

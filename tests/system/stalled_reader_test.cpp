@@ -23,7 +23,7 @@ using namespace std::chrono_literals;
 
 constexpr std::size_t sample_bytes = 200'000;
 constexpr std::uint32_t samples_published = 600;  // 120 MB, of which a publisher keeps 64 MiB
-constexpr std::uint32_t kept = 240;               // the least number of samples that a publisher keeps
+constexpr std::uint32_t kept = 240;               // the minimum number of samples that a publisher keeps
 
 struct Kept {
   std::atomic<bool> failed{false};
@@ -37,7 +37,7 @@ struct TakenInOrder {
   std::atomic<bool> out_of_order{false};
   std::atomic<std::uint32_t> last{0};
   std::atomic<std::uint64_t> count{0}, told{0};
-  std::atomic<std::uint32_t> in_a_row{0};  ///< the number of latest samples without a gap
+  std::atomic<std::uint32_t> in_a_row{0};  ///< the length of the latest run of samples without a gap
 };
 
 void publish_many(Node& node, Kept& published) {

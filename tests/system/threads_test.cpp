@@ -38,7 +38,7 @@ std::set<unsigned> cpus_of(pid_t thread) {
   return cpus;
 }
 
-/// Returns the threads of this process by their numbers.
+/// Returns the threads of this process by their thread ids.
 std::map<pid_t, Thread> threads() {
   std::map<pid_t, Thread> threads;
   for (const auto& entry : std::filesystem::directory_iterator("/proc/self/task")) {
@@ -91,7 +91,7 @@ class ThreadsTest : public ::testing::Test {
     return options;
   }
 
-  /// Returns the threads that a node in use has added to the process.
+  /// Opens a node with these options and uses it. Returns the threads that it has added to the process.
   std::map<pid_t, Thread> threads_of(const NodeOptions& options) {
     const auto before = threads();
     Node node = Node::open(options).value();

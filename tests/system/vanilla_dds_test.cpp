@@ -67,7 +67,8 @@ TEST_P(VanillaReadersTest, GetTheBytesAndTheStampOfEachMessage) {
   ASSERT_TRUE(serves(pub, 1) && reader.matches(1));
   expect_served(pub, 1);
   for (std::uint32_t i = 0; i < 5; ++i) {
-    const std::size_t bytes = i < 4 ? 1000 + i : 300'000;  // the sizes need all possible amounts of padding
+    const std::size_t bytes = i < 4 ? 1000 + i : 300'000;  // these sizes need every possible amount of
+                                                           // padding
     ASSERT_EQ(pub.publish(cloud(i, bytes)), PublishStatus::ok);
     const VanillaReader::Sample sample = reader.take();
     EXPECT_EQ(sample.body, body_of(cloud(i, bytes)));
@@ -188,7 +189,8 @@ TEST_F(VanillaServingTest, APublisherOfANodeThatServesThemNeverIsNotMatched) {
   EXPECT_EQ(never.status().vanilla_readers, 0U);
 }
 
-// Otherwise a program that forwards messages of DDS to SFT would get its own messages back.
+// If such a program were served, it would get its own messages back when it forwards messages of DDS to
+// SFT.
 TEST_F(VanillaServingTest, AProgramThatSpeaksDdsItselfServesNobodyUnlessItSaysSo) {
   const dds_entity_t participant = dds_create_participant(VanillaProcess::domain(), nullptr, nullptr);
   Node node = open(Way::udp);

@@ -20,8 +20,8 @@ class Loop {
     epoll_event event{.events = events, .data = {}};
     EXPECT_EQ(::epoll_ctl(epoll_.get(), EPOLL_CTL_ADD, fd, &event), 0);
   }
-  /// Returns true if the descriptor becomes ready in time. The kernel may interrupt the wait without a
-  /// signal, when it removes the rings of an earlier test.
+  /// Returns true if the descriptor becomes ready in time. The kernel may interrupt the wait even without a
+  /// signal, when it removes the io_uring rings of an earlier test.
   bool wakes(std::chrono::milliseconds within) {
     epoll_event event{};
     int ready = 0;

@@ -26,8 +26,9 @@ bool is_told(const DomainSnapshot::Pair& pair) {
   return !pair.matched || (pair.account.publisher && pair.account.subscriber);
 }
 
-/// Returns true if the subscriber has taken none of the samples sent. A subscriber detects a loss only when a
-/// later sample arrives. So if no sample arrives, the subscriber reports no losses.
+/// Returns true if the subscriber has taken none of the samples sent. A subscriber detects a loss only when
+/// a later sample arrives. So if no sample arrives, the subscriber reports no losses, and this case has to
+/// be detected separately.
 bool takes_none(const DomainSnapshot::Pair& pair) {
   const auto& [publisher, subscriber] = pair.account;
   return pair.matched && publisher && subscriber && publisher->sent > 0 && subscriber->received == 0;

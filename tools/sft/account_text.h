@@ -6,7 +6,8 @@
 
 namespace sft::tool {
 
-/// Returns true if both sides have reported their counters, or if the pair does not match and has none.
+/// Returns true if both sides have reported their counters, or if the pair does not match and so has no
+/// counters.
 bool is_told(const DomainSnapshot::Pair& pair);
 
 /// Returns true if both sides have reported their counters, samples were sent, and the subscriber has taken
@@ -24,14 +25,15 @@ std::string sent_text(const DomainSnapshot::Pair& pair);
 std::string saved_text(const DomainSnapshot::Pair& pair);
 /// Returns a text such as "5 samples; 0 dropped".
 std::string withheld_text(const DomainSnapshot::Pair& pair);
-/// Describes the samples that went by UDP because shared memory could not take them, and says what to do.
-/// Returns an empty text if there are none.
+/// Describes the samples that were sent by UDP because shared memory could not take them, and says what to
+/// do. Returns an empty text if there are none.
 std::string diverted_text(const DomainSnapshot::Pair& pair);
 /// Returns a text such as "0 samples; 5 received".
 std::string lost_text(const DomainSnapshot::Pair& pair);
 
-/// These functions return the headings of a table of pairs, and one of its rows, 80 columns wide. `by` is the
-/// transport. Names that are too long are cut, and counters that were not reported are "-".
+/// These functions return the headings of a table of pairs, and one row of this table. The table is 80
+/// columns wide. `by` is the transport. Names that are too long are cut, and counters that were not
+/// reported are shown as "-".
 std::string account_headings();
 std::string account_columns(const std::string& names, const std::string& by,
                             const DomainSnapshot::Pair& pair);

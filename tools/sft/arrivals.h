@@ -30,7 +30,8 @@ class Arrivals {
     Spread periods;             ///< the times between samples, in seconds
     Spread values;              ///< the results of Request::measure
     std::uint64_t samples = 0;  ///< the number of samples since the beginning
-    std::uint64_t lost = 0;     ///< the number of lost samples since the beginning, as the subscriber counts
+    std::uint64_t lost = 0;     ///< the number of lost samples since the beginning, as counted by the
+                                ///< subscriber
     std::uint64_t fresh = 0;    ///< the number of samples since the last report
   };
   /// Returns a report on the last `window_s` seconds.
@@ -44,13 +45,15 @@ class Arrivals {
 
   const std::string topic_;
   const Measure measure_;
-  /// This class uses only public headers of SFT, and none of these has the mutex that Clang checks.
+  /// This class uses only public headers of SFT, and none of these contains the mutex class that Clang can
+  /// check.
   std::mutex mutex_;  // guards the members below, but not the subscriber
   Periods periods_;
   Series values_;
   std::uint64_t samples_ = 0;
   std::uint64_t reported_ = 0;                   ///< samples_ at the last report
-  std::optional<DynamicSubscriber> subscriber_;  ///< must be the last member: its callbacks use the others
+  std::optional<DynamicSubscriber> subscriber_;  ///< must be the last member, since its callbacks use the
+                                                 ///< other members
 };
 
 }  // namespace sft::tool

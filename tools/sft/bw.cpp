@@ -51,7 +51,8 @@ void print(const BwOptions& options, const Arrivals::Report& rate, const Arrival
   output.line(output.fitted(text_of(topic, bytes_per_s, rate, size), live_indent));
 }
 
-/// Prints the bytes by the publishers' counts. Publishers do not count samples that go by shared memory.
+/// Prints the bytes per second according to the publishers' counts. Publishers do not count the bytes of
+/// samples in shared memory.
 std::uint64_t print_bytes(PublisherCounts& counts, bool json, Output& output) {
   const PublisherCounts::Report report = counts.report();
   if (json) {

@@ -26,7 +26,7 @@ constexpr std::size_t topics_named = 3;
 struct Pool {
   std::uint64_t bytes = 0;  ///< the size of the largest sample in a chunk
   std::uint64_t chunks = 0;
-  std::uint64_t peak = 0;  ///< the most chunks that were in use at a time
+  std::uint64_t peak = 0;  ///< the maximum number of chunks that were in use at a time
 };
 
 std::string size_text(std::uint64_t bytes) { return bytes_text(static_cast<double>(bytes)); }
@@ -62,8 +62,8 @@ std::set<std::string> topics_of_larger_samples(const DomainSnapshot& domain, std
   return topics;
 }
 
-/// Returns the topics of publishers of this host that have reported samples too large for shared memory, as
-/// "images (6.3 MB)".
+/// Returns the topics of publishers of this host that have reported samples too large for shared memory,
+/// each with the largest size, as "images (6.3 MB)".
 std::set<std::string> topics_that_were_diverted(const DomainSnapshot& domain) {
   std::map<std::string, std::uint64_t> largest;
   for (const DomainSnapshot::Pair& pair : domain.pairs) {

@@ -108,7 +108,8 @@ void add_live(CLI::App* command, LiveOptions& live) {
       ->capture_default_str();
 }
 
-/// Adds the option for commands that need the definition of a type, because nodes might not announce it.
+/// Adds the option for directories with definitions of types, which a command needs if nodes do not
+/// announce the fields of a type.
 void add_includes(CLI::App* command, CommonOptions& common) {
   command
       ->add_option("-I,--include", common.includes,
@@ -449,7 +450,7 @@ constexpr Counterpart counterparts[] = {{"topic list", "ls"},
                                         {"interface show", "type"},
                                         {"interface list", "ls types"}};
 
-/// Returns the fault if the first word is not a command. Returns an empty text if it is a command or an
+/// Returns an error text if the first word is not a command. Returns an empty text if it is a command or an
 /// option.
 std::string fault_of_command(const CLI::App& app, std::span<char* const> words) {
   if (words.size() < 2 || words[1][0] == '-') return "";

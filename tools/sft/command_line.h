@@ -1,4 +1,4 @@
-// The command line of the user, parsed.
+// The parsed command line of the user.
 #pragma once
 
 #include <variant>

@@ -17,9 +17,9 @@ struct CommonOptions {
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
   bool sim_time = false;  ///< whether the node follows /clock
-  /// The time for which a command collects announcements before it prints a complete list.
+  /// The time in seconds for which a command collects announcements before it prints a complete list.
   double wait_s = 1;
-  /// The longest time for which a command waits for a topic or a sample that the user has named.
+  /// The maximum time in seconds for which a command waits for a topic or a sample that the user has named.
   double timeout_s = 5;
 };
 

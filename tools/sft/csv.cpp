@@ -53,7 +53,7 @@ Result<std::string> CsvTable::row(const DynamicView& sample, const JsonOptions& 
   for (const Column& column : columns_) {
     if (&column != &columns_.front()) text += ',';
     const DynamicView view = sample.find(column.path);
-    if (view.is_absent()) continue;  // the sample came for a selection without this field
+    if (view.is_absent()) continue;  // the sample belongs to a selection without this field
     if (column.only_size) {
       const Result<std::size_t> size = view.size();
       if (!size) return tl::unexpected(size.error());

@@ -1,5 +1,5 @@
-// Samples as rows of a table (RFC 4180), with a column for each field outside of sequences and arrays of
-// structs. A collection is one cell, with its elements as JSON.
+// Samples as rows of a table (RFC 4180), with a column for each field that is not in a sequence or array of
+// structs. A sequence or array of structs is one cell, with its elements as JSON.
 #pragma once
 
 #include <string>

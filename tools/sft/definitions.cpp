@@ -14,8 +14,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// Returns the directory with the messages of SFT. Its path is relative to the program, wherever the program
-/// is installed. The build tree has a link at that place.
+/// Returns the directory with the messages of SFT. The directory is found by its path relative to the
+/// program, so the installation can be at any place. The build tree has a link at the same relative path.
 fs::path own_interfaces() {
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);

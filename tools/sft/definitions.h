@@ -11,9 +11,9 @@
 
 namespace sft::tool {
 
-/// Returns the type with the name `type`, or the type in that file, PACKAGE/msg/NAME.msg. The user's
-/// directories (CommonOptions::includes) are searched first. The error is Errc::unavailable if no directory
-/// has the type.
+/// Returns the type with the name `type`. If `type` is the path of a file, PACKAGE/msg/NAME.msg, returns
+/// the type in that file. The user's directories (CommonOptions::includes) are searched first. The error is
+/// Errc::unavailable if no directory has the type.
 Result<DynamicType> find_definition(const std::string& type, const CommonOptions& common);
 
 /// Returns the definition of a type that an endpoint announces without its fields. Returns an error if there
@@ -24,8 +24,9 @@ Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, cons
 /// announced without their constants.)
 std::string constants_of(const StructType& type, const CommonOptions& common);
 
-/// Returns the text of the service with that name, "std_srvs/SetBool", or in that file, PACKAGE/srv/NAME.srv.
-/// Returns nothing if no directory has it.
+/// Returns the text of the service with the name `service`, such as "std_srvs/SetBool". If `service` is the
+/// path of a file, PACKAGE/srv/NAME.srv, returns the text of that file. Returns nothing if no directory has
+/// the service.
 std::optional<std::string> find_service(std::string_view service, const CommonOptions& common);
 
 }  // namespace sft::tool

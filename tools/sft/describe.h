@@ -7,7 +7,7 @@
 
 namespace sft::tool {
 
-// The names in the JSON objects are stable; later versions may add names.
+// The names in the JSON objects must not change; later versions may add names.
 nlohmann::ordered_json endpoint_json(const DomainSnapshot::Endpoint& endpoint, bool publishes);
 /// Returns a pair as a JSON object. Counters that a node has not reported are null.
 nlohmann::ordered_json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint& publisher,

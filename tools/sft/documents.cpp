@@ -33,7 +33,7 @@ std::optional<std::string> Documents::next() {
   return document;
 }
 
-/// Returns a line with its line break (which the last line may lack).
+/// Returns the next line with its line break. The last line of the input may lack the line break.
 std::optional<std::string> Documents::line() {
   std::size_t searched = 0;
   for (;;) {

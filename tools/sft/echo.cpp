@@ -46,8 +46,8 @@ class Printer {
   }
 
  private:
-  /// Reports missing channels. Channels are a part of the data and not of the type, so only a sample shows
-  /// that a channel is missing.
+  /// Reports missing channels. Channels are described in the data and not in the type, so it only turns out
+  /// when a sample arrives that a channel is missing.
   void report_missing_channels(const DynamicSample& sample) {
     for (const std::string& channel : sample.missing_channels()) {
       if (!missing_.insert(channel).second) continue;
@@ -63,7 +63,7 @@ class Printer {
   }
 
   Format format_;
-  bool has_several_;  ///< true: samples come for several selections
+  bool has_several_;  ///< true: there are samples of several selections
   Output& output_;
   CsvTable table_;
   YamlOptions yaml_;
@@ -78,7 +78,8 @@ Result<DynamicSubscriber> subscribe(const EchoOptions& options, const FoundTopic
                                .depth = 64,
                                .max_rate_hz = options.max_rate_hz,
                                .pollable = true};
-  // A sample in shared memory has every field. This setting reduces it to the fields that the user asked for.
+  // A sample in shared memory has every field. This setting reduces it to the fields that the user has
+  // requested.
   subscriber.recording.as_remote = options.fields != std::vector<std::string>{"*"};
   subscriber.further_selections.assign(options.fields.begin() + 1, options.fields.end());
   return node.subscriber(topic.name, topic.type, options.fields.front(), subscriber);
@@ -96,7 +97,7 @@ Result<FieldMask> all_fields(const EchoOptions& options, const TypeSupport& type
 }
 
 /// Prints samples as they arrive, and returns their number. If the user wants a certain number of samples,
-/// the command waits for the first one at most for the timeout.
+/// the command waits no longer than the timeout for the first sample.
 Result<std::uint64_t> print_samples(const EchoOptions& options, const CommonOptions& common,
                                     DynamicSubscriber& subscriber, Printer& printer, Stop& stop) {
   using Clock = std::chrono::steady_clock;

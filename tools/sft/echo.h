@@ -14,7 +14,8 @@ enum class Format : std::uint8_t { yaml, json, csv };
 struct EchoOptions {
   std::string topic{};
   std::vector<std::string> fields{"*"};  ///< one text for each selection
-  std::uint64_t count = 0;               ///< the number of samples; 0: until the user stops the command
+  std::uint64_t count = 0;               ///< the number of samples to print; 0: the command runs until the
+                                         ///< user stops it
   Format format = Format::yaml;
   bool full = false;       ///< true: prints long arrays and texts whole on terminals, too
   double max_rate_hz = 0;  ///< the maximum rate; 0: all samples

@@ -13,7 +13,7 @@ class HelpFormat : public CLI::Formatter {
   std::string make_description(const CLI::App* app) const override;
 
  private:
-  /// Breaks the text of an option or subcommand into lines that fit beside the column of names.
+  /// Breaks the text of an option or subcommand into lines that fit to the right of the column of names.
   std::string described(const std::string& text) const;
 };
 

@@ -33,8 +33,8 @@ std::string text_of(const std::string& topic, const PublisherCounts::Report& rep
   return fmt::format("{}: {} sent, {} so far", topic, rate_text(report.rate_hz), report.samples);
 }
 
-/// Prints the rate by the publishers' counts. Publishers count neither periods nor the samples that a
-/// subscriber loses.
+/// Prints the rate according to the publishers' counts. Publishers measure no periods between samples, and
+/// do not count the samples that a subscriber loses.
 std::uint64_t print_rate(PublisherCounts& counts, bool json, Output& output) {
   const PublisherCounts::Report report = counts.report();
   if (json) {
@@ -83,7 +83,7 @@ ExitCode run(const HzOptions& options, const CommonOptions& common, Session& ses
     if (!arrivals) return give_up(arrivals.error());
     watched.push_back(std::move(*arrivals));
   }
-  std::size_t sent = 0;  // the number of topics of `counted` of which a sample was sent
+  std::size_t sent = 0;  // the number of topics in `counted` on which a sample was sent
   report_every_second(options.live, session.stop(), [&] {
     for (const auto& arrivals : watched) print(*arrivals, options, common.json, session.output());
     sent = 0;

@@ -47,8 +47,8 @@ std::string members_text(const StructType& type, const ConstantsOf& constants_of
   return text;
 }
 
-/// Adds the types of the members. If it is called for each type found, all types are listed breadth first, as
-/// `ros2 interface show` does.
+/// Adds the types of the members to `found`. If the function is called for each type in the list in turn,
+/// all types are listed breadth first, as `ros2 interface show` does.
 void add_nested(const StructType& type, std::vector<const StructType*>& found) {
   for (const Member& m : type.members) {
     if (m.type == nullptr) continue;

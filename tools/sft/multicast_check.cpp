@@ -50,7 +50,8 @@ std::vector<Interface> interfaces() {
   return found;
 }
 
-/// A socket that sends to a group by an interface, and receives datagrams to the group by the same interface.
+/// A socket that sends datagrams to a group through an interface, and receives datagrams to this group
+/// through the same interface.
 class Loop {
  public:
   explicit Loop(const Interface& interface)

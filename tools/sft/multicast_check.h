@@ -10,8 +10,8 @@
 namespace sft::tool {
 
 /// Sends a datagram to a group by each interface and waits until the same interface receives it. The check
-/// cannot see whether a switch forwards the datagram to other hosts. `in_use` names the interfaces to check;
-/// if it is empty, all are checked.
+/// cannot see whether a switch forwards the datagram to other hosts. `in_use` names the interfaces to
+/// check; if it is empty, all interfaces are checked.
 std::vector<Finding> check_multicast(const std::vector<std::string>& in_use, Stop& stop);
 
 }  // namespace sft::tool

@@ -28,15 +28,15 @@ Finding interfaces_of(const NodeStatus& status) {
           is_well ? "" : "Check the interfaces (ip addr) and the settings that this names."};
 }
 
-/// Returns the finding about a quick path, from the library's report that it is used, or why it is not.
+/// Returns the finding about a quick path, from the library's report whether the path is used, and why not.
 Finding quick_path_of(const NodeStatus::QuickPath& path) {
   if (path.why_not.empty()) return {path.name, Health::ok, "used"};
   return {path.name, Health::warning, "not used: " + path.why_not,
           "All works without it, and takes more processor time."};
 }
 
-/// Returns the finding about the daemon. Other nodes start a daemon if none is running. This node does not,
-/// so a missing daemon is not a fault.
+/// Returns the finding about the daemon. Other nodes start a daemon if none is running. This node never
+/// starts a daemon, so a missing daemon is not a fault.
 Finding daemon_of(const NodeStatus& status) {
   if (status.shm_ready) return {"sftd", Health::ok, status.shm};
   if (status.lacks_daemon)
@@ -59,11 +59,12 @@ Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
       "nodes."};
 }
 
-/// Waits for a while, and returns the domain as it is known then, with the counts of publishers of this host.
+/// Waits for a while, and returns the domain as it is known then, with the counts of the publishers on this
+/// host.
 DomainSnapshot look_around(Session& session) {
   constexpr double longest_s = 3;  // the first answers come after about a second
   DomainSnapshot domain = session.look_around();
-  std::map<std::string, Result<AccountInquiry>> inquiries;  // by topic
+  std::map<std::string, Result<AccountInquiry>> inquiries;  // one for each topic
   const auto is_told_of = [&](const DomainSnapshot::Pair& pair) {
     const auto* const publisher = endpoint_of(pair.publisher, domain.publishers);
     const bool is_asked_about = publisher != nullptr && publisher->same_machine && pair.connected &&
@@ -75,7 +76,7 @@ DomainSnapshot look_around(Session& session) {
   session.wait_until(
       [&](const DomainSnapshot& now) {
         domain = now;
-        // Calls is_told_of() for each pair, because it also opens the inquiries.
+        // is_told_of() is called for each pair, because it also opens the inquiries
         return std::ranges::count_if(now.pairs, is_told_of) == std::ssize(now.pairs);
       },
       longest_s);

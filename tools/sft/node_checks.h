@@ -13,7 +13,8 @@ namespace sft::tool {
 
 struct NodeFindings {
   std::vector<Finding> findings;
-  /// The names of the interfaces; empty if no node can be opened, or if the library does not know the names.
+  /// The names of the interfaces; empty if no node can be opened, or if the library does not report the
+  /// names.
   std::vector<std::string> interfaces_in_use{};
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);

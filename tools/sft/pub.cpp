@@ -19,7 +19,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr double usual_rate_hz = 1;
-constexpr auto most_behind = 20ms;  // samples that are later than this are skipped
+constexpr auto most_behind = 20ms;  // samples that are late by more than this are skipped
 constexpr auto afterglow = 100ms;   // the time for the last sample to be received before the node closes
 
 /// A message that has been checked. It is encoded once, unless it contains the present time.
@@ -47,7 +47,7 @@ class Value {
   std::vector<std::byte> payload_;
 };
 
-/// The messages of one run, each at the time when it is due.
+/// The messages of one run, which are returned one by one when they are due.
 class Source {
  public:
   Source(const PubOptions& options, DynamicType type, Stop& stop)

@@ -1,5 +1,5 @@
-// Measures a topic by the counts of its publishers, without a subscriber. For types whose fields are not
-// known.
+// Measures a topic by the counts of its publishers, without a subscriber. Used for types whose fields are
+// not known.
 #pragma once
 
 #include <cstdint>
@@ -12,11 +12,11 @@
 
 namespace sft::tool {
 
-/// The counts of a topic's publishers. Publishers count the samples that they send to subscribers. So no
-/// sample is counted while there are no subscribers.
+/// The counts of a topic's publishers. Publishers count only samples that they send to subscribers. So the
+/// counts do not grow while there are no subscribers.
 class PublisherCounts {
  public:
-  /// Begins to count now. The session must outlive this object.
+  /// Begins to count. The session must outlive this object.
   PublisherCounts(std::string topic, const Session& session);
 
   struct Report {

@@ -7,7 +7,7 @@
 
 namespace sft::tool {
 
-/// A time of a clock that is never set, so that no time between two events is negative.
+/// A time of a monotonic clock, so that the time between two events is never negative.
 using Moment = std::chrono::steady_clock::time_point;
 
 struct Spread {

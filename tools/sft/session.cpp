@@ -19,9 +19,9 @@ using Clock = std::chrono::steady_clock;
 constexpr std::chrono::milliseconds look_pause{20};
 constexpr std::chrono::milliseconds settle_time{100};  // the time to discover the other publishers of a topic
 
-/// Returns the QoS to request: the durability that every publisher of the topic offers, so that retained
-/// samples are received, too. Reliability is not requested: a publisher may wait for reliable readers, and a
-/// tool must not slow it down.
+/// Returns the QoS to request. If every publisher of the topic is durable, durability is requested, so that
+/// retained samples are received, too. Reliability is not requested, because a publisher may wait for
+/// reliable readers, and a tool must not slow it down.
 Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   Qos qos{.durability = Durability::transient_local};
   bool published = false;
@@ -33,8 +33,8 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   return published ? qos : Qos{};
 }
 
-/// Returns a publisher of the topic if all its publishers are announced without the fields of their type. If
-/// the topic has no publishers, the same is done with its subscribers. Returns null otherwise.
+/// Returns a publisher of the topic if all its publishers are announced without the fields of their type.
+/// If the topic has no publishers, does the same with its subscribers. Otherwise returns null.
 const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const DomainSnapshot& domain) {
   const DomainSnapshot::Endpoint* first = nullptr;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers}) {
@@ -138,7 +138,8 @@ Result<FoundTopic> Session::find(std::string_view topic) {
     const auto* const undescribed = type ? nullptr : undescribed_one(name, domain);
     if (undescribed != nullptr) {
       type = definition_of(*undescribed, options_).map_error([&](const Error& of_files) {
-        const bool has_none = of_files.code == Errc::invalid_argument;  // .msg files do not have such names
+        const bool has_none = of_files.code == Errc::invalid_argument;  // a name in this form cannot belong
+                                                                        // to a .msg file
         return Error{has_none ? Errc::unavailable : of_files.code,
                      type.error().message + "; " + of_files.message};
       });

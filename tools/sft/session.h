@@ -37,9 +37,10 @@ class Session {
   /// Returns the domain as it is known at present, without the publishers and subscribers of this session.
   DomainSnapshot domain() const;
 
-  /// Waits until `enough` is true for the domain, at most for `for_s`. Returns false if the time is over.
+  /// Waits until `enough` is true for the domain, at most for `for_s`. Returns false if this has not
+  /// happened within `for_s` seconds.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough, double for_s);
-  /// Waits in the same way, at most for options.timeout_s.
+  /// Waits in the same way, but for options.timeout_s.
   bool wait_until(const std::function<bool(const DomainSnapshot&)>& enough) {
     return wait_until(enough, options_.timeout_s);
   }
@@ -50,17 +51,19 @@ class Session {
   /// slash. Returns nothing while no node publishes or subscribes to the topic.
   static std::optional<std::string> known_name(std::string_view topic, const DomainSnapshot& domain);
 
-  /// Returns an error if the topic is private to a node, "~/image": commands need the full names of topics.
+  /// Returns an error if the topic is private to a node, such as "~/image", since commands need the full
+  /// names of topics.
   Result<void> check_name(std::string_view topic);
-  /// Adds the topics that programs call by that name to an error about an unknown topic.
+  /// Extends an error about an unknown topic: adds the full names of topics whose programs use the name
+  /// `topic` before remapping.
   Error explained(Error error, std::string_view topic) const;
 
   /// Finds a topic and its type. The error is Errc::unavailable if no node announces the topic within the
   /// timeout. If its nodes announce a type without its fields, the definition is read from files
   /// (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
-  /// Returns the name under which nodes announce the topic, if they announce its type without fields,
-  /// otherwise nothing.
+  /// Returns the name under which nodes announce the topic, if none of them announces the fields of its
+  /// type. Otherwise returns nothing.
   std::optional<std::string> undescribed(std::string_view topic) const;
 
  private:

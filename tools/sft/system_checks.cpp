@@ -93,7 +93,8 @@ Finding check_memlock() {
           "service)."};
 }
 
-/// Checks the receive buffer that a socket gets, because a container hides the setting net.core.rmem_max.
+/// Checks the size of the receive buffer that a socket gets. (The setting net.core.rmem_max cannot be read
+/// instead, because a container hides it.)
 Finding check_receive_buffers() {
   const int wanted = static_cast<int>(UdpSettings{}.receive_buffer_bytes);
   const int asked = wanted / 2;  // the kernel doubles the number
@@ -104,7 +105,7 @@ Finding check_receive_buffers() {
   socklen_t bytes = sizeof granted;
   getsockopt(probe, SOL_SOCKET, SO_RCVBUF, &granted, &bytes);
   close(probe);
-  int most = 0;  // the limit for processes that have no right to exceed it
+  int most = 0;  // the limit for processes without the right to exceed it
   std::ifstream("/proc/sys/net/core/rmem_max") >> most;
   const std::string limit = most == 0 ? "" : fmt::format("; net.core.rmem_max is {}", most);
   const std::string text =

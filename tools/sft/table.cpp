@@ -29,7 +29,7 @@ std::size_t Table::width_of(std::size_t column) const {
   return width + gap;
 }
 
-/// Returns the position of the last column, whose cells may be broken into lines.
+/// Returns the offset of the last column in a line, whose cells may be broken into lines.
 std::size_t Table::last_column() const {
   std::size_t at = 0;
   for (std::size_t i = 0; i + 1 < headings_.size(); ++i) at += width_of(i);

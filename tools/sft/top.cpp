@@ -24,7 +24,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::milliseconds key_pause{100};  // between two looks at the domain; a key ends it earlier
+constexpr std::chrono::milliseconds key_pause{100};  // the pause between two readings of the domain; a key
+                                                     // ends the pause earlier
 
 struct View {
   std::uint32_t number;  ///< the number of the domain
@@ -114,9 +115,9 @@ Json json_of(const View& view, Clock::time_point now) {
   return {{"domain", view.number}, {"nodes", count_nodes(view.domain)}, {"topics", std::move(topics)}};
 }
 
-using Inquiries = std::map<std::string, AccountInquiry>;  // by topic
+using Inquiries = std::map<std::string, AccountInquiry>;  // one for each topic
 
-/// Keeps an inquiry open for each of these topics, and for no other topic.
+/// Opens and closes inquiries so that there is one for each of these topics, and none for any other topic.
 void ask_about(const std::set<std::string>& topics, Session& session, Inquiries& inquiries) {
   std::erase_if(inquiries, [&](const auto& item) { return !topics.contains(item.first); });
   for (const std::string& topic : topics) {
@@ -126,8 +127,8 @@ void ask_about(const std::set<std::string>& topics, Session& session, Inquiries&
   }
 }
 
-/// Runs until the user wants to stop. The domain is read more often than it is shown, since the times of
-/// reading limit the precision of rates.
+/// Runs until the user wants to stop. The domain is read more often than it is shown, since the intervals
+/// between readings limit the precision of rates.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {
   View view{session.node().status().domain};

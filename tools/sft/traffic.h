@@ -1,4 +1,4 @@
-// Computes the rates of publishers, from the progress that their nodes report now and then.
+// Computes the rates of publishers, from the progress that their nodes report at irregular times.
 #pragma once
 
 #include <sft/domain.h>
@@ -15,12 +15,12 @@ class Traffic {
 
   struct Rate {
     double samples_per_s = 0;
-    double bytes_per_s = 0;  ///< bytes over the network; a body counts once for each reader
+    double bytes_per_s = 0;  ///< bytes per second over the network; a body counts once for each reader
   };
 
   void note(const DomainSnapshot& domain, Clock::time_point now);
-  /// Returns the rate of the publisher. Returns nothing before its second report of progress, and zero if
-  /// there was no progress for a while.
+  /// Returns the rate of the publisher. Returns nothing until there have been two reports of its progress,
+  /// and zero if there was no progress for a while.
   std::optional<Rate> of(std::uint64_t publisher, Clock::time_point now) const;
 
  private:

@@ -18,7 +18,8 @@ using Json = nlohmann::ordered_json;
 
 struct Subject {
   DynamicType type;
-  std::optional<std::string> topic{};  ///< the topic of the type; empty: the type was found by its own name
+  std::optional<std::string> topic{};  ///< the topic whose type was found; empty: the type was found by its
+                                       ///< own name
 };
 
 /// Prints a service as the text of its file.
@@ -38,8 +39,8 @@ ExitCode print_service(const std::string& text, const TypeOptions& options, cons
   return ExitCode::done;
 }
 
-/// Returns true if a type may have this name: "sensor_msgs/PointCloud2", with "msg" between both words, or a
-/// file. A topic may have such a name, too.
+/// Returns true if a type may have this name: "sensor_msgs/PointCloud2", the same with "msg" between both
+/// words, or the name of a file. A topic may have such a name, too.
 bool may_be_type(std::string_view name) {
   const std::string short_form = msg_name(name);
   const std::size_t slash = short_form.rfind('/');

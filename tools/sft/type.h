@@ -8,9 +8,10 @@
 namespace sft::tool {
 
 struct TypeOptions {
-  std::string topic{};  ///< the topic, or the name of a type: "sensor_msgs/PointCloud2" and its longer forms
+  std::string topic{};  ///< the topic, or the name of a type, such as "sensor_msgs/PointCloud2" or one of its
+                        ///< longer forms
   bool name = false;    ///< true: prints the name of the type only
-  bool fields = false;  ///< true: prints the fields only, as `sft echo --fields` takes them
+  bool fields = false;  ///< true: prints the fields only, in the form that `sft echo --fields` accepts
 };
 
 ExitCode run(const TypeOptions& options, const CommonOptions& common, Session& session);

@@ -27,8 +27,7 @@ void print_indented(const std::string& text, Color color, Output& output) {
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }
 
-/// Prints the text in the same way, with a name in front of its first line. Prints nothing if the text is
-/// empty.
+/// Prints the text in the same way, with a name before its first line. Prints nothing if the text is empty.
 void print_row(const char* name, const std::string& text, Output& output) {
   if (text.empty()) return;
   constexpr std::size_t name_width = 11;
@@ -38,8 +37,8 @@ void print_row(const char* name, const std::string& text, Output& output) {
   }
 }
 
-/// Prints the names of both nodes, with the ids of the endpoints behind the names, or below them if there is
-/// no room.
+/// Prints the names of both nodes, with the ids of the endpoints after the names. If the line is too short
+/// for this, the ids are printed below the names.
 void print_ends(const DomainSnapshot::Endpoint& publisher, const DomainSnapshot::Endpoint& subscriber,
                 Output& output) {
   const std::string ids = fmt::format("({} -> {})", hex_text(publisher.id), hex_text(subscriber.id));
@@ -115,8 +114,9 @@ void print_pairs_json(const OneTopic& topic, Output& output) {
 
 }  // namespace
 
-/// Asks the nodes of all pairs for their counters first. Most nodes answer while the command still looks for
-/// other nodes. Samples that are under way get time to arrive before they count as missing.
+/// First asks the nodes of all pairs for their counters, since most nodes answer while the command is still
+/// discovering other nodes. Samples that are under way are given time to arrive before they count as
+/// missing.
 ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& session) {
   if (const Result<void> sound = session.check_name(options.topic); !sound) return give_up(sound.error());
   const Result<AccountInquiry> inquiry = session.node().ask_accounts(options.topic);

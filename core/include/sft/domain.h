@@ -1,11 +1,11 @@
-// The domain as a node knows it, for tools: all topics, publishers and subscribers that it has seen, and for
-// each pair of a publisher and a subscriber whether they match, by which path, and why. The node derives the
-// state of a pair by the same rules as the two nodes of the pair. The two nodes of a pair count the samples
-// that were sent, saved, withheld or lost. They report these counts only while a program asks for them
+// The domain as a node knows it, for tools: all topics, publishers and subscribers that the node has found,
+// and for each pair of a publisher and a subscriber whether they match, by which path, and why. The node
+// derives the state of a pair by the same rules as the two nodes of the pair. These two nodes count samples
+// that were sent, saved, withheld or lost, and report the counts only while a program asks for them
 // (AccountInquiry). A node knows more of its own publishers and subscribers (snapshot.h).
 //
 // All structs are copies that the program owns, made when Node::topics() or Node::domain() was called. Any
-// thread may call these functions, also in callbacks.
+// thread may call these functions, including callbacks.
 #pragma once
 
 #include <chrono>
@@ -28,8 +28,8 @@ class NodeCore;
 
 /// One topic that the node has seen.
 struct TopicInfo {
-  /// One type of a topic, and the nodes that use the type. The lists of nodes name a node once for each of
-  /// its publishers or subscribers.
+  /// One type of a topic, and the nodes that use the type. The lists of nodes contain a node once for each
+  /// of its publishers or subscribers.
   struct Type {
     std::string name;        ///< the name as in the IDL: "sensor_msgs::msg::Imu"
     std::uint64_t hash = 0;  ///< equal for equal definitions of the type
@@ -48,11 +48,11 @@ struct TopicInfo {
 
 /// While this object or a copy of it lives, this node asks the nodes of all publishers and subscribers of a
 /// topic for their counts of each pair. Node::domain() contains the answers. The first answers come after
-/// about a second, and are repeated about once a second. A node reports 32 accounts at a time; if there are
-/// more, it reports them in turn. An inquiry keeps its node alive. Any thread may destroy it.
+/// about a second, and are repeated about once a second. A node reports at most 32 accounts at a time; if
+/// there are more, they take turns. An inquiry keeps its node alive. Any thread may destroy it.
 class [[nodiscard]] AccountInquiry {
  public:
-  AccountInquiry() = default;  ///< an inquiry that asks no node
+  AccountInquiry() = default;  ///< an inquiry that asks no node for counts
 
  private:
   friend class core::NodeCore;
@@ -62,8 +62,8 @@ class [[nodiscard]] AccountInquiry {
 
 /// The result of Node::domain().
 struct DomainSnapshot {
-  // The parts are defined behind this struct. Reason: std::optional accepts a part whose members have default
-  // values only once the struct around the part is complete.
+  // The nested structs are defined after this struct, because std::optional accepts a nested struct whose
+  // members have default values only once the enclosing struct is complete.
   struct Endpoint;
   struct Progress;
   struct Pair;
@@ -76,23 +76,23 @@ struct DomainSnapshot {
   std::vector<Pair> pairs;            ///< in the order of the publishers, then of the subscribers
 };
 
-/// The amount that a publisher has sent so far. Its node announces it from time to time while the publisher
-/// has readers.
+/// How much a publisher has sent so far. Its node announces it from time to time while the publisher has
+/// readers.
 struct DomainSnapshot::Progress {
   std::uint64_t samples = 0;  ///< samples that were sent to readers of the publisher
-  /// Bytes of bodies that went over the network; a body counts once for each reader.
+  /// Bytes of bodies that were sent over the network; a body counts once for each reader.
   std::uint64_t bytes = 0;
 };
 
 /// One publisher or subscriber.
-/// Larger than usual: it is a record, whose members have names of their own for users.
+/// Larger than usual: each fact has a separate named member for users.
 struct DomainSnapshot::Endpoint {
   std::uint64_t id = 0;         ///< random; a new one each time that an endpoint is opened
-  std::uint64_t node_id = 0;    ///< different for each node, even if names are equal
+  std::uint64_t node_id = 0;    ///< a number that differs between nodes, even if their names are equal
   std::string node;             ///< the name of the endpoint's node
   bool is_own = false;          ///< true: the endpoint belongs to the node that was asked
   std::string topic;            ///< the name without a slash at the beginning
-  std::string given_topic{};    ///< the name that the endpoint's program uses; empty if that is `topic`
+  std::string given_topic{};    ///< the name that the endpoint's program uses; empty if it equals `topic`
   std::string type_name;        ///< the name as in the IDL: "sensor_msgs::msg::Imu"
   std::uint64_t type_hash = 0;  ///< equal for equal definitions of the type
   /// The fields of the type; empty if the type is too large to be described.
@@ -100,34 +100,36 @@ struct DomainSnapshot::Endpoint {
   Qos qos;                               ///< the QoS that a publisher offers or a subscriber requests
   bool may_use_shm = false;              ///< true: the options of the endpoint allow shared memory
   bool may_use_udp = false;              ///< true: the options of the endpoint allow UDP
-  bool shm_ready = false;                ///< true: the endpoint's node has shared memory that it may use
+  bool shm_ready = false;                ///< true: shared memory is available to the endpoint's node
   bool same_machine = false;             ///< true: the endpoint runs on the host of the node that was asked
   std::vector<std::string> addresses{};  ///< the addresses that receive samples over UDP: "10.0.0.5:40123"
 
   // The members of publishers only.
-  std::uint64_t max_sample_bytes = 0;  ///< the size of the largest body
+  std::uint64_t max_sample_bytes = 0;  ///< the maximum size of a body in bytes
   bool waits = false;                  ///< true: publish() waits for reliable readers that do not keep up
-  /// The amount sent. Nodes report it while the program calls Node::domain() now and then. Empty until the
-  /// publisher's node has reported it.
+  /// How much was sent. Nodes report this while the program calls Node::domain() from time to time. Empty
+  /// until the publisher's node has reported it.
   std::optional<Progress> progress{};
 
   // The members of subscribers only.
   std::optional<std::string> fields{};  ///< the fields requested at present; empty: the type is unknown
-  double max_rate_hz = 0;               ///< the rate that the subscriber asks for; 0: all samples
+  double max_rate_hz = 0;               ///< the maximum rate that the subscriber requests; 0: all samples
   std::uint64_t requests = 0;           ///< the number of requests that the subscriber has made
 };
 
 /// The counts of the publisher's node for one subscriber, with the meanings of PublisherStatus::Reader.
 struct DomainSnapshot::Sent {
-  /// The time since the counts arrived; 0 for counts of the asked node itself.
+  /// The time since these counts arrived; 0 for counts of this node itself.
   std::chrono::nanoseconds age{};
   std::uint64_t sent = 0;         ///< samples that were sent
   std::uint64_t withheld = 0;     ///< samples that conditions or the maximum rate have withheld
   std::uint64_t dropped = 0;      ///< samples that were dropped
-  std::uint64_t retained = 0;     ///< samples from before the subscriber joined; not in the counts above
+  std::uint64_t retained = 0;     ///< retained samples from before the subscriber joined; not contained in
+                                  ///< the counts above
   std::uint64_t bytes_sent = 0;   ///< bytes of bodies over the network
   std::uint64_t bytes_saved = 0;  ///< bytes of the fields that were left out of these bodies
-  std::uint64_t diverted = 0;     ///< sent samples that went by UDP because shared memory could not take them
+  std::uint64_t diverted = 0;     ///< the sent samples that used UDP because shared memory could not take
+                                  ///< them
   std::uint64_t too_large_bytes = 0;  ///< as in PublisherStatus::Diverted
   std::uint64_t chunk_bytes = 0;      ///< as in PublisherStatus::Diverted
 };
@@ -139,8 +141,9 @@ struct DomainSnapshot::Received {
   std::uint64_t lost = 0;          ///< samples that should have arrived, and did not
 };
 
-/// The counts that the two nodes of a pair have reported. A side is empty if the program does not ask, or if
-/// that node has not answered yet. An answer that the node does not repeat is dropped after 10 s.
+/// The counts that the two nodes of a pair have reported. The counts of a side are empty if the program
+/// does not ask for them, or if the node of that side has not answered yet. An answer that the node does
+/// not repeat is dropped after 10 s.
 struct DomainSnapshot::Account {
   std::optional<Sent> publisher{};       ///< the report of the publisher's node
   std::optional<Received> subscriber{};  ///< the report of the subscriber's node
@@ -151,16 +154,17 @@ struct DomainSnapshot::Account {
 struct DomainSnapshot::Pair {
   std::uint64_t publisher = 0;     ///< the id of the publisher
   std::uint64_t subscriber = 0;    ///< the id of the subscriber
-  bool matched = false;            ///< false: the two do not match, and `reason` says why
+  bool matched = false;            ///< false: the publisher and the subscriber do not match, and `reason`
+                                   ///< says why
   bool connected = false;          ///< true: the subscriber reports that it is connected, by `transport`
   TransportKind transport{};       ///< valid only while the pair is connected
   std::string reason{};            ///< the reason for this transport, or for having none; for people
   bool incompatible_type = false;  ///< true: the names or definitions of the two types differ
-  /// Not null: two definitions of the type; "here" is the publisher's.
+  /// Not null: two definitions of the type; "here" means the publisher's definition.
   std::shared_ptr<const TypeMismatch> mismatch{};
-  /// The first policy that does not fit; `reason` names all.
+  /// The first incompatible policy; `reason` names all of them.
   QosPolicy incompatible_policy = QosPolicy::none;
-  bool no_path = false;  ///< true: type and QoS fit, but no path is allowed to both
+  bool no_path = false;  ///< true: type and QoS are compatible, but no path is allowed to both endpoints
   Account account{};     ///< the counts of both nodes, while the program asks for them (Node::ask_accounts())
 };
 

@@ -33,11 +33,11 @@
 
 namespace sft {
 
-/// A sample, as take() returns it and callbacks get it. It shows the fields that its subscriber declared, and
-/// no others, even if the sample in shared memory has more. If the subscriber records, it shows all fields of
-/// the sample. It keeps its type alive. Any thread may destroy it, and several threads may read it at once.
-/// It may be empty, like a Sample (sample.h). Then all fields are absent, and to_yaml() and to_json() return
-/// errors.
+/// A sample, as take() returns it and callbacks get it. It shows the fields that its subscriber declared,
+/// and no other fields, even if the sample in shared memory has more fields. If the subscriber records, it
+/// shows all fields of the sample. The sample keeps its type alive. Any thread may destroy it, and several
+/// threads may read it at once. It may be empty, like a Sample (sample.h). In an empty sample all fields
+/// are absent, and to_yaml() and to_json() return errors.
 class DynamicSample {
  public:
   /// For SFT's own code.
@@ -48,7 +48,7 @@ class DynamicSample {
   explicit operator bool() const { return static_cast<bool>(sample_); }
 
   /// Returns a view that reads fields by their names. The view, and everything that is read through it, is
-  /// valid as long as the sample, which must not be moved meanwhile.
+  /// valid until the sample is destroyed or moved.
   DynamicView view() const& {
     if (!sample_) [[unlikely]]
       detail::stop_at_empty_sample();
@@ -97,8 +97,8 @@ class DynamicSample {
     return fail(Errc::unavailable, "the sample is empty: take() had nothing to give");
   }
 
-  /// Returns the fields to show. A sample in shared memory has more fields than were asked for, and a sample
-  /// of a former request may have fewer.
+  /// Returns the fields to show. A sample in shared memory may have more fields than were requested, and a
+  /// sample that was sent for a former request may have fewer.
   const FieldMask& fields() const {
     const FieldMask& present = *sample_.state().mask;
     const Selection* const asked = sample_.selection();
@@ -110,8 +110,9 @@ class DynamicSample {
   mutable detail::BytesOnDemand declared_cdr_;
 };
 
-/// A publisher that is moved, not copied. One thread at a time publishes and takes loans, as with Publisher
-/// (publisher.h); any thread may call the other functions at any time.
+/// A publisher of encoded, JSON or YAML messages. It can be moved, but not copied. Only one thread at a
+/// time may publish and take loans, as with Publisher (publisher.h); any thread may call the other functions
+/// at any time.
 class [[nodiscard]] DynamicPublisher {
  public:
   class Loan;
@@ -121,7 +122,7 @@ class [[nodiscard]] DynamicPublisher {
       : type_(std::move(type)), publisher_(std::move(publisher)), max_sample_bytes_(max_sample_bytes) {}
 
   /// Publishes a message that is already encoded, as Publisher::publish_cdr() does. The error says what is
-  /// wrong with it.
+  /// wrong with the payload.
   [[nodiscard]] Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
@@ -135,7 +136,7 @@ class [[nodiscard]] DynamicPublisher {
     return cdr_from_json(type_.type(), json, {max_sample_bytes_, std::chrono::system_clock::now()})
         .and_then([this](const auto& payload) { return publisher_.publish_cdr(payload); });
   }
-  /// Does the same for a message that is given as YAML (json_from_yaml() in yaml.h).
+  /// Does the same as publish_json() for a message that is given as YAML (json_from_yaml() in yaml.h).
   [[nodiscard]] Result<PublishStatus> publish_yaml(std::string_view yaml) {
     return json_from_yaml(type_.type(), yaml).and_then([this](const std::string& json) {
       return publish_json(json);
@@ -148,7 +149,7 @@ class [[nodiscard]] DynamicPublisher {
   }
   /// See Publisher::assert_liveliness().
   void assert_liveliness() { publisher_.assert_liveliness(); }
-  /// Returns the counts, and each subscriber of the topic.
+  /// Returns the counts of the publisher, and the state of each subscriber of the topic.
   PublisherStatus status() const { return publisher_.status(); }
   /// Returns the message type. Valid as long as this object.
   const DynamicType& type() const { return type_; }
@@ -207,20 +208,20 @@ class [[nodiscard]] DynamicSubscriber {
   [[nodiscard]] DynamicSample take() { return {type_, subscriber_.take()}; }
   /// Returns the newest sample; see Subscriber::take_latest().
   [[nodiscard]] DynamicSample take_latest() { return {type_, subscriber_.take_latest()}; }
-  /// Returns true as soon as there is a sample to take, or false when the timeout is over.
+  /// Returns true as soon as there is a sample to take, or false when the timeout has passed.
   bool wait(std::chrono::nanoseconds timeout) { return subscriber_.wait(timeout); }
   /// See Subscriber::file_descriptor().
   int file_descriptor() const { return subscriber_.file_descriptor(); }
 
-  /// Changes selection `which`: asks for other fields, other parts of them, or other conditions. Publishers
-  /// apply the change shortly after, and their next sample then counts as changed (Selection::Gate). If the
-  /// new selection has no maximum rate, the present one remains. Returns an error, and changes nothing, if
-  /// the subscriber records, if the text is wrong, or if there is no selection `which`.
+  /// Changes selection `which`: requests other fields, parts of fields, or conditions. Publishers apply the
+  /// change shortly after, and their next sample then counts as changed (Selection::Gate). If the new
+  /// selection has no maximum rate, the present rate remains. Returns an error, and changes nothing, if the
+  /// subscriber records, if the text is wrong, or if there is no selection `which`.
   [[nodiscard]] Result<void> set_selection(std::string_view fields, std::size_t which = 0) {
     return type_.support().parse_selection(fields).and_then(
         [&](const Selection& selection) { return subscriber_.set_selection(selection, which); });
   }
-  /// Does the same with a selection that was made for this type.
+  /// Does the same as the function above with a selection that was made for this type.
   [[nodiscard]] Result<void> set_selection(const Selection& selection, std::size_t which = 0) {
     return subscriber_.set_selection(selection, which);
   }

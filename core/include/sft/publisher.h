@@ -22,11 +22,11 @@ namespace sft {
 /// copies nothing. `loan->data()` is a writable span of a reserved sequence, `loan.set(F::width, 1024)`
 /// writes a scalar, and `loan.shrink(F::data, n)` removes the reserved elements after the first n.
 ///
-/// A loan is moved, not copied. It owns its memory until it is published; an unpublished loan gives the
-/// memory back when it is destroyed. A loan may outlive its publisher. One thread at a time uses it; any
-/// thread may destroy it. Spans are valid until the loan is published, moved or destroyed. After a loan was
-/// published or moved away its spans are empty, set() does nothing, and functions with a status return
-/// no_loan.
+/// A loan can be moved, but not copied. It owns its memory until it is published; an unpublished loan
+/// releases the memory when it is destroyed. A loan may outlive its publisher. It must be used by only one
+/// thread at a time; any thread may destroy it. Spans are valid until the loan is published, moved or
+/// destroyed. After a loan was published or moved away its spans are empty, set() does nothing, and
+/// functions with a status return no_loan.
 template <class T>
 class [[nodiscard]] Loan {
  public:
@@ -64,9 +64,9 @@ class [[nodiscard]] Loan {
     loan_.write(place.slot, &scalar, sizeof scalar);
   }
 
-  /// Shortens a reserved sequence: only its first `length` elements will be published. Spans of it stay
-  /// valid; publish() moves the data behind the sequence. shrink() can be called again, for any length up to
-  /// the reserved one.
+  /// Shortens a reserved sequence: only its first `length` elements will be published. Spans of the
+  /// sequence stay valid; publish() moves the data that follow the sequence. shrink() can be called again,
+  /// for any length up to the reserved one.
   template <std::size_t Leaf>
   ShrinkStatus shrink(const detail::FieldNode<T, Leaf, 1>&, std::uint32_t length) {
     constexpr std::size_t number = reservation_number(Leaf);
@@ -78,7 +78,7 @@ class [[nodiscard]] Loan {
   /// Publishes the message, and passes the memory to its readers. Only the thread that uses the publisher may
   /// call this.
   PublishStatus publish() && { return std::move(loan_).publish(); }
-  /// An overload that never compiles; the compiler's message says what to write instead.
+  /// An overload whose call never compiles; the compiler's message says what to write instead.
   template <int Moved = 0>
   PublishStatus publish() & {
     static_assert(Moved != 0, "a loan is gone once it is published: write std::move(loan).publish()");
@@ -109,8 +109,8 @@ class [[nodiscard]] Loan {
     return {};
   }
 
-  /// Returns true if the field takes a V. A bitmask takes any number, because every number is a combination
-  /// of flags.
+  /// Returns true if a V can be written to the field. A bitmask takes any number, because every number is a
+  /// combination of flags.
   template <class V>
   static constexpr bool can_hold(const ScalarPlace& place) {
     if constexpr (std::is_enum_v<V>) {
@@ -130,31 +130,32 @@ class [[nodiscard]] Loan {
   Reservations reserved_;
 };
 
-/// Publishes messages of type T on one topic; Node::publisher() opens it. It is moved, not copied, and keeps
-/// its node alive. One thread at a time publishes and takes loans. If a second thread does so meanwhile, the
-/// program ends with a line that names this mistake. A loan may be filled on another thread, but it is
-/// published by the thread that uses the publisher at that time. Any thread may call assert_liveliness(),
-/// wait_for_subscribers(), status() and type() at any time. Loans may outlive the publisher. After the
-/// destructors of the publisher and of its loans none of its callbacks runs any more (unless such a
-/// destructor is called from within the callback).
+/// Publishes messages of type T on one topic; Node::publisher() opens it. It can be moved, but not copied,
+/// and keeps its node alive. Only one thread at a time may publish and take loans. If a second thread does
+/// so at the same time, the program ends with a line that names this mistake. A loan may be filled on
+/// another thread, but must be published by the thread that uses the publisher at that time. Any thread may
+/// call assert_liveliness(), wait_for_subscribers(), status() and type() at any time. Loans may outlive the
+/// publisher. After the destructors of the publisher and of its loans none of its callbacks runs any more
+/// (unless such a destructor is called from within the callback).
 template <class T>
 class [[nodiscard]] Publisher {
  public:
   /// For SFT's own code: Node::publisher() opens publishers.
   explicit Publisher(detail::untyped::Publisher publisher) : publisher_(std::move(publisher)) {}
 
-  /// Encodes the message once and sends it: readers on this host get one sample with all fields, readers on
-  /// other hosts get the fields that they asked for. Without a reader the call takes a few nanoseconds. If
-  /// only one process on another host reads, the calling thread sends a large message without a copy, as far
-  /// as the receiver has room; only the rest is copied. A thread of the node sends loans, and messages for
-  /// several processes. The message may be changed or destroyed when the function returns.
+  /// Encodes the message once and sends it. Readers on this host get one sample with all fields, and
+  /// readers on other hosts get the fields that they have requested. Without a reader the call takes a few
+  /// nanoseconds. If only one process on another host reads, the calling thread sends a large message
+  /// without a copy, as far as the receive buffer of that process allows; only the rest is copied. Loans,
+  /// and messages for several processes, are sent by a thread of the node. The message may be changed or
+  /// destroyed when the function returns.
   PublishStatus publish(const T& message) { return publisher_.publish(&message); }
 
-  /// Publishes a span, vector or array of messages. Each becomes a sample of its own, as if they were
-  /// published one after the other. For small messages to other hosts this is much cheaper, because over UDP
-  /// small samples share datagrams and system calls. All samples have the time of this call as their stamp.
-  /// (publish() of a single message sends it at once, and never waits for further messages with which it
-  /// could share a datagram.)
+  /// Publishes a span, vector or array of messages. Each message becomes a separate sample, as if the
+  /// messages were published one after the other. For small messages to other hosts this is much cheaper
+  /// than single calls, because small samples share datagrams and system calls. All samples have the time
+  /// of this call as their stamp. (publish() of a single message sends it at once, and never waits for
+  /// further messages with which it could share a datagram.)
   template <std::convertible_to<std::span<const T>> Messages>
   requires(!std::convertible_to<Messages, const T&>) PublishedSpan publish(const Messages& messages) {
     const std::span<const T> all = messages;
@@ -169,43 +170,44 @@ class [[nodiscard]] Publisher {
     return publisher_.publish_cdr(payload);
   }
 
-  /// Lends memory for a message. Its fields are those of `prototype`, except that the sequences that `sizes`
-  /// names have the numbers of elements given there, all zero: `pub.loan(prototype, {.data = 6'291'456})`.
-  /// Sequences of numbers or enumerators can be named, also those in nested structs: `{.cloud = {.data =
-  /// 1000}}`. Returns an error if `prototype` cannot be encoded, if the message is larger than
+  /// Lends memory for a message. Its fields are those of `prototype`, but each sequence that `sizes` names
+  /// has the given number of elements, which are all zero: `pub.loan(prototype, {.data = 6'291'456})`.
+  /// `sizes` can name sequences of numbers or enumerators, including those in nested structs: `{.cloud =
+  /// {.data = 1000}}`. Returns an error if `prototype` cannot be encoded, if the message is larger than
   /// PublisherOptions::max_sample_bytes, or if no memory is free.
   [[nodiscard]] Result<Loan<T>> loan(const T& prototype, const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::zeroed);
   }
 
-  /// Lends memory like loan(), but does not set the reserved elements to zero, which saves time. The memory
-  /// was used before: write every element, or shrink() the sequence to the elements that were written.
-  /// Elements that are not written are sent to all readers as they are: they contain pieces of earlier
-  /// samples of this publisher or of others on this host.
+  /// Lends memory like loan(), but does not set the reserved elements to zero, which saves time. Write
+  /// every element, or shrink() the sequence to the elements that were written. Elements that are not
+  /// written are sent to all readers as they are, and contain pieces of earlier samples of this publisher
+  /// or of other publishers on this host.
   [[nodiscard]] Result<Loan<T>> loan_for_overwrite(const T& prototype,
                                                    const typename T::LoanSizes& sizes = {}) {
     return loan(prototype, sizes, detail::ReservedMemory::as_it_is);
   }
 
-  /// Returns the reason why publish() returned PublishStatus::invalid: the field that is wrong, its size and
-  /// the limit, as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span the text is
-  /// about the last message that was wrong. It stays until the next message is refused, and is empty before
-  /// the first refusal. Only the thread that publishes may call this.
+  /// Returns the reason why publish() returned PublishStatus::invalid: the field that is wrong, its size
+  /// and the limit, as in "topic 'map': 'names[3]' has 300 characters; its bound is 255". For a span the
+  /// text is about the last message that was wrong. The text stays the same until the next message is
+  /// refused, and is empty before the first refusal. Only the thread that publishes may call this.
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
   /// Sleeps until at least `count` subscribers are served, and then returns true. Returns false if the
-  /// timeout is over before. A subscriber with several selections counts once for each. If the result is
-  /// true, messages that are published later are sent to these subscribers. Must not be called in callbacks:
-  /// the node would not serve these subscribers meanwhile.
+  /// timeout has passed. A subscriber with several selections counts once for each selection. If the result
+  /// is true, messages that are published later are sent to these subscribers. Must not be called in
+  /// callbacks: the node would not serve these subscribers meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }
 
-  /// Asserts that the publisher is alive. A program with the liveliness manual_by_topic calls this while it
-  /// has nothing to publish. The call takes little time.
+  /// Asserts that the publisher is alive. A program with the liveliness manual_by_topic must call this
+  /// while it has nothing to publish. The call takes little time.
   void assert_liveliness() { publisher_.assert_liveliness(); }
 
-  /// Returns the counts of the publisher, and each subscriber of the topic. Any thread may call this.
+  /// Returns the counts of the publisher, and the state of each subscriber of the topic. Any thread may
+  /// call this.
   PublisherStatus status() const { return publisher_.status(); }
   /// Returns the message type, which is valid as long as the publisher. Any thread may call this.
   const TypeSupport& type() const { return publisher_.type(); }

@@ -35,9 +35,9 @@ struct Partial {
 };
 
 /// A sample, as take() returns it and callbacks get it. `sample->field()` reads a field in place. Spans,
-/// strings and ranges that getters return are valid as long as the sample, which must not be moved meanwhile.
-/// A sample is moved, not copied; it owns its place in shared memory or in a buffer until it is destroyed.
-/// Any thread may destroy it, and several threads may read it at once. A program can hold
+/// strings and ranges that getters return are valid until the sample is destroyed or moved. A sample can be
+/// moved, but not copied; it owns its memory, in shared memory or in a buffer, until it is destroyed. Any
+/// thread may destroy it, and several threads may read it at once. A program can hold at most
 /// SubscriberOptions::max_held samples of one publisher in shared memory.
 ///
 /// A sample is empty if take() found none, or after it was moved away. Only `if (sample)`, info() and
@@ -50,7 +50,7 @@ class Sample {
   using View = detail::ViewOf<T, R>;
 
   Sample() = default;
-  /// For SFT's own code: take() and callbacks give samples to programs.
+  /// For SFT's own code: programs get samples from take() and in callbacks.
   explicit Sample(detail::untyped::Sample&& sample) : sample_(std::move(sample)) {}
 
   /// Returns false if there is no sample.
@@ -70,8 +70,8 @@ class Sample {
   Arrow operator->() const& { return Arrow(view()); }
   void operator->() const&& = delete;
 
-  /// Returns the view with the getters of the sample. The view is valid as long as the sample, which must not
-  /// be moved meanwhile. Must not be called on an empty sample.
+  /// Returns the view with the getters of the sample. The view is valid until the sample is destroyed or
+  /// moved. Must not be called on an empty sample.
   View view() const& {
     if (!sample_) [[unlikely]]
       stop();
@@ -93,13 +93,14 @@ class Sample {
   /// Returns the selection that the sample was made for: the fields and parts that its subscriber has
   /// requested. After a subscriber has changed its selection, samples of the former selection may still
   /// arrive; for these samples the former selection is returned. A sample in shared memory, which has all
-  /// fields, is always reduced to the latest selection. If selections differ only in their conditions, the
-  /// latest one is returned. The result is null if the subscriber records, if it declares only whole fields,
-  /// or if the sample is empty. Valid as long as the sample.
+  /// fields, is always reduced to the latest selection. If two selections differ only in their conditions,
+  /// the later one is returned. The result is null if the subscriber records, if it declares only whole
+  /// fields, or if the sample is empty. Valid as long as the sample.
   const Selection* selection() const& { return sample_.selection(); }
   void selection() const&& = delete;
-  /// Returns the channels of point clouds that were asked for, declared or recorded, and that the sample's
-  /// clouds do not have. Empty if none are missing. The call does not count as reading a field.
+  /// Returns the channels of point clouds that were requested (declared or recorded) but that the sample's
+  /// clouds do not have. The result is empty if no channel is missing. The call does not count as reading a
+  /// field.
   std::vector<std::string> missing_channels() const { return sample_.missing_channels(type_support<T>()); }
   /// Returns true if a getter has returned an empty value because the bytes are malformed, or because there
   /// was no memory for the part of a field that it had to copy.
@@ -116,9 +117,9 @@ class Sample {
     if (Result<void> copied = to_owned(*value); !copied) value = tl::unexpected(std::move(copied.error()));
     return value;
   }
-  /// Copies the whole message to an object of the program, whose memory is reused. This also works for
-  /// structs that are too large for the stack. After an error the object may contain some fields of the
-  /// sample.
+  /// Copies the whole message to an object of the program, and reuses the memory of that object. This also
+  /// works for structs that are too large for the stack. After an error the object may contain some fields
+  /// of the sample.
   [[nodiscard]] Result<void> to_owned(T& message) const
       requires(!R.may_lack() && R.mask == all<T> && R.parts == detail::DeclaredParts{}) {
     if (!sample_) return empty_error();
@@ -134,7 +135,7 @@ class Sample {
       partial = tl::unexpected(std::move(copied.error()));
     return partial;
   }
-  /// Does the same, but copies to an object of the program, which is replaced completely.
+  /// Does the same as the function above, but replaces the contents of an object of the program.
   [[nodiscard]] Result<void> to_partial(Partial<T>& partial) const {
     if (!sample_) return empty_error();
     std::destroy_at(&partial.value);
@@ -150,7 +151,7 @@ class Sample {
   void cdr() const&& = delete;
 
  private:
-  /// The function is not inline, so that the getters, which are many, stay short.
+  /// The function is not inline, so that the code of the many getters stays short.
   [[noreturn, gnu::cold, gnu::noinline]] static void stop() {
     detail::stop_at_empty_sample(detail::TypeTable<T>::type.name);
   }

@@ -13,10 +13,10 @@
 // and replies have these fields:
 //
 //   client      a random number of the client; 0: `sft pub`, whose calls are always carried out
-//   number      the number of the call, which the client counts; a repetition has the same one
+//   number      the number of the call, which the client counts; a repetition has the same number
 //   server      in a call: the id of the server's publisher of replies, 0: any server; in a reply: that id
 //   timeout_ms  how long the client repeats the call, and the server keeps the answer
-//   error       not empty: there is no response, and this is why
+//   error       not empty: there is no response, and this text is the reason
 #pragma once
 
 #include <atomic>
@@ -47,19 +47,20 @@ concept GeneratedService = requires(typename S::Call call, typename S::Reply rep
 
 }  // namespace detail
 
-/// The server of a service. It is moved, not copied, and keeps its node alive. After the destructor the
-/// handler does not run any more, and waiting clients get an error that says that the server has departed.
+/// The server of a service. It can be moved, but not copied, and keeps its node alive. After the destructor
+/// the handler does not run any more, and the calls of waiting clients fail with an error which says that
+/// the server has departed.
 template <detail::GeneratedService S>
 class [[nodiscard]] Service {
  public:
   /// The function that answers requests. It is called once for each request by a thread of the node, one
   /// request at a time. It is a callback for samples, and the rules of such callbacks apply (subscriber.h).
-  /// While it runs, other requests wait. It returns a response, or an error, whose message the client gets.
-  /// It must not throw.
+  /// While it runs, other requests are queued. It returns a response, or an error whose message is sent to
+  /// the client. It must not throw.
   using Handler = std::function<Result<typename S::Response>(const typename S::Request&)>;
 
-  /// Opens the server, which serves until the returned object is destroyed. If two servers have one name,
-  /// clients use neither. `options` are the options of the publisher of replies, for example
+  /// Opens the server, which serves until the returned object is destroyed. If two servers have the same
+  /// name, clients use neither of them. `options` are the options of the publisher of replies, for example
   /// `max_sample_bytes`. That publisher is always reliable.
   [[nodiscard]] static Result<Service> open(Node& node, std::string_view service, Handler handler,
                                             PublisherOptions options = {}) {
@@ -82,7 +83,7 @@ class [[nodiscard]] Service {
   using Reply = typename S::Reply;
   using Served = detail::ServedCalls<Reply>;
 
-  /// The state that the callback uses. One thread at a time uses it: the thread that runs the callback.
+  /// The state that the callback uses. Only the thread that runs the callback uses it.
   class State {
    public:
     State(Handler handler, Publisher<Reply> replies)
@@ -134,8 +135,9 @@ class [[nodiscard]] Service {
   Subscriber<Call> calls_;  // destroyed first; its destructor waits for the handler
 };
 
-/// A client of a service. It is moved, not copied, and keeps its node alive. One thread at a time may use it.
-/// Threads that call at the same time need separate clients: a call while another one is running is an error.
+/// A client of a service. It can be moved, but not copied, and keeps its node alive. It must be used by
+/// only one thread at a time. Threads that make calls at the same time need separate clients: a call that
+/// begins while another call is running returns an error.
 template <detail::GeneratedService S>
 class [[nodiscard]] Client {
  public:
@@ -158,14 +160,15 @@ class [[nodiscard]] Client {
     return Client(id, service, std::move(*calls), std::move(*replies));
   }
 
-  /// Returns true if there is exactly one server, and both calls and replies are connected.
+  /// Returns true if there is exactly one server, and it is connected for both calls and replies.
   bool is_available() const { return detail::only_server(servers()) != nullptr; }
 
   /// Waits for the server, sends the request to it, repeats the request until the response arrives, and
-  /// returns the response. The handler of the server runs once. Returns an error with the reason if this
-  /// takes longer than `timeout`, if the server departs meanwhile, or if the server refuses. After an error
-  /// it is unknown if the handler ran. Must not be called in callbacks for samples, since the response would
-  /// wait for the callback: call it on a thread of the program.
+  /// returns the response. The handler of the server runs only once. Returns an error with the reason if
+  /// there is no response within `timeout`, if the server departs meanwhile, or if its handler returns an
+  /// error. After an error it is unknown whether the handler has run. Must not be called in callbacks for
+  /// samples, since the response could not be received until the callback returns. Call it on a thread of
+  /// the program.
   [[nodiscard]] Result<Response> call(const Request& request, std::chrono::nanoseconds timeout) {
     static_assert(sizeof(Response) <= (1 << 20),
                   "the response is too large for the stack: write client.call(request, *response, timeout), "
@@ -175,8 +178,8 @@ class [[nodiscard]] Client {
       response = tl::unexpected(std::move(done.error()));
     return response;
   }
-  /// Does the same, but writes the response to an object of the program. The object does not change if there
-  /// is an error.
+  /// Does the same as the function above, but writes the response to an object of the program. The object
+  /// does not change if there is an error.
   [[nodiscard]] Result<void> call(const Request& request, Response& response,
                                   std::chrono::nanoseconds timeout) {
     using Kind = detail::ClientCall::Step::Kind;
@@ -231,8 +234,8 @@ class [[nodiscard]] Client {
     return {};  // a request that was not sent for lack of memory is sent again later
   }
 
-  /// Returns the reply to the latest call, or nothing if there is none yet. Late replies to earlier calls are
-  /// dropped.
+  /// Returns the reply to the latest call, or nothing if the reply has not arrived yet. Late replies to
+  /// earlier calls are dropped.
   std::optional<Result<void>> take_answer(Response& response) {
     while (const Sample<Reply> sample = replies_.take()) {
       if (sample->client() != message_->client || sample->number() != message_->number) continue;

@@ -1,6 +1,6 @@
-// All public headers: everything that a program needs besides the headers generated for its message types.
-// Headers in sft/detail/ and names in sft::detail are for generated code and for SFT's own libraries. They
-// may change with every version.
+// All public headers: everything that a program needs in addition to the headers that are generated for its
+// message types. Headers in sft/detail/ and names in sft::detail are for generated code and for SFT's own
+// libraries. They may change with every version.
 #pragma once
 
 #include "sft/cells.h"         // IWYU pragma: export

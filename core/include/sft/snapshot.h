@@ -1,11 +1,11 @@
-// The result of Node::snapshot(): everything that a node knows of its own publishers and subscribers at one
+// The result of Node::snapshot(): all that a node knows about its own publishers and subscribers at one
 // time. It is for people, tools and tests.
 //
 // A snapshot is a copy that the program owns. Any thread may take one, also in callbacks of SFT. The call
-// copies the status of all publishers and subscribers one after the other (status.h says what the counts mean
-// and when they agree), and writes masks as names of fields. It allocates memory, and takes some microseconds
-// for each pair. Publishing and receiving do not wait for it; opening or destroying a publisher or subscriber
-// does.
+// copies the status of all publishers and subscribers one after the other (status.h says what the counts
+// mean and when they agree), and writes masks as names of fields. It allocates memory, and takes some
+// microseconds for each pair. Publishing and receiving do not wait for it; opening or destroying a
+// publisher or subscriber does.
 //
 // As JSON a snapshot is one object. Later versions keep the names and may add some. Ids are strings of 16 hex
 // digits. Durations are in nanoseconds; 0 means none. `fields` are texts as TypeSupport::parse_selection()
@@ -67,14 +67,14 @@ struct NodeSnapshot {
     std::vector<Reader> readers;           ///< all subscribers of the topic, served or not
   };
 
-  /// One subscriber, with its status. A subscriber with several selections has one entry for each, with an id
-  /// of its own.
+  /// One subscriber, with its status. A subscriber with several selections has one entry with a separate id
+  /// for each selection.
   struct Subscriber : SubscriberStatus {
     std::uint64_t id = 0;   ///< the same as DomainSnapshot::Endpoint::id
     std::string topic;      ///< the name without a slash at the beginning
     std::string type;       ///< the name of the type
     Qos qos;                ///< the QoS that the subscriber requests
-    std::string fields;     ///< the fields that the subscriber asks for at present
+    std::string fields;     ///< the fields that the subscriber requests at present
     bool recorded = false;  ///< true: `fields` were found by recording
     /// The number in SampleInfo::selection of its samples. The entries of one subscriber follow each other.
     std::size_t selection_number = 0;
@@ -85,20 +85,20 @@ struct NodeSnapshot {
   /// The DDS domain.
   std::uint32_t domain = 0;
   std::string version;  ///< the version of this library
-  /// The version of the control protocol; nodes with another version are not seen.
+  /// The version of the control protocol; nodes with another version are not found.
   std::uint32_t control_protocol = 0;
   /// The time at which the snapshot was taken.
   std::chrono::sys_time<std::chrono::nanoseconds> time{};
   NodeStatus status;                    ///< the state of shared memory and UDP, and counts of refused input
-  std::vector<Publisher> publishers;    ///< in the order in which they were opened
-  std::vector<Subscriber> subscribers;  ///< in the same order
+  std::vector<Publisher> publishers;    ///< in the order in which the publishers were opened
+  std::vector<Subscriber> subscribers;  ///< in the order in which the subscribers were opened
 };
 
 /// Returns the JSON object `qos` of a publisher or subscriber, in one line.
 std::string to_json(const Qos& qos);
 
 /// Returns the snapshot as JSON. `indent` is the number of spaces for each level; -1: all in one line. The
-/// text is valid UTF-8, even if other nodes have announced names that are not.
+/// text is valid UTF-8, even if other nodes have announced invalid names.
 std::string to_json(const NodeSnapshot& snapshot, int indent = 2);
 
 }  // namespace sft

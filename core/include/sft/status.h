@@ -1,13 +1,15 @@
-// The results of publish() and shrink(), and the status of nodes, publishers and subscribers: the results of
-// the negotiation, and counts.
+// The results of publish() and shrink(), and the status of nodes, publishers and subscribers: the results
+// of the negotiation, and counts.
 //
-// A status is a copy of the state at the time of the call of status(); the program owns the copy. Any thread
-// may call status(), also in callbacks of SFT. The call takes a short lock of its own and copies, which takes
-// some microseconds, and longer with many peers. Publishing and receiving do not wait for it. NodeSnapshot
-// (snapshot.h) has the status of all publishers and subscribers of a node at once.
+// A status is a copy of the state at the time of the call of status(); the program owns the copy. Any
+// thread may call status(), even in callbacks of SFT. The call locks a separate mutex for a short time and
+// makes copies, which takes some microseconds, and longer with many peers. Publishing and receiving do not
+// wait for this mutex. NodeSnapshot (snapshot.h) has the status of all publishers and subscribers of a node
+// at once.
 //
-// Counts only grow. They are read one after the other while samples are sent, so that a sample under way may
-// already be in one count and not yet in another. When no sample is under way, the counts agree exactly.
+// Counts never decrease. They are read one after the other while samples are sent. So a sample under way
+// may already be contained in one count, but not yet in another. When no sample is under way, the counts
+// agree exactly.
 #pragma once
 
 #include <cstddef>
@@ -29,9 +31,9 @@ constexpr const char* to_string(TransportKind kind) {
   return kind == TransportKind::shm ? "shm" : "udp";
 }
 
-/// Two different definitions of one type. Publishers and subscribers with different definitions never match.
-/// "Here" is the program whose status this is. All texts are empty if the definitions were not compared
-/// because too many others had been announced.
+/// Two different definitions of one type. Publishers and subscribers with different definitions never
+/// match. "Here" means the program that has called status(). All texts are empty if the definitions were
+/// not compared because too many different ones had been announced.
 struct TypeMismatch {
   std::string difference;  ///< the first difference: "fields[].offset: uint32 here, uint64 there"
   std::string here;        ///< the whole type here, as IDL
@@ -47,7 +49,7 @@ enum class PublishStatus : std::uint8_t {
   invalid,
   no_loan,    ///< nothing was sent: the loan was published already, or moved away
   no_memory,  ///< nothing was sent: no chunk or buffer is free, because readers hold too many samples
-  /// A queue was full or no chunk was free, so that at least one reader misses this sample and counts it as
+  /// A queue was full or no chunk was free, so at least one reader misses this sample and counts it as
   /// lost. With PublisherOptions::max_blocking, publish() has waited for that time, and the reader may have
   /// lost an older sample instead.
   dropped,
@@ -61,7 +63,7 @@ const char* to_string(PublishStatus status);
 /// The result of publish(span).
 struct PublishedSpan {
   std::size_t published = 0;  ///< the number of messages with the status ok
-  /// The status of the first message whose status was not ok; else ok.
+  /// The status of the first message whose status was not ok, or ok if there is none.
   PublishStatus status = PublishStatus::ok;
 };
 
@@ -69,7 +71,7 @@ struct PublishedSpan {
 enum class ShrinkStatus : std::uint8_t {
   ok,
   not_reserved,  ///< nothing was changed: the loan named no size for this sequence
-  too_long,      ///< nothing was changed: the length is more than the reserved one
+  too_long,      ///< nothing was changed: the length is greater than the reserved length
   no_loan,       ///< nothing was changed: the loan was published already, or moved away
 };
 /// Returns a sentence about the status. The text lives as long as the program.
@@ -78,70 +80,72 @@ const char* to_string(ShrinkStatus status);
 /// The status of one publisher.
 struct PublisherStatus {
   /// One subscriber of the topic, as the publisher serves it.
-  /// Larger than usual: it is a record, whose counters have names of their own for users.
+  /// Larger than usual: each count has a separate named member for users.
   struct Reader {
     std::uint64_t id = 0;       ///< DomainSnapshot::Endpoint::id of the subscriber
     std::string node;           ///< the name of the subscriber's node
     bool served = false;        ///< false: nothing is sent, and `reason` says why
     TransportKind transport{};  ///< valid only while the reader is served
-    /// The reason why this transport is used, or why the reader is not served. Also says if the host of the
-    /// reader does not answer.
+    /// The reason why this transport is used, or why the reader is not served. The text also says so if the
+    /// host of the reader does not answer.
     std::string reason{};
-    /// If the reader is served by UDP: the readers that share its multicast group, or the reason why it
-    /// shares none.
+    /// If the reader is served by UDP: the readers that share a multicast group with it, or the reason why
+    /// it shares no group.
     std::string multicast{};
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
-    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first one that does not fit; `reason` has all
-    bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
-    /// True: no_path, but shared memory may still become available, on either side.
+    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: the two definitions of the type differ
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first incompatible one; `reason` names all
+    bool no_path = false;                             ///< type and QoS are compatible, but no path is allowed
+                                                      ///< to both
+    /// True: no_path is true, but shared memory may still become available to the publisher or the reader.
     bool no_path_yet = false;
     FieldMask mask{};                    ///< the fields that are sent to the reader
-    Selection selection{};               ///< the same fields, with the parts that the reader asks for
-    double max_rate_hz = 0;              ///< the rate that the reader asks for; 0: all samples
+    Selection selection{};               ///< the same fields, with the parts that the reader requests
+    double max_rate_hz = 0;              ///< the maximum rate that the reader requests; 0: all samples
     std::uint64_t request_sequence = 0;  ///< the number of the reader's request that is in force
 
     // The counts of samples since the reader was first served, over all its requests and all its paths.
     // Samples that were queued for the reader when its route changed count as sent.
     std::uint64_t published = 0;  ///< samples while the reader was served: sent + withheld + dropped
-    std::uint64_t sent = 0;       ///< samples put into shared memory, passed to the system, or queued for it
+    std::uint64_t sent = 0;       ///< samples put into shared memory, passed to the system, or queued for UDP
     std::uint64_t withheld = 0;   ///< samples that were not sent because of conditions or max_rate_hz
     std::uint64_t dropped = 0;    ///< samples not sent: a queue or the memory was full, or the system refused
     std::uint64_t retained = 0;   ///< older samples, which a durable publisher sends first; not counted above
-    std::uint64_t diverted = 0;   ///< the part of `sent` that went by UDP: shared memory could not take them
+    std::uint64_t diverted = 0;   ///< the part of `sent` that used UDP because shared memory could not take
+                                  ///< the samples
 
-    // The counts of bytes of the bodies that went over the network or the loopback, without headers. A sample
-    // in shared memory counts neither as sent nor as saved. If several readers of a process ask for the same
-    // fields, bytes that are sent once count for each of these readers.
+    // Counts of bytes in the bodies that were sent over the network or the loopback, without headers. The
+    // bytes of a sample in shared memory count neither as sent nor as saved. If several readers of a
+    // process request the same fields, bytes that are sent once count for each of these readers.
     std::uint64_t bytes_sent = 0;  ///< the bytes that were sent, see above
     /// The size of the same samples with all fields, minus bytes_sent.
     std::uint64_t bytes_saved = 0;
     friend bool operator==(const Reader&, const Reader&) = default;
   };
 
-  /// The numbers of samples that shared memory could not take, by reason. These samples went by UDP to the
-  /// readers that may use UDP; the other readers missed them.
+  /// The numbers of samples that shared memory could not take, by reason. These samples were sent by UDP to
+  /// the readers that may use UDP; the other readers missed them.
   struct Diverted {
     std::uint64_t exhausted = 0;    ///< readers, loans and the history held all chunks of the sample's size
     std::uint64_t too_large = 0;    ///< the sample was larger than the largest chunk
     std::uint64_t unavailable = 0;  ///< the daemon had just ended, or held a lock
     std::uint64_t too_large_bytes = 0;  ///< the size of the largest sample that was too large
-    /// The size of the largest sample that would have had room in a chunk then.
+    /// The maximum size of a sample that would have fitted into a chunk at that time.
     std::uint64_t chunk_bytes = 0;
-    /// Returns the number of such samples, for any reason.
+    /// Returns the number of all such samples.
     std::uint64_t total() const { return exhausted + too_large + unavailable; }
     friend bool operator==(const Diverted&, const Diverted&) = default;
   };
 
   std::uint64_t id = 0;         ///< DomainSnapshot::Endpoint::id of the publisher
   std::uint64_t published = 0;  ///< the number of published samples
-  /// Bytes of bodies and SFT headers over the network; each datagram counts once.
+  /// The bytes of bodies and SFT headers that were sent over the network; each datagram counts once.
   std::uint64_t bytes_sent = 0;
   std::uint64_t bytes_saved = 0;       ///< the sum over all readers, including departed ones
   std::uint64_t deadlines_missed = 0;  ///< periods of the publisher's deadline without a sample
   bool alive = true;                   ///< false: the publisher's liveliness was not asserted in time
-  /// Samples that at least one transport did not take, and samples that UDP queued and could not send later.
-  /// A sample of the latter kind counts once for each address that missed it.
+  /// The number of samples that at least one transport did not take, and of samples that UDP queued and
+  /// could not send later. A sample of the latter kind counts once for each address that missed it.
   std::uint64_t dropped = 0;
   /// The counts of samples that shared memory could not take.
   Diverted diverted{};
@@ -150,11 +154,11 @@ struct PublisherStatus {
   /// `readers`.
   std::size_t vanilla_readers = 0;
   /// All subscribers of the topic, served or not. A subscriber with several selections has one entry for
-  /// each.
+  /// each selection.
   std::vector<Reader> readers;
 };
 
-/// The status of one subscriber. Sample counts are over all publishers, including departed ones.
+/// The status of one subscriber. Counts of samples include all publishers, including departed ones.
 struct SubscriberStatus {
   /// One publisher of the topic, as the subscriber receives from it.
   struct Writer {
@@ -164,17 +168,19 @@ struct SubscriberStatus {
     std::string node;
     bool matched = false;    ///< false: the two do not match, and `reason` says why
     bool connected = false;  ///< true: samples of the publisher arrive, by `transport`
-    bool alive = true;  ///< false: the lease of the publisher or of its node is over; `reason` says which
+    bool alive = true;  ///< false: the lease of the publisher or of its node has expired; `reason` says which
     TransportKind transport{};  ///< valid only while the publisher is connected
     std::string reason{};       ///< the reason for this transport, or for having none; for people
     /// The number of samples of the publisher that are kept until they are taken: SubscriberOptions::depth,
     /// or less if shared memory keeps less.
     std::uint32_t depth = 0;
     bool incompatible_type = false;                   ///< the names or definitions of the types differ
-    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: two definitions of one type
-    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first one that does not fit; `reason` has all
-    bool no_path = false;                             ///< type and QoS fit, but no path is allowed to both
-    /// True: no_path, but shared memory may still become available, on either side.
+    std::shared_ptr<const TypeMismatch> mismatch{};   ///< not null: the two definitions of the type differ
+    QosPolicy incompatible_policy = QosPolicy::none;  ///< the first incompatible one; `reason` names all
+    bool no_path = false;                             ///< type and QoS are compatible, but no path is allowed
+                                                      ///< to both
+    /// True: no_path is true, but shared memory may still become available to the publisher or the
+    /// subscriber.
     bool no_path_yet = false;
     std::uint64_t received = 0;  ///< samples that were taken or passed to the callback
     std::uint64_t lost = 0;      ///< samples that should have arrived, and did not
@@ -182,8 +188,8 @@ struct SubscriberStatus {
     std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
     /// The number of periods of the subscriber's deadline without samples of this publisher.
     std::uint64_t deadlines_missed = 0;
-    /// The number of times that the connection was set up anew because the publisher sent and nothing
-    /// arrived.
+    /// The number of times that the connection was set up anew because nothing arrived although the
+    /// publisher sent samples.
     std::uint64_t restarts = 0;
   };
 
@@ -193,18 +199,21 @@ struct SubscriberStatus {
   std::uint64_t lost = 0;
   std::uint64_t withheld = 0;  ///< samples that conditions or max_rate_hz have withheld
   std::uint64_t expired = 0;   ///< samples that were not delivered because their lifespan was over
-  /// Samples that arrived and were discarded, because they were malformed or a full queue dropped them.
-  /// Samples of the latter kind count as lost, too, once a later sample is taken.
+  /// The number of samples that arrived and were discarded, because they were malformed or the queue was
+  /// full. Samples that were discarded because of a full queue also count as lost, once a later sample is
+  /// taken.
   std::uint64_t discarded = 0;
   /// The number of times that the next sample of a publisher could not be taken because the program held
   /// SubscriberOptions::max_held samples of that publisher.
   std::uint64_t held_too_many = 0;
   /// The number of samples that waited for the callback for more than a second because callbacks of other
-  /// subscribers of the node were running. The status of the first selection has the count of all selections.
+  /// subscribers of the node were running. The status of the first selection contains the count for all
+  /// selections.
   std::uint64_t long_waits = 0;
-  FieldMask mask;              ///< the fields that the subscriber asks for at present
-  Selection selection{};       ///< the same fields, with the parts and the conditions; the rate is below
-  double max_rate_hz = 0;      ///< the rate that the subscriber asks for at present; 0: all samples
+  FieldMask mask;              ///< the fields that the subscriber requests at present
+  Selection selection{};       ///< the same fields, with their parts and the conditions; the rate is in
+                               ///< `max_rate_hz`
+  double max_rate_hz = 0;      ///< the maximum rate that the subscriber requests at present; 0: all samples
   std::uint64_t requests = 0;  ///< the number of requests for fields and rates that were sent
   std::uint64_t restarts = 0;  ///< the number of connections that were set up anew because nothing arrived
   /// All publishers of the topic, connected or not, and all unmodified DDS writers that were found.
@@ -213,7 +222,7 @@ struct SubscriberStatus {
 
 /// The status of one node. Texts are sentences for people.
 struct NodeStatus {
-  /// The number of the DDS domain of the node. Nodes of other domains are not seen.
+  /// The number of the DDS domain of the node. Nodes of other domains are not found.
   std::uint32_t domain = 0;
   /// How nodes are found, and which settings of the user have no effect, with the reasons.
   std::string discovery;
@@ -234,17 +243,18 @@ struct NodeStatus {
   /// datagrams are sent and received in one call), "huge pages" (for large samples).
   std::vector<QuickPath> quick_paths{};
   std::string shm;  ///< how shared memory works here, or the reason why it does not
-  /// True: samples can go by shared memory.
+  /// True: samples can be sent by shared memory.
   bool shm_ready = false;
-  /// True: no sftd is running, and NodeOptions::shm.start_daemon forbids the node to start one.
+  /// True: no sftd is running, and NodeOptions::shm.start_daemon does not allow the node to start one.
   bool lacks_daemon = false;
   /// The number of datagrams with malformed contents.
   std::uint64_t datagrams_malformed = 0;
-  /// The number of datagrams of publishers to which this node does not subscribe, and of answers to datagrams
-  /// that were not sent to the host that answers.
+  /// The number of datagrams of publishers to which this node does not subscribe, and of answers from hosts
+  /// to which the datagrams in question were not sent.
   std::uint64_t datagrams_unknown = 0;
   std::uint64_t samples_incomplete = 0;  ///< the number of samples of which a part never arrived
-  /// The number of samples and datagrams that UDP dropped to stay within a limit, when it sent or received.
+  /// The number of samples and datagrams that UDP dropped to stay within a limit, while sending or
+  /// receiving.
   std::uint64_t over_limit = 0;
   std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory with malformed contents
   std::uint64_t shm_over_limit = 0;         ///< loans and samples refused to stay within a limit

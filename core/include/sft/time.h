@@ -27,7 +27,8 @@ concept OwnedSeconds = requires(const S& s) {
   { s.sec } -> std::convertible_to<std::int64_t>;
   { s.nanosec } -> std::convertible_to<std::int64_t>;
 };
-/// A view of a message. Its getters return optionals if fields are recorded or selected.
+/// A view of a message with the getters `sec` and `nanosec`, which return optionals if fields are recorded
+/// or selected.
 template <class S>
 concept ReadSeconds = requires(const S& s) {
   s.sec();
@@ -67,9 +68,9 @@ concept SecondsMessage = OwnedSeconds<S> || ReadSeconds<S>;
 
 }  // namespace detail
 
-/// Returns a builtin_interfaces/Duration in ns. For a sample whose fields are recorded or selected, the
-/// result is a std::optional, which is empty if the sample lacks one of the two fields. Every value of a
-/// message is in range.
+/// Returns the value of a builtin_interfaces/Duration in ns. For a sample whose fields are recorded or
+/// selected, the result is a std::optional, which is empty if the sample lacks one of the two fields. The
+/// range of the result covers every value of a message.
 template <detail::SecondsMessage S>
 constexpr auto to_duration(const S& duration) {
   if constexpr (detail::OwnedSeconds<S>) {
@@ -85,10 +86,10 @@ constexpr auto to_duration(const S& duration) {
   }
 }
 
-/// Returns a builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as std::chrono::system_clock
-/// and the stamps of SampleInfo count. A stamp of simulated time counts from the beginning of the simulation.
-/// For a sample whose fields are recorded or selected the result is a std::optional, as that of
-/// to_duration().
+/// Returns a builtin_interfaces/Time as a point in time since 1970-01-01 in UTC, as
+/// std::chrono::system_clock and the stamps of SampleInfo count. A stamp of simulated time counts from the
+/// beginning of the simulation. For a sample whose fields are recorded or selected the result is a
+/// std::optional, as with to_duration().
 template <detail::SecondsMessage S>
 constexpr auto to_time(const S& stamp) {
   using Time = std::chrono::sys_time<std::chrono::nanoseconds>;
@@ -107,7 +108,8 @@ constexpr Message duration_message(std::chrono::nanoseconds duration) {
   return detail::seconds_message<Message>(duration);
 }
 
-/// Returns a point in time as a message, like duration_message(); a 32-bit `sec` lasts until 2038-01-19.
+/// Returns a point in time as a message, like duration_message(); a 32-bit `sec` can represent times until
+/// 2038-01-19.
 template <detail::OwnedSeconds Message>
 constexpr Message time_message(std::chrono::sys_time<std::chrono::nanoseconds> time) {
   return detail::seconds_message<Message>(time.time_since_epoch());

@@ -1,7 +1,7 @@
-// Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded
-// Checks the file that sft_demo --json has written for a run in which SAMPLES messages of FULL_BYTES bytes
-// were published. If a figure is wrong, the program says so, and returns 1. A best-effort reader on a busy
-// machine may lose samples, but must have counted them.
+// Usage: check_figures FILE SAMPLES FULL_BYTES declared|recorded Checks the file that sft_demo --json has
+// written for a run in which SAMPLES messages of FULL_BYTES bytes were published. If a figure is wrong, the
+// program prints it, and returns 1. A best-effort reader on a busy machine may lose samples, but must have
+// counted the lost samples.
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -16,13 +16,14 @@ namespace {
 
 using nlohmann::json;
 
-// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some more bytes. All
-// sizes are in bytes.
+// These limits allow for headers (Ethernet 14, IP 20, UDP 8, SFT 32), fields (8), and some bytes of
+// tolerance. All sizes are in bytes.
 constexpr double small_bytes_min = 60;
 constexpr double scalar_bytes_max = 90;
 constexpr double header_bytes_max = 130;           // larger, because `header` contains a name
-constexpr double header_share_max = 0.06;          // the share of headers in large messages: 58 of 1514 bytes
-constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and of each point 16 of its 48 bytes
+constexpr double header_share_max = 0.06;          // the fraction of headers in the bytes of large messages:
+                                                   // 58 of 1514 bytes
+constexpr double localiser_share = 0.5 * 16 / 48;  // every second point, and 16 of the 48 bytes of each point
 
 int failures = 0;
 
@@ -83,8 +84,8 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
         std::pair("recorder", scalar_bytes_max)}) {
     const json& s = subscriber(run, small);
     const double wire = s.at("wire_bytes_per_sample");
-    // While fields are recorded, a lost sample is a whole message, and parts of it may arrive after the next
-    // ones.
+    // While fields are recorded, a lost sample is a whole message, and parts of it may arrive later than
+    // the next samples.
     const double late = recorded ? s.at("lost").get<double>() * (1 + header_share_max) * full_bytes : 0;
     expect(wire >= small_bytes_min && wire <= bytes_max + late / s.at("received").get<double>(),
            std::string("wire_bytes_per_sample of ") + small + ": " + std::to_string(wire));
@@ -94,7 +95,7 @@ void check_wire(const json& run, double full_bytes, bool recorded) {
   }
   const json localiser = subscriber(run, "localiser");
   const double large = localiser.at("wire_bytes_per_sample");
-  const double part = recorded ? 1 : localiser_share;  // a recorded localiser still receives whole clouds
+  const double part = recorded ? 1 : localiser_share;  // a localiser that records still receives whole clouds
   // The link also carried the bytes of the samples that were lost.
   const double carried = 1 + localiser.at("lost").get<double>() / localiser.at("received").get<double>();
   expect(large > 0.98 * part * full_bytes && large < (1 + header_share_max) * carried * part * full_bytes,

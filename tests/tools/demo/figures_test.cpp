@@ -63,7 +63,7 @@ SubscriberFigures detector() {
   return s;
 }
 
-/// Returns the figures of a subscriber that requests all fields except height, of every tenth sample.
+/// Returns the figures of a subscriber that requests all fields except height, and only every tenth sample.
 SubscriberFigures localiser() {
   SubscriberFigures s = health();
   s.name = "localiser";
@@ -287,7 +287,7 @@ TEST(Table, HasALineForEachSubscriber) {
 
 TEST(Table, DoesNotPraiseSavingsThatAreNone) {
   SubscriberFigures s = health();
-  s.wire_bytes_per_sample = 6'542'152;  // the headers have more bytes than the missing field
+  s.wire_bytes_per_sample = 6'542'152;  // the bytes of the headers exceed those of the missing field
   EXPECT_THAT(format_table(run_of({s}))[1], AllOf(HasSubstr("nothing"), Not(HasSubstr("%"))));
 }
 

@@ -1,4 +1,4 @@
-// Tests of the whole program. The program leaves no files or processes behind, in whichever way it ends.
+// Tests of the whole program. The program leaves no files or processes behind, whichever way it ends.
 #include <fcntl.h>
 #include <gmock/gmock.h>
 #include <grp.h>
@@ -30,7 +30,7 @@ using testing::HasSubstr;
 using testing::Not;
 using Clock = std::chrono::steady_clock;
 
-/// Runs sft_demo in a process of its own. Processes that sft_demo leaves behind become children of the test.
+/// Runs sft_demo in a separate process. Processes that sft_demo leaves behind become children of the test.
 class RunningDemo {
  public:
   enum class On { pipe, terminal };
@@ -67,8 +67,8 @@ class RunningDemo {
     return true;
   }
   void send(int signal) const { kill(process_, signal); }
-  /// Waits until the program has published samples, and interrupts it, since a whole run takes longer.
-  /// Returns the exit code.
+  /// Waits until the program has published samples, and then interrupts the program, since a whole run
+  /// takes longer. Returns the exit code.
   int publish_and_stop() {
     if (prints("published; ")) send(SIGINT);
     return wait_for_end();
@@ -144,8 +144,8 @@ TEST(Demo, LeavesNothingBehindWhenItIsKilled) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// The content of a terminal of 24 rows after the text was printed to it, and the longest line that it had at
-/// any time.
+/// The content of a terminal of 24 rows after the text was printed to it, and the longest line that was on
+/// the terminal at any time.
 class Screen {
  public:
   explicit Screen(const std::string& text) {
@@ -219,7 +219,8 @@ TEST(Demo, StopsOnCtrlCWhileItWaits) {
   EXPECT_TRUE(demo.nothing_is_left());
 }
 
-/// An ordinary user gets separate hosts if user namespaces are allowed. Otherwise the demo uses loopback.
+/// An ordinary user gets separate simulated hosts if user namespaces are allowed. Otherwise the demo uses
+/// loopback.
 TEST(Demo, RunsForAnOrdinaryUserToo) {
   RunningDemo demo({"--seconds", "600"}, RunningDemo::On::pipe, RunningDemo::As::ordinary_user);
   const int code = demo.publish_and_stop();

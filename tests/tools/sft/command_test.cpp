@@ -1,5 +1,5 @@
-// The command as a whole: its arguments, its exit codes, and its use of a terminal. Also the verbs doctor and
-// top.
+// The command as a whole: its arguments, its exit codes, and its use of a terminal. Also tests the verbs
+// doctor and top.
 #include <net/if.h>
 #include <sys/ioctl.h>
 #include <sys/socket.h>
@@ -160,7 +160,7 @@ TEST_F(CommandTest, CtrlCEndsWhatWaits) {
        {std::vector<std::string>{"ls", "--wait", "3600"},
         std::vector<std::string>{"echo", "nowhere", "--timeout", "3600"}}) {
     ToolProcess tool(arguments);
-    // Waits 500 ms, after which the command is waiting, too.
+    // Waits 500 ms, so that the command is waiting, too.
     ASSERT_FALSE(eventually([&] { return false; }, 500ms));
     tool.send(SIGINT);
     EXPECT_GE(tool.end().code, 0);
@@ -300,7 +300,7 @@ TEST_F(CommandTest, DoctorComparesWhatPublishersOfTheHostAnnounceWithTheLargestC
 
 TEST_F(CommandTest, WhyAndDoctorNameSamplesThatAreTooLargeForSharedMemoryAndSayWhatToDo) {
   if (!isolation_refusal().empty()) GTEST_SKIP() << isolation_refusal();
-  const ShmOfSize shm(400);  // its largest chunk has 17 MiB
+  const ShmOfSize shm(400);  // the largest chunk of this memory has 17 MiB
   Node camera = open("camera", TransportChoice::automatic);
   Node viewer = open("viewer", TransportChoice::automatic);
   auto images = camera.publisher<PointCloud2>("images").value();

@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 
 constexpr const char* root_type = "deep_msgs/L1";
 
-/// A directory with the package deep_msgs, in which L1 nests L2, L2 nests L3, and so on. Each of these types
-/// has `fields` fields of its own.
+/// A directory with the package deep_msgs, in which L1 nests L2, L2 nests L3, and so on. Each of these
+/// types also has `fields` ordinary fields.
 class Definitions {
  public:
   Definitions(int levels, int fields) {

@@ -206,7 +206,7 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
                                             "    lost       0 samples; 10 received\n"));
 }
 
-/// The subscriber does not know that samples are lost.
+/// The subscriber cannot detect that samples are lost.
 TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
   const Publishing publishing(points, cloud());
   Ended why;
@@ -223,7 +223,7 @@ TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
 
 TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
   std::string text;
-  // Repeats the command, because the command may end before it knows both endpoints.
+  // Repeats the command, because it may end before it has discovered both endpoints.
   EXPECT_TRUE(eventually([&] {
     text = run_tool({"why", "points", "--wait", "0"}).out;
     return text.find("lidar -> logger") != std::string::npos;

@@ -26,7 +26,7 @@ class PubTest : public ToolTest {
     subscriber.wait(10s);
     return subscriber.take();
   }
-  /// Waits for the next `count` numbers and returns them. Returns fewer if no more arrive.
+  /// Waits for the next `count` numbers and returns them. Returns fewer numbers if no more arrive.
   template <class S>
   static std::vector<std::uint32_t> next(S& subscriber, std::size_t count) {
     std::vector<std::uint32_t> numbers;

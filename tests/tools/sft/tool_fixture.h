@@ -1,4 +1,4 @@
-// A robot that the tests examine with the command sft.
+// A fixture with nodes of a robot, which the tests examine with the command sft.
 #pragma once
 
 #include <gmock/gmock.h>

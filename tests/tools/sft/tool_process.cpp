@@ -77,7 +77,8 @@ ToolProcess::~ToolProcess() {
 
 bool ToolProcess::read_some() {
   std::array<pollfd, 2> readable{{{out_, POLLIN, 0}, {err_, POLLIN, 0}}};
-  // The terminal stays open after the program has ended. By then it has everything that the program printed.
+  // The terminal stays open after the program has ended. By then all output of the program can be read from
+  // the terminal.
   const bool may_end = err_ < 0 && out_ == terminal_;
   if (poll(readable.data(), readable.size(), may_end ? 0 : 60'000) <= 0) return false;
   std::array<char, 65536> part{};

@@ -1,4 +1,4 @@
-// The command sft in a process of its own.
+// The command sft in a separate process.
 #pragma once
 
 #include <sys/types.h>
@@ -26,8 +26,8 @@ class ToolProcess {
   ToolProcess(const ToolProcess&) = delete;
   ToolProcess& operator=(const ToolProcess&) = delete;
 
-  /// Reads until the command has printed the text to its standard output. Returns false if the command ended
-  /// before.
+  /// Reads until the command has printed the text to its standard output. Returns false if the command has
+  /// ended without printing it.
   bool prints(std::string_view expected);
   void press(std::string_view keys) const;
   /// Writes to the standard input of the command, which must not be a terminal. Returns when the command has

@@ -8,7 +8,7 @@
 
 namespace sft::detail {
 
-/// Bytes that are computed when a thread first asks for them, and kept from then on. Any thread may use an
+/// Bytes that are computed when a thread first asks for them, and are then kept. Any thread may use an
 /// object.
 class BytesOnDemand {
  public:

@@ -1,6 +1,6 @@
-// The rules of services (service.h) without their types: the steps of a client until its call is over, and
-// the choice of the calls that a server carries out. The functions take the time as an argument, do not wait,
-// and send nothing. One thread at a time uses an object.
+// The rules of services (service.h) without their types: the steps of a client's call, and the choice of
+// the calls that a server carries out. The functions take the time as an argument, do not wait, and send
+// nothing. An object must be used by only one thread at a time.
 #pragma once
 
 #include <algorithm>
@@ -31,7 +31,7 @@ std::uint64_t new_client_id();
 bool in_sample_callback();
 
 /// Lets one thread at a time use an object, until the end of the scope. Converts to false if another thread
-/// is using the object.
+/// is already using the object.
 class OnlyCall {
  public:
   explicit OnlyCall(std::atomic<bool>& is_used) : is_used_(is_used), is_only_(!is_used.exchange(true)) {}
@@ -50,7 +50,7 @@ class OnlyCall {
 /// A server, as far as a client knows about it.
 struct SeenServer {
   std::uint64_t id = 0;    ///< the id of the server's publisher of replies
-  std::string node;        ///< the name of the server's node
+  std::string node;        ///< true: types and policies are compatible, and the server is alive
   bool matched = false;    ///< true: types and policies fit, and the server is alive
   bool connected = false;  ///< true: calls can be sent, and replies received
   std::string reason;      ///< the reason why the server is not matched or not connected
@@ -59,11 +59,12 @@ struct SeenServer {
 /// Returns the servers that a client's publisher of calls and its subscriber of replies know.
 std::vector<SeenServer> seen_servers(const PublisherStatus& calls, const SubscriberStatus& replies);
 
-/// Returns the server if exactly one can be called, otherwise null.
+/// Returns the server if there is exactly one and it can be called, otherwise null.
 const SeenServer* only_server(const std::vector<SeenServer>& seen);
 
 /// One call of a client. A call is sent to one server only, and repeated until that server answers. If the
-/// server departs after the call was sent, the call fails: another server might carry it out a second time.
+/// server departs after the call was sent, the call fails, because another server might carry out the same
+/// call a second time.
 class ClientCall {
  public:
   /// The next step that the client has to take.
@@ -93,27 +94,28 @@ class ClientCall {
   std::chrono::nanoseconds pause_;
 };
 
-/// The latest call of each client of a server. The answer to a call is kept as long as the client may repeat
-/// the call. A client makes one call at a time, and numbers its calls.
+/// The latest call of each client of a server. The answer to a call is kept as long as the client may
+/// repeat the call. A client makes only one call at a time, and numbers its calls.
 template <class Answer>
 class ServedCalls {
  public:
   enum class Todo : std::uint8_t {
-    nothing,  ///< the handler is running, or the call is over, or it was answered a moment ago
-    run,      ///< the call is new
-    repeat    ///< the call was answered, and the answer was lost
+    nothing,  ///< nothing has to be done: the handler is running, the call is over, or it was answered just
+              ///< before
+    run,      ///< the call is new, and the handler has to run
+    repeat    ///< the call was answered before, and the answer was probably lost: it has to be sent again
   };
-  /// The most clients that are remembered. If more clients call, the one that has not called for the longest
-  /// time is removed.
+  /// The maximum number of clients that are remembered. If more clients call, the client that has not
+  /// called for the longest time is removed.
   static constexpr std::size_t clients_max = 1024;
-  /// The least time between two answers to one call. Repetitions of the call that arrived while the handler
-  /// ran are read right after the answer was sent, and need no second answer.
+  /// The minimum time between two answers to one call. Repetitions of the call that arrived while the
+  /// handler ran are read right after the answer was sent, and need no second answer.
   static constexpr std::chrono::milliseconds repeat_least{50};
 
   Todo heard(std::uint64_t client, std::uint64_t number, ServiceTime now) {
     drop_expired(now);
     if (client == 0) return Todo::run;  // a call of `sft pub`, which does not number its calls
-    // Not try_emplace(): Clang 17 refuses that of libstdc++ 14 as C++23.
+    // Not try_emplace(): Clang 17 rejects try_emplace() of libstdc++ 14 in C++23.
     const auto [at, is_new] = clients_.emplace(client, Client{});
     Client& known = at->second;
     known.heard = now;
@@ -136,7 +138,7 @@ class ServedCalls {
     at->second.expiry = expiry;
   }
 
-  /// Returns the kept answer to the client's latest call; null if there is none.
+  /// Returns the kept answer to the client's latest call; null if no answer is kept.
   Answer* answer(std::uint64_t client) {
     const auto at = clients_.find(client);
     return at == clients_.end() ? nullptr : at->second.answer.get();
@@ -148,7 +150,7 @@ class ServedCalls {
     ServiceTime heard{};
     ServiceTime answered{};
     ServiceTime expiry{};
-    std::unique_ptr<Answer> answer{};  ///< null while the handler runs, and once it has expired
+    std::unique_ptr<Answer> answer{};  ///< null while the handler runs, and once the answer has expired
   };
 
   void drop_expired(ServiceTime now) {

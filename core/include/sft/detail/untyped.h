@@ -44,16 +44,16 @@ namespace untyped {
 /// not undefined behaviour.
 extern const SampleState empty_state;
 
-/// One received sample. It owns its place in shared memory or in a buffer until it is destroyed; any thread
-/// may destroy it. For each subscriber, a program can hold at most SubscriberOptions::max_held samples in
-/// shared memory of one publisher. While it holds that number, take() returns no more samples of that
-/// publisher. The destruction of a sample does not wake wait().
+/// One received sample. It owns its memory, in shared memory or in a buffer, until it is destroyed; any
+/// thread may destroy it. For each subscriber, a program can hold at most SubscriberOptions::max_held
+/// samples in shared memory of one publisher. While the program holds that number, take() returns no more
+/// samples of that publisher. The destruction of a sample does not wake wait().
 class Sample {
  public:
   Sample() = default;
-  /// Takes over one reference each to `buffer`, `record` (null unless the reader records), and `parts` (null
-  /// unless the parts of its fields are elsewhere). `selection` is the selection that the sample was made
-  /// for, or null if the subscriber does not show selections.
+  /// Takes ownership of one reference each to `buffer`, `record` (null unless the reader records), and
+  /// `parts` (null unless the sample's parts of fields are in other memory). `selection` is the selection
+  /// that the sample was made for, or null if the subscriber does not show selections.
   Sample(core::SampleBuffer* buffer, const TypeSupport& type, const SampleInfo& info,
          core::RecordedSample* record, std::shared_ptr<const Selection> selection = nullptr,
          core::PartReader* parts = nullptr);
@@ -73,14 +73,14 @@ class Sample {
 
   explicit operator bool() const { return buffer_ != nullptr; }
   const SampleState& state() const { return state_; }
-  /// Returns a state whose body has all fields. If parts of fields are elsewhere, the first call assembles
-  /// the body.
+  /// Returns a state whose body has all fields. If parts of fields are in other memory, the first call
+  /// assembles the body.
   const SampleState& whole_state() const;
   const SampleInfo& info() const { return info_; }
   /// Returns the selection that the sample was made for. Returns null if the subscriber records or does not
   /// show its selections, or if the sample is empty.
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
-  /// Returns the channels that were asked for and that the message lacks. `type` is the type of the message.
+  /// Returns the requested channels that the message lacks. `type` is the type of the message.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
   /// Returns encapsulation and body: standard CDR of the type projected to the mask. The result is empty for
   /// an empty sample.
@@ -118,7 +118,7 @@ class Loan {
 
   /// Overwrites a primitive that has a slot. Does nothing if the loan was published or moved away.
   void write(std::size_t slot, const void* value, std::size_t bytes) noexcept;
-  /// Shortens the sequence, but does not move the data behind the sequence; publish() closes the gap.
+  /// Shortens the sequence, but does not move the data after the sequence; publish() closes the gap.
   ShrinkStatus shrink(const Reservation& reserved, std::uint32_t length) noexcept;
   PublishStatus publish() &&;
   /// Publishes a loan of Publisher::loan_cdr().
@@ -132,7 +132,8 @@ class Loan {
   bool has_gaps_ = false;
 };
 
-/// A publisher without its message type. It is moved, not copied. One thread at a time uses it.
+/// A publisher without its message type. It can be moved, but not copied. It must be used by only one
+/// thread at a time.
 class Publisher {
  public:
   explicit Publisher(std::shared_ptr<core::PublisherCore> core) : core_(std::move(core)) {}
@@ -140,7 +141,7 @@ class Publisher {
   Publisher& operator=(Publisher&&) = default;
 
   PublishStatus publish(const void* value);
-  /// Publishes `count` values, each `stride` bytes behind the previous one.
+  /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   /// Publishes an encoded payload of the whole type, see Publisher::publish_cdr().
   Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
@@ -162,14 +163,14 @@ using Callback = std::function<void(Sample&&)>;
 
 /// The requirement of a subscriber.
 struct Requirement {
-  /// The declared selection; if fields are recorded, the fields that are asked for at first.
+  /// The declared selection; if fields are recorded, the fields that are requested at first.
   Selection selection;
   bool recorded = false;
   /// The fields that the texts of SubscriberOptions may name.
   FieldsOfText fields_of_text = FieldsOfText::declared;
-  /// True: samples show only the fields that were asked for, even if a sample in shared memory has more.
+  /// True: samples show only the requested fields, even if a sample in shared memory has more.
   bool limits_samples = false;
-  std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; none if fields are recorded
+  std::vector<Selection> further{};  ///< SubscriberOptions::further_selections; empty if fields are recorded
 };
 
 class Subscriber {

@@ -1,5 +1,5 @@
-// Type descriptions of endpoints. Other nodes accept the descriptions of this node, and their descriptions
-// are checked before use.
+// Type descriptions of endpoints. Other nodes accept the descriptions of this node. Descriptions of other
+// nodes are checked before use.
 #include "core/control/described_type.h"
 
 #include <gmock/gmock.h>
@@ -59,7 +59,7 @@ TEST(DescribedTypeTest, ThatIsNoDescriptionIsMalformedAndThatIsNoneIsUnavailable
   EXPECT_EQ(described_type(e).error().code, Errc::unavailable);
 }
 
-/// A type of `members` members. Each member takes 25 bytes of the description.
+/// A type of `members` members. Each member occupies 25 bytes of the description.
 class Wide {
  public:
   explicit Wide(std::size_t members) {

@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// Returns values of the policy from the weakest offer to the strongest.
+/// Returns values of the policy, ordered from the weakest offer to the strongest.
 std::vector<Qos> weakest_to_strongest(QosPolicy policy) {
   switch (policy) {
     case QosPolicy::reliability:
@@ -50,7 +50,7 @@ INSTANTIATE_TEST_SUITE_P(Policies, RulesTest,
                            return param.param == QosPolicy::none ? "lease" : to_string(param.param);
                          });
 
-// All policies together match exactly if each of them matches.
+// All policies together match if and only if each of them matches.
 TEST(RulesTest, PoliciesDoNotMix) {
   std::vector<Qos> all;
   for (const Reliability reliability : {best_effort, reliable}) {

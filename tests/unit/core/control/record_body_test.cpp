@@ -222,7 +222,7 @@ TEST(RecordBodyTest, OfSequencesThatNoReaderComesToIsRefused) {
 
 class RandomBodyTest : public test::RandomTest {};
 
-/// Sanitizers and assertions check that decoding does not read beyond the octets.
+/// Sanitizers and assertions check that decoding does not read beyond the end of the octets.
 TEST_F(RandomBodyTest, WithAnyOctetsIsReadOrRefused) {
   const std::vector<std::byte> endpoint = to_bytes(full_endpoint()), request = to_bytes(full_request());
   for (std::uint64_t round = 0; round < test::test_rounds(20'000); ++round) {

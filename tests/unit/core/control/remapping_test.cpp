@@ -59,7 +59,7 @@ TEST_P(RuleTest, AppliesToTheFullNameInANodeCamInTheNamespaceLeft) {
 INSTANTIATE_TEST_SUITE_P(
     All, RuleTest,
     ::testing::Values(
-        // Both sides may be relative, absolute or private.
+        // Both names of a rule may be relative, absolute or private.
         Case{{"image:=raw"}, "image", "left/raw"}, Case{{"image:=raw"}, "/left/image", "left/raw"},
         Case{{"image:=raw"}, "/image", "image"}, Case{{"image:=/raw"}, "image", "raw"},
         Case{{"/left/image:=raw"}, "image", "left/raw"}, Case{{"/image:=raw"}, "image", "left/image"},
@@ -71,10 +71,10 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"~:=b"}, "cam", "left/b"},
         // A rule must match the whole name, not only its beginning.
         Case{{"image:=raw"}, "image/info", "left/image/info"}, Case{{"im:=raw"}, "image", "left/image"},
-        // The first rule that matches is applied, once.
+        // Only the first rule that matches is applied, and its result is not remapped again.
         Case{{"a:=b", "b:=c"}, "a", "left/b"}, Case{{"a:=b", "b:=a"}, "b", "left/a"},
         Case{{"a:=b", "a:=c"}, "a", "left/b"}, Case{{"x:=y", "a:=c"}, "a", "left/c"},
-        // The following rules are for one node.
+        // The following rules apply to one node only.
         Case{{"cam:a:=b"}, "a", "left/b"}, Case{{"/left/cam:a:=b"}, "a", "left/b"},
         Case{{"left/cam:a:=b"}, "a", "left/b"}, Case{{"/cam:a:=b"}, "a", "left/a"},
         Case{{"/right/cam:a:=b"}, "a", "left/a"}, Case{{"lidar:a:=b"}, "a", "left/a"},
@@ -86,7 +86,8 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
         Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
         Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
-        // Rules for topics are matched against the names of the node after these rules, in any order.
+        // Rules for topics are matched against the names of the node after rules for the name and the
+        // namespace have been applied, whatever the order of the rules.
         Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},
         Case{{"/right/eye:a:=b", "__ns:=/right", "__node:=eye"}, "a", "right/b"}));
 

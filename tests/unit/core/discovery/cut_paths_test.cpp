@@ -1,4 +1,5 @@
-// Peers report the links on which the path to a process is cut while another link leads there.
+// Peers report the links on which the path to a process is cut while another link still leads to the
+// process.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 

@@ -1,4 +1,5 @@
-// SFT reads a user's configuration as Cyclone DDS does, including what Cyclone tolerates in XML and names.
+// SFT reads a user's configuration as Cyclone DDS does, including the deviations in XML and names that
+// Cyclone tolerates.
 #include "core/discovery/cyclone_settings.h"
 
 #include <gmock/gmock.h>

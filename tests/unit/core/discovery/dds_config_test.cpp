@@ -1,5 +1,5 @@
-// The order of settings: first SFT's defaults, then the user's settings, then the settings on which SFT
-// depends. The log warns about settings of the user that have disadvantages.
+// The order of settings: first SFT's defaults, then the user's settings, then the settings that SFT
+// requires. The log warns about settings of the user that have disadvantages.
 #include "core/discovery/dds_config.h"
 
 #include <gmock/gmock.h>
@@ -25,7 +25,7 @@ const LinkSpec card{"eth0", IpAddress(0x0A000005), 24, false, false, 2};
 
 const KnownHosts hosts{{"a", {IpAddress(0x0A000001)}}, {"robot.local", {IpAddress(0x0A000008)}}};
 
-/// Returns the settings that Cyclone finally gets, for the loopback unless another link is given.
+/// Returns the settings that are finally in force in Cyclone for the link.
 CycloneSettings heard(const DdsConfig& config, const LinkSpec& link = loopback) {
   return CycloneSettings::read(config.text_for(link, hosts), 0).value();
 }
@@ -46,7 +46,8 @@ TEST(DdsConfig, OfTheUserWinsOverOurs) {
   EXPECT_THAT(theirs.warnings, IsEmpty());
 }
 
-/// Otherwise each of N readers would answer each heartbeat that is repeated for one of N new readers.
+/// Without the delay, each of N readers would answer each heartbeat that is repeated for one of N new
+/// readers.
 TEST(DdsConfig, AReaderThatHasSaidThatItMissesNothingWaitsBeforeItSaysSoAgain) {
   EXPECT_THAT(in_force(config(""), "Internal/AckDelay"), is("1 s"));
   EXPECT_THAT(in_force(config("<Internal><AckDelay>10 ms</></>"), "Internal/AckDelay"), is("10 ms"));
@@ -187,7 +188,8 @@ TEST(DdsConfig, LetsCycloneAnnounceItselfSeldomAndMoreSeldomToPeers) {
   }
 }
 
-/// Linux delivers a multicast datagram to all sockets that are bound to its port, on any interface.
+/// Linux delivers a multicast datagram to all sockets that are bound to its port, whatever their
+/// interfaces.
 TEST(DdsConfig, GivesMulticastsOfTheLoopbackPortsOfTheirOwnSoThatTheyDoNotWakeTheOtherLinks) {
   const auto c = config("");
   EXPECT_THAT(in_force(c, "Discovery/Ports/MulticastMetaOffset", loopback), is("2"));

@@ -1,4 +1,4 @@
-// Links of a process share a domain of Cyclone only if that is allowed.
+// Links of a process share a domain of Cyclone only if sharing is allowed.
 #include "core/discovery/dds_domain.h"
 
 #include <gtest/gtest.h>

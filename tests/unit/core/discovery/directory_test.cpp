@@ -1,4 +1,4 @@
-// Nodes are informed about endpoints that may match their own, in any process.
+// Nodes are notified of endpoints in any process that may match their own.
 #include "core/discovery/directory.h"
 
 #include <gmock/gmock.h>
@@ -21,7 +21,7 @@ using ::testing::SizeIs;
 
 constexpr ProcessId process_one = 1, process_two = 2;
 
-/// Records the calls by which a node is informed.
+/// Records the calls by which a node is notified.
 class Listener final : public DiscoveryListener {
  public:
   void endpoint_seen(Endpoint endpoint) override {

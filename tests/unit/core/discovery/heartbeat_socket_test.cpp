@@ -31,7 +31,8 @@ std::vector<Heartbeat> heartbeats_taken(HeartbeatSocket& socket) {
   return heartbeats;
 }
 
-/// Sends octets from the loopback to the port of heartbeats, to the group or to an address of the host.
+/// Sends octets from the loopback to the port of heartbeats. The destination is the group or an address of
+/// the host.
 void send_to_heartbeats(const char* to, const std::vector<std::byte>& octets) {
   const FileDescriptor socket(::socket(AF_INET, SOCK_DGRAM | SOCK_CLOEXEC, 0));
   const in_addr link{htonl(INADDR_LOOPBACK)};
@@ -104,7 +105,7 @@ TEST_F(HeartbeatSocketTest, AFloodDoesNotHoldUpWhoTakes) {
   std::size_t heard = 0;
   other->take([&](const Heartbeat&, auto, auto) {
     ++heard;
-    one->send(heartbeat);  // ensures that another heartbeat always waits
+    one->send(heartbeat);  // ensures that there is always a further heartbeat to take
   });
   EXPECT_EQ(heard, HeartbeatSocket::taken_at_once_max);
 }

@@ -1,4 +1,4 @@
-// What Cyclone's threads bring reaches the nodes of a process in order.
+// The nodes of a process are notified in order of the events that Cyclone's threads report.
 #include "core/discovery/known_peers.h"
 
 #include <gmock/gmock.h>
@@ -63,8 +63,8 @@ class KnownPeersTest : public ::testing::Test {
 
 TEST_F(KnownPeersTest, NotifiesOneAtATimeInTheOrderOfEventsOfAllThreads) {
   constexpr int threads = 4, events_each = 2000;
-  int next = 0;                // under the mutex of KnownPeers
-  std::vector<int> delivered;  // by one thread at a time
+  int next = 0;                // guarded by the mutex of KnownPeers
+  std::vector<int> delivered;  // written by one thread at a time
   std::atomic<int> inside{0};
   std::atomic<bool> overlapped{false};
   listener.on_refusal = [&](const std::string& text) {
@@ -90,7 +90,7 @@ TEST_F(KnownPeersTest, HoldsNoLockWhileItNotifies) {
   std::vector<std::string> delivered;
   listener.on_refusal = [&](const std::string& text) {
     delivered.push_back(text);
-    if (text == "1") known.sample_refused("3");  // would wait for ever for a lock that this thread holds
+    if (text == "1") known.sample_refused("3");  // would wait for ever if this thread held the lock
   };
   refuse({"1", "2"});
   EXPECT_THAT(delivered, ElementsAre("1", "2", "3"));

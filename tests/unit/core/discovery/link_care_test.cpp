@@ -1,4 +1,4 @@
-// A link on which records are missing is opened again, with pauses that grow while opening it does not help.
+// A link on which records are missing is opened again, with pauses that grow as long as this does not help.
 #include "core/discovery/link_care.h"
 
 #include <gmock/gmock.h>
@@ -18,7 +18,8 @@ class LinkCareTest : public ::testing::Test {
   LinkCareTest() { care.made(link, now); }
 
   void misses(std::set<ProcessId> processes) { care.misses({{link, std::move(processes)}}); }
-  /// Returns the actions that are due after `time`, and replaces the links that must be renewed.
+  /// Advances the time by `time`, returns the actions that are due then, and replaces the links that must
+  /// be renewed.
   LinkCare::Due after(Time::duration time) {
     now += time;
     const LinkCare::Due due =

@@ -40,7 +40,7 @@ class PeersTest : public ::testing::Test {
     own.put({slot, {}}, record);
     for (const LinkId link : by) peers.record_came(on(link), Role::writer, {slot, {}}, record, now);
   }
-  /// Another process writes a record in the name of the process's participant on that link.
+  /// Another process writes a record in the name of this process's participant on that link.
   void forges(LinkId link, std::uint32_t slot, const std::string& text, std::uint64_t as_revision = 1000) {
     peers.record_came(on(link), Role::writer, {slot, {}}, {as_revision, body(text)}, now);
   }
@@ -49,7 +49,7 @@ class PeersTest : public ::testing::Test {
       peers.heartbeat_came(link, {on(link).guid, neighbour, {own.digest(), 0}}, now);
     look();
   }
-  /// For the time `time` the process continues to send heartbeats on the links `by`.
+  /// For the duration `time` the process continues to send heartbeats on the links `by`.
   void goes_on(Time::duration time, const std::vector<LinkId>& by) {
     for (const Time end = now + time; now < end;) {
       now += std::chrono::milliseconds(500);

@@ -119,7 +119,7 @@ TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
   EXPECT_EQ(renewals[0].from, elsewhere);
 }
 
-/// The second heartbeat may have arrived while a link that is cut worked for a moment.
+/// The second heartbeat may have arrived while a cut link worked for a moment.
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
   writes(1, "b", {wlan});

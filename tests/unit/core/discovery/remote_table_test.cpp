@@ -1,4 +1,5 @@
-// A table is behind if two successive heartbeats count records that the table had neither before nor after.
+// A table lacks records ("is behind") if two successive heartbeats have digests that the table has had
+// neither before nor after them.
 #include "core/discovery/remote_table.h"
 
 #include <gtest/gtest.h>
@@ -13,7 +14,7 @@ class RemoteTableTest : public ::testing::Test {
  protected:
   static constexpr Time::duration apart = 250ms;
 
-  /// Returns the digest of the owner after `changes` changes.
+  /// Returns the digest of the owner's records after `changes` changes.
   std::uint64_t digest(std::uint64_t changes) const {
     Records own;
     if (changes > 0) own.put({}, {changes, nullptr});

@@ -70,8 +70,8 @@ TEST(AddressChoice, IsNotAnAddressThatWeHaveOurselves) {
   EXPECT_EQ(choose({bridge}, {our_bridge}), bridge) << "there is no other";
 }
 
-/// Link-local addresses are similar on every link. It is clear which link such an address belongs to only if
-/// there is no other choice.
+/// A link-local address does not show to which link it belongs. So such an address is chosen only if there
+/// is no other choice.
 TEST(AddressChoice, IsLinkLocalOnlyForWantOfOthersAndThenByAnInterfaceOfOurs) {
   Link ours = link("fe80::4/64");
   ours.ip.scope = 3;

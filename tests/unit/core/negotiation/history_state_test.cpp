@@ -1,4 +1,4 @@
-// Tests which retained samples have to be sent to a reader, and when they have to be sent again.
+// Tests which retained samples have to be sent to a reader, and when these samples have to be sent again.
 #include "core/negotiation/history_state.h"
 
 #include <gtest/gtest.h>

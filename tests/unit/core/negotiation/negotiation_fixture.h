@@ -1,5 +1,5 @@
-// A negotiation, and endpoints and requests of other nodes that it receives. The writer of this node is 100,
-// and its reader 200.
+// A negotiation, and endpoints and requests of other nodes for it. The writer of this node has the id 100,
+// and its reader the id 200.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@
 
 namespace sft::core {
 
-inline constexpr AnnouncerId honest = 1;  // an announcer of true endpoints
+inline constexpr AnnouncerId honest = 1;  // the announcer of endpoints that are not forged
 
 class NegotiationTest : public ::testing::Test {
  protected:

@@ -1,4 +1,5 @@
-// Tests of late readers: which of them get earlier samples, and when they change over to shared memory.
+// Tests of late readers: which of these readers get earlier samples, and when they change over to shared
+// memory.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"

@@ -1,4 +1,4 @@
-// If a participant announces endpoints without end, this costs other participants little.
+// A participant that announces endpoints without end costs other participants only little.
 #include <gtest/gtest.h>
 
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
@@ -102,7 +102,7 @@ TEST_F(Limits, OtherDefinitionsOfOurTypeAreComparedOnceAndOnlyTheFirstOfThem) {
     Endpoint other = endpoint(Role::reader, id);
     other.announcer = id / 50;
     other.type_hash = id;
-    // The description is not valid, which only a comparison detects.
+    // The description is invalid, but only a comparison detects this.
     other.type_description = {std::byte{1}};
     negotiation.endpoint_seen(other);
     negotiation.tick(Time{});
@@ -158,7 +158,7 @@ TEST_F(Comparisons, TheOldestIsForgottenFirstAndTheOthersAreKept) {
   EXPECT_FALSE(compare(1));
 }
 
-// The bytes of all comparisons together are far more than may be kept at the same time.
+// All results together have far more bytes than may be kept at the same time.
 TEST_F(Comparisons, WhatWasForgottenLeavesRoomForOthers) {
   constexpr std::uint64_t made = 20'000, known = 256;
   for (std::uint64_t n = 1; n <= made; ++n) compare(n);

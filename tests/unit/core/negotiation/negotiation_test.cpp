@@ -77,7 +77,7 @@ TEST_F(NegotiationTest, AReaderIsNotServedIfItsPartsOrConditionsAreMalformed) {
   const Selection part = type.parse_selection("data{x}").value();
   std::vector<std::byte> of_no_leaf = part.to_bytes();
   of_no_leaf[4] = std::byte{100};
-  // Conditions on a list and on a string, which the text form of a selection cannot express.
+  // Conditions on a list and on a string, which the text form of a selection cannot contain.
   const auto on = [&](const char* field) {
     const auto leaf = static_cast<std::uint32_t>(*type.parse_mask(field).value().begin());
     const Selection::Gate gate{{{.kind = Selection::Condition::Kind::compare, .leaves = {leaf}}}, {}};
@@ -191,7 +191,7 @@ TEST_F(NegotiationTest, OurEndpointsAreAnnouncedWithTheAddressesOfNow) {
   EXPECT_EQ(negotiation.local(200)->addresses, before);
   negotiation.network_changed(after, {});
   EXPECT_EQ(negotiation.local(200)->addresses, after);
-  our_writer();  // is made with the former addresses
+  our_writer();  // the writer is made with the former addresses
   EXPECT_EQ(negotiation.local(100)->addresses, after);
 }
 
@@ -452,7 +452,8 @@ TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
   EXPECT_EQ(small.ignored(), 2U);
 }
 
-// Endpoints and shared memory may appear in any order. Once all have appeared, the outcome is the same.
+// Endpoints and shared memory may appear in any order. Once all of them have appeared, the outcome is the
+// same for each order.
 TEST_F(NegotiationTest, TheOutcomeDoesNotDependOnTheOrderOfEvents) {
   SCOPED_TRACE(test::how_to_repeat());
   test::Random random{test::test_seed()};

@@ -39,8 +39,8 @@ TEST(ActivityMonitorTest, ACountMayTurnOverOrBeginAgain) {
   EXPECT_EQ(monitor.look(0, test_start + 189ms), 0U);
 }
 
-// The monitor is called at its pace, at random times of signs. It reports only periods that were missed, and
-// it always reports a missed period after one and a half periods without a sign.
+// The monitor is called at its own pace, and signs of life come at random times. It reports only missed
+// periods, and it always reports a missed period after one and a half periods without a sign.
 TEST(ActivityMonitorTest, NothingIsToldThatWasNotMissedAndNothingMissedForLongIsNotTold) {
   std::mt19937_64 random(test::test_seed());
   SCOPED_TRACE(test::how_to_repeat());
@@ -111,7 +111,7 @@ TEST(OfferMonitorTest, ALeaseIsLookedAtSixTimesAndADeadlineTwiceInAPeriod) {
   EXPECT_EQ(OfferMonitor({.deadline = 80ms, .liveliness_lease = 90ms}, test_start).pace(), 15ms);
 }
 
-// A monitor that is called at its own pace detects an assertion in time.
+// A monitor that is called at its own pace detects an assertion of the program in time.
 TEST(OfferMonitorTest, AnAssertionOfTheProgramIsToldWithinHalfALeaseThoughAnotherWasJustTold) {
   OfferMonitor monitor({.liveliness = manual_by_topic, .liveliness_lease = 90ms}, test_start);
   ASSERT_TRUE(monitor.assertion_due({.asserted = 1}, true, test_start));

@@ -1,4 +1,5 @@
-// Readers that are attached in shared memory but cannot be woken there use another path, and get the reason.
+// Readers that are attached in shared memory but cannot be woken there are served by another path, and the
+// reason is reported.
 #include "tests/unit/core/negotiation/negotiation_fixture.h"
 
 namespace sft::core {

@@ -1,4 +1,5 @@
-// Tests for how long accounts that other nodes have reported are kept, and how many accounts fit.
+// Tests for how long accounts that other nodes have reported are kept, and how many accounts the table can
+// hold.
 #include "core/node/account_table.h"
 
 #include <gmock/gmock.h>

@@ -1,5 +1,4 @@
-// The watchdog of arrivals in simulated time. It restarts connections by which nothing arrives, and no other
-// connections.
+// The watchdog of arrivals in simulated time. It restarts only connections over which nothing arrives.
 #include "core/node/arrival_watchdog.h"
 
 #include <gtest/gtest.h>
@@ -21,19 +20,20 @@ class ArrivalWatchdogTest : public test::RandomTest {
   struct Scene {
     std::chrono::microseconds period = 10ms;  ///< the time between samples, except between bursts
     std::uint64_t bytes = 1000;
-    double lost = 0;  ///< the share of the samples that are lost
+    double lost = 0;  ///< the fraction of the samples that is lost
     double assertions_lost = 0;
     std::chrono::milliseconds transit = 1ms;
-    std::chrono::milliseconds jitter = 0ms;  ///< the longest random time that is added to `transit`
-    /// The number of samples in a burst, which a pause of the same length follows; 0: no bursts.
+    std::chrono::milliseconds jitter = 0ms;  ///< the maximum random time that is added to `transit`
+    /// The number of samples in a burst; 0: no bursts. Each burst is followed by a pause of the same
+    /// length.
     std::uint64_t burst = 0;
     ArrivalWatchdog::Pair pair{};
   };
 
   bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
 
-  /// Simulates the events at the reader's agent for the time `length`. The pair works as the scene describes,
-  /// or the reader receives nothing if `deaf` is true.
+  /// Simulates the events at the reader's agent for the duration `length`. The pair works as the scene
+  /// describes. But if `deaf` is true, the reader receives nothing.
   void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
     const Time end = now + length;
     Time publish_at = now, passes_at = now;
@@ -61,7 +61,7 @@ class ArrivalWatchdogTest : public test::RandomTest {
         if (happens(scene.assertions_lost)) continue;
         if (watchdog.look(is_news ? &sent : nullptr, arrived, scene.pair, now)) {
           restarted_at.push_back(now);
-          arrived = 0;  // a new connection counts from 0
+          arrived = 0;  // a new connection counts its arrivals from 0
         }
       }
     }

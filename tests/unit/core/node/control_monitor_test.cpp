@@ -1,4 +1,4 @@
-// Tests of the log lines about endpoints that the table has no room for.
+// Tests of the log lines about endpoints that are refused because the table is full.
 #include "core/node/control_monitor.h"
 
 #include <gmock/gmock.h>
@@ -14,10 +14,11 @@ using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::HasSubstr;
 
-/// The table has room for one endpoint.
+/// Tests with a negotiation whose table of endpoints can hold only one endpoint of another node.
 class ControlMonitorTest : public ::testing::Test {
  protected:
-  /// Announces `endpoints` endpoints on one topic, few of which exist at the same time.
+  /// Announces `endpoints` endpoints on one topic, one after the other, so that few of them exist at the
+  /// same time.
   void announce(const std::string& node, int endpoints) {
     for (int i = 0; i < endpoints; ++i) {
       Endpoint one;

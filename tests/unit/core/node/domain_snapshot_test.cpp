@@ -1,4 +1,4 @@
-// The snapshot has all endpoints of a domain, and also the pairs of other nodes.
+// The snapshot contains all endpoints of a domain, including pairs that belong to other nodes only.
 #include "core/node/domain_snapshot.h"
 
 #include <gmock/gmock.h>
@@ -134,7 +134,8 @@ TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
 TEST_F(DomainSnapshotTest, APairHasTheAccountsThatItsNodesHaveTold) {
   PairAccounts accounts;
   accounts[{writer.id, reader.id}].subscriber = DomainSnapshot::Received{.age = {}, .received = 5, .lost = 1};
-  accounts[{reader.id, writer.id}].publisher = DomainSnapshot::Sent{};  // an account of another pair
+  accounts[{reader.id, writer.id}].publisher = DomainSnapshot::Sent{};  // an account of another pair, with
+                                                                        // swapped ids
   const DomainSnapshot::Pair told =
       domain_snapshot({{writer}, {reader}}, accounts, our_node, this_machine).pairs.at(0);
   EXPECT_FALSE(told.account.publisher);

@@ -1,4 +1,4 @@
-// A fixture for single endpoints of a node, without the loop of the node. The test provides the table of
+// A fixture for single endpoints of a node, without the node's reconciler. The test provides the table of
 // endpoints, the transports and discovery.
 #pragma once
 

@@ -1,4 +1,4 @@
-// A reader of a node uses its ports and makes its requests.
+// Tests how a reader of a node uses its ports and makes its requests.
 #include "core/node/local_reader.h"
 
 #include <map>

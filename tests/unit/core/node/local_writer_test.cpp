@@ -1,4 +1,4 @@
-// A writer of a node uses its ports.
+// Tests how a writer of a node uses its ports.
 #include "core/node/local_writer.h"
 
 #include <map>
@@ -36,7 +36,7 @@ class LocalWriterTest : public LocalEndpointTest {
     negotiation.endpoint_seen(reader);
     writer->reconcile();
   }
-  /// Tries the port again after each pause. Returns true once the writer is served.
+  /// Tries to open the port again after each pause. Returns true once the writer is served.
   bool is_served_in_the_end() {
     return test::eventually([&] {
       if (writer->may_try_again(std::chrono::steady_clock::now())) writer->reconcile();

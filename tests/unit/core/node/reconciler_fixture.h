@@ -33,7 +33,8 @@ class TestWriterPort final : public IdleNetworkWriter {
   mutable int looks = 0;  ///< the number of times that the counters were read
 };
 
-/// The state of a port: the writers that it is connected to, and the answers that the test sets.
+/// The state of a port: the writers to which it is connected, and the results of its functions, which the
+/// test sets.
 struct Connections {
   std::set<EndpointId> writers;
   /// The sources of connected writers, in the order in which they were announced again.
@@ -86,7 +87,7 @@ class TestDiscovery final : public Discovery {
   Time next_look = Time::max();  ///< the time that look_after() returns
 };
 
-/// A transport with addresses and nothing else.
+/// A network transport that has addresses and does nothing.
 class TestTransport final : public IdleNetwork {
  public:
   std::vector<UdpAddress> addresses() const override { return addresses_now; }

@@ -107,7 +107,7 @@ TEST_F(ReconcilerInMemoryTest, AReaderLetsGoOfAPublisherThatWent) {
   EXPECT_THAT(memory.connections, ElementsAre(8));
 }
 
-// The queue is different if the publisher waits for it. A best-effort publisher waits for no reader.
+// A queue for which the publisher waits is of another kind. A best-effort publisher waits for no reader.
 TEST_F(ReconcilerInMemoryTest, AReaderConnectsAnewWhereItsPublisherBeginsToWaitAndIsReliable) {
   for (const auto kind : {Reliability::best_effort, Reliability::reliable}) {
     open_reader(kind == Reliability::reliable ? 201 : 200, kind);

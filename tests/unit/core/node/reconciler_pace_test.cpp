@@ -14,11 +14,11 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
   EXPECT_EQ(reconciler.tick(now), TickPace::pause_when_quiet);
 }
 
-/// The usual checks of a quiet node are rare. With these alone, it would be detected late that a short
-/// deadline or lease was missed.
+/// The usual checks of a quiet node are rare. With these checks alone, a missed short deadline or lease
+/// would be detected late.
 TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
   using std::chrono::milliseconds;
-  // These periods need more frequent checks than anything else.
+  // These periods need more frequent checks than all other work of the node.
   constexpr milliseconds deadline{80}, lease{240}, requested{60};
   const auto quiet = [&](std::chrono::seconds after) {
     return std::chrono::steady_clock::now() + std::chrono::seconds(10) + after;

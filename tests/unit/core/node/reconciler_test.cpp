@@ -22,7 +22,8 @@ TEST_F(ReconcilerTest, AReaderTakesDatagramsOfAWriterBeforeItSaysSo) {
   EXPECT_EQ(discovery.sent[0].sequence, 2U);
 }
 
-// The writer may still exist, while its announcements do not reach this node. It must stop sending.
+// The writer may still exist, although its announcements do not reach this node. Then it must stop sending
+// to this reader.
 TEST_F(ReconcilerTest, AReaderSaysThatItListensNoMoreToAWriterThatWent) {
   our_reader(200);
   writer_seen(7);
@@ -119,7 +120,7 @@ TEST_F(ReconcilerTest, AWriterThatCannotBeConnectedToIsToldOfOnceAndTriedAgainBy
   }));
 }
 
-// For example, the request may list another writer to which the reader listens, too.
+// An example is a request that only lists one more writer from which the reader accepts datagrams.
 TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNothing) {
   const auto port = std::make_shared<TestWriterPort>();
   const auto core = our_writer(7, port);
@@ -146,7 +147,7 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   EXPECT_EQ(readers_changed, told + 1);
 }
 
-// A program that receives events causes no work while nothing happens.
+// While nothing happens, a program that receives events must not cause any work.
 TEST_F(ReconcilerTest, StatesAreComparedForEventsOnlyWhereSomethingHasHappened) {
   const auto port = std::make_shared<TestWriterPort>();
   our_writer(7, port);
@@ -183,7 +184,7 @@ TEST_F(ReconcilerTest, TheMaximumRateThatWasSetLastIsAskedForInWhateverOrderTheN
   EXPECT_EQ(discovery.sent.size(), 1U);
 }
 
-// The port would wait for the callback, and so the agent would wait for it, too.
+// If the port were destroyed earlier, it would wait for the callback, and so would the agent.
 TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   std::shared_ptr<SubscriberCore> core;
   int ports_gone_within = 0;
@@ -202,8 +203,8 @@ TEST_F(ReconcilerTest, ThePortOfAReaderThatGoesWithinItsCallbackGoesAfterIt) {
   EXPECT_EQ(connections.ports_gone, 1);
 }
 
-// Until the tick after the history has left, samples by another path must not overtake the datagrams under
-// way.
+// Until one tick after the history has left, samples must not be sent by another path, where they could
+// overtake the datagrams under way.
 TEST_F(ReconcilerTest, ALateReaderIsGivenTheHistoryATickAfterThatHasLeft) {
   const auto port = std::make_shared<TestWriterPort>();
   PublisherCore::Spec spec{7, "points", &type, 1 << 16};
@@ -342,7 +343,7 @@ class ReportsTest : public ReconcilerTest {
     discovery.asked.all = std::move(inquiries);
     ++discovery.asked.made;
   }
-  /// Returns the reports of `looks` ticks. A report is due at each of them.
+  /// Returns the reports of `looks` ticks. A report is due at each tick.
   std::vector<NodeReport> reports_of(int looks = 1) {
     discovery.reports.clear();
     for (int i = 0; i < looks; ++i) reconciler.tick(now += std::chrono::milliseconds(930));

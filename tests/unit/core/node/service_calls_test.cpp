@@ -1,5 +1,5 @@
-// The rules of services in simulated time: the steps of a client until its call is over, and the choice of
-// the calls that a server executes.
+// The rules of services in simulated time: the steps of a client's call, and the choice of the calls that a
+// server carries out.
 #include "sft/detail/service_calls.h"
 
 #include <gmock/gmock.h>

@@ -14,7 +14,7 @@
 
 namespace sft::core {
 
-/// Shared memory of a daemon. It counts its ports, and the test sets their answers.
+/// Shared memory of a daemon. It counts its ports, and the test sets the results of their functions.
 class TestMemory final : public IdleSharedMemory {
  public:
   class Writer final : public IdleLendingWriter {

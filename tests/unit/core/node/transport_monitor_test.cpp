@@ -56,7 +56,7 @@ class TransportMonitorTest : public ::testing::Test {
     now += std::chrono::seconds(1);
     return monitor.look_at_network(now);
   }
-  /// Returns the lines that the log gets if the shared memory now has the given state.
+  /// Sets the state of shared memory, and returns the lines that are logged because of it.
   std::vector<std::string> lines_if(Availability availability, const std::string& state) {
     memory.availability = availability;
     memory.state = state;

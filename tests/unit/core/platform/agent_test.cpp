@@ -49,7 +49,7 @@ TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
   EXPECT_FALSE(agent.is_behind());
 }
 
-/// The clock of these tests. A test advances it by the time that a piece of work should take.
+/// The clock of these tests. A test advances the clock by the time that a piece of work should take.
 Time test_time{};
 Time read_test_time() { return test_time; }
 
@@ -176,7 +176,7 @@ TEST(AgentTest, ATaskThatHasTimeRunsWithTheNextTickAndInItsOrder) {
   EXPECT_EQ(order, (std::vector<int>{1, 2, 3}));
 }
 
-// Tasks that wait for a tick must not use up the memory of a node.
+// Tasks that are queued until the next tick must not use up the memory of the node.
 TEST(AgentTest, ManyTasksThatHaveTimeWakeTheAgent) {
   std::promise<void> first_tick;
   std::promise<void> all_ran;

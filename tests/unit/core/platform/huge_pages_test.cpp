@@ -1,4 +1,4 @@
-// The files of a system say if memory is in huge pages. In these tests a directory replaces /sys.
+// Files of the system say whether memory gets huge pages. In these tests a directory replaces /sys.
 #include "core/platform/huge_pages.h"
 
 #include <gmock/gmock.h>

@@ -86,7 +86,7 @@ class PeerAddressesTest : public ::testing::Test {
     addresses.used_on(IpFamily::ipv4);
     return addresses;
   }
-  /// Waits for the lookups under way, and returns the changes by their answers.
+  /// Waits until no lookup is running, and returns the changes that the answers have caused.
   PeerAddresses::Look answered(PeerAddresses& addresses) {
     addresses.wait_for_answers(std::chrono::steady_clock::now() + sft::test::hang_timeout);
     return addresses.look_after(now_);

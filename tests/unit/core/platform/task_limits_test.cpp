@@ -1,4 +1,5 @@
-// The files of a system say how many threads may start. In these tests directories replace /proc and /sys.
+// Files of the system say how many threads can still be started. In these tests directories replace /proc
+// and /sys.
 #include "core/platform/task_limits.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Every participant gets a turn, even if few fit in at once.
+// Every participant gets a turn, even if only a few can be served at once.
 #include "core/platform/turns.h"
 
 #include <gmock/gmock.h>

@@ -20,7 +20,7 @@ class DispatchTest : public ::testing::Test {
   void serve(Serving serving, std::shared_ptr<LendingWriter> lending = nullptr) {
     dispatch.serve(serving, std::move(lending));
     {
-      const Dispatch::Call call(dispatch);  // the first call that uses these outlets
+      const Dispatch::Call call(dispatch);  // the first Call that uses these outlets
     }
     network->take();
   }
@@ -29,7 +29,7 @@ class DispatchTest : public ::testing::Test {
     serving.network = {network_route(1, type)};
     serve(serving);
   }
-  /// Serves two readers in shared memory. The first one can also be reached over the network.
+  /// Serves two readers in shared memory. The first reader also has a fallback route over the network.
   void serve_two_in_memory() {
     Serving serving;
     serving.memory = {memory_route(1, type), memory_route(2, type)};
@@ -282,7 +282,7 @@ TEST_F(DurableDispatchTest, SendsByTheOutletsThatCameIntoForceMeanwhile) {
       PublishStatus::ok);
   EXPECT_EQ(network->take().back(), "send");
   Serving nobody;
-  durable.serve(nobody, nullptr);  // does not wait for `call`: the outlets in force allow this change
+  durable.serve(nobody, nullptr);  // does not wait for `call`, since the outlets in force allow this change
   network->take();
   EXPECT_EQ(
       durable.send(make_sample(*pool, type), 2, durable.admit(FieldSource::of_nothing(), 2), hang_timeout),

@@ -1,4 +1,5 @@
-// Tests which readers of a publisher share a gate, and for which readers a sample is the first one.
+// Tests which readers of a publisher share a gate, and for which readers a sample counts as their first
+// one.
 #include "core/publish/gates.h"
 
 #include <gtest/gtest.h>

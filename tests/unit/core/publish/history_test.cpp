@@ -56,7 +56,7 @@ TEST_F(HistoryTest, HoldsNoMoreMemoryThanItsDepth) {
   History history(4, 0);
   for (std::uint64_t n = 1; n <= 1000; ++n) {
     const SampleHandle s = sample(n);
-    ASSERT_TRUE(s) << n;  // the pool has room for 16
+    ASSERT_TRUE(s) << n;  // the pool can lend 16 such buffers
     history.add(s);
   }
 }

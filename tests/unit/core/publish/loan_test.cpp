@@ -1,4 +1,4 @@
-// Loans. Memory is reserved, filled and given back in place, and no byte outside of the message is sent.
+// Loans. Memory is reserved, filled and returned, and no bytes other than those of the message are sent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -11,7 +11,7 @@
 namespace switches {
 enum class Flags : std::uint16_t { left = 1, right = 2, both_ways = 4 };
 
-/// A type as the generator makes it, reduced to what loans need.
+/// A type in the form that the generator writes, reduced to the parts that loans use.
 struct Switches {
   std::uint8_t lead = 0;
   Flags flags{};
@@ -222,8 +222,8 @@ TEST_F(LoanTest, ForOverwriteLeavesElementsAsTheyAreAndNothingElse) {
 
 TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
   sft::test::RandomValues values(random);
-  // Reserves room for some sequences, sometimes more than they need. In the prototype these sequences have
-  // other elements.
+  // Reserves memory for some sequences, sometimes more than they need. In the prototype these sequences
+  // have other elements.
   const auto reserve = [&](auto& size, auto& in_prototype, const auto& value, std::size_t most = 100'000) {
     if (random() % 3 == 0) return;
     const std::size_t more = random() % 2 == 0 ? 0 : random() % 5000;
@@ -262,7 +262,7 @@ TEST_F(LoanTest, OfAnyMessageHoweverReservedAndShrunkIsItsEncoding) {
 TEST_F(LoanTest, BytesThatABrokenProgramChangedMeanwhileAreNotPublished) {
   for (int round = 0; round < 2000; ++round) {
     auto core_loan = publisher->loan({}, {.stamps = 20, .cloud = {.data = 300}}).value();
-    // The body begins in front of the first stamps, and the index in front of the body.
+    // The body begins 8 bytes before the first stamp, and the index precedes the body.
     auto* const body = reinterpret_cast<std::byte*>(core_loan->stamps().data()) - 8;
     core_loan.shrink(F::stamps, 3);
     for (int i = 0; i < 4; ++i) {

@@ -1,4 +1,4 @@
-// Ports that record what a publisher calls, and samples to send through them.
+// Ports that record the calls of a publisher, and samples to send through these ports.
 #pragma once
 
 #include <memory>
@@ -64,8 +64,8 @@ class MemoryLog final : public IdleLendingWriter {
     sent.push_back(sample);
     return answer;
   }
-  /// Simulates a late reader that waits for its history. As many times as `interruptions` says, a sample is
-  /// held back from the reader and begin_with() fails.
+  /// Simulates a late reader that waits for its history. During each of the first `interruptions` attempts
+  /// a sample is published and held back, so that begin_with() fails.
   std::optional<std::uint64_t> held_back(EndpointId) noexcept override {
     return given ? std::nullopt : std::optional(interruptions);
   }

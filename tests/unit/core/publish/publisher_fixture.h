@@ -1,4 +1,4 @@
-// A publisher of one type. Its port keeps the last sample, in memory that held other samples before.
+// A publisher of one type. Its port keeps the last sample, in memory that other samples have used before.
 #pragma once
 
 #include <cstring>
@@ -24,7 +24,7 @@ class KeepingPort final : public IdleNetworkWriter {
   }
 };
 
-/// The byte that fills memory before it is lent.
+/// The value with which memory is filled before it is lent.
 inline constexpr std::byte canary{0xA5};
 
 template <class T>

@@ -25,7 +25,7 @@ using namespace std::chrono_literals;
 using sensor_msgs::msg::PointCloud2;
 using F = PointCloud2::Field;
 
-/// A port whose send call blocks until the test sets `go_on`.
+/// A port whose send() blocks until the test sets `go_on`.
 class SlowPort final : public IdleNetworkWriter {
  public:
   void set_routes(std::vector<Route>) override { ++routes_set; }
@@ -61,6 +61,7 @@ class PublisherServingTest : public ::testing::Test {
   }
 
   /// Expects that serve() with a greater mask waits while the port blocks the thread that runs `publish`.
+  /// The port blocks until the test allows it to continue.
   template <class Publish>
   void expect_waited_for(Publish publish) {
     publisher.serve(to_one(FieldMask(F::height)), nullptr);
@@ -180,12 +181,12 @@ TEST_F(PublisherServingDeathTest, ASecondThreadThatPublishesMeanwhileIsStoppedWi
 }
 
 /// A publisher that publishes a sample before and after each change of the routes of one of its ports. The
-/// fixture records the samples that one of the readers gets, by either port.
+/// fixture records the samples that one of the readers gets through either port.
 class ChangeOverTest : public ::testing::Test {
  protected:
   static constexpr EndpointId reader = 2;
 
-  /// A port that takes samples for the reader while it has a route to the reader.
+  /// A port that delivers samples to the reader while it has a route to the reader.
   template <class Idle>
   class Port : public Idle {
    public:
@@ -266,7 +267,8 @@ class HistoryPort final : public IdleNetworkWriter {
     given.emplace_back(std::get<UdpAddress>(to.destination).port, samples.size());
   }
 
-  /// The UDP ports, each with the number of samples that were sent to it.
+  /// The UDP port numbers of the destinations, each with the number of retained samples that were sent to
+  /// it.
   std::vector<std::pair<int, std::size_t>> given;
 };
 
@@ -342,7 +344,8 @@ class LateInMemoryTest : public PublisherServingTest {
         {.reader = 2, .destination = DoorbellAddress{}, .selection = type.full(), .history = 2}};
     return serving;
   }
-  /// Returns the sequences of the samples that the reader got. Expects these samples in the port's memory.
+  /// Returns the sequences of the samples that the reader got. Expects that these samples lie in the port's
+  /// memory.
   std::vector<std::uint64_t> given() const {
     std::vector<std::uint64_t> sequences;
     for (const SampleHandle& sample : memory->given.value()) {
@@ -374,7 +377,7 @@ TEST_F(LateInMemoryTest, AReaderFromWhichSomethingIsHeldBackMeanwhileIsGivenThat
   EXPECT_EQ(given(), (std::vector<std::uint64_t>{1, 2}));
 }
 
-/// Shared memory in which a send waits for readers for the time `waits`. It has no chunk for the first
+/// Shared memory whose send() waits for readers for the duration `waits`. It has no chunk for the first
 /// `refusals` loans.
 class FullMemoryPort final : public IdleLendingWriter {
  public:

@@ -68,7 +68,8 @@ TEST_F(PublisherStatusTest, CountsWhatWasRefusedAndWhatWasDroppedAfterItWasTaken
   EXPECT_EQ(publisher.status().dropped, 3U);
 }
 
-/// A reader with a maximum rate gets the first sample of each slot. A refused message does not count.
+/// A reader with a maximum rate gets the first sample of each slot. A refused message must not use up the
+/// slot.
 TEST_F(PublisherStatusTest, AMessageThatIsRefusedIsNotPublishedAndTakesNoSlotOfAReaderWithARate) {
   constexpr std::uint32_t an_hour_us = 3'600'000'000;  // so long that no slot begins during the test
   serve(an_hour_us);
@@ -143,8 +144,8 @@ TEST_F(PublisherStatusTest, TheStatusOfALongSpanIsThatOfTheFirstMessageThatIsNot
   EXPECT_EQ(done.published, 0U);
 }
 
-/// Other nodes compare the progress with the samples that arrive. So samples that could not arrive must not
-/// count.
+/// Other nodes compare the progress with the samples that arrive. So samples that cannot arrive must not be
+/// counted.
 TEST_F(PublisherStatusTest, TheProgressCountsNeitherWhatWasDroppedNorWhatLateReadersMissed) {
   const auto memory = std::make_shared<test::MemoryLog>();
   PublisherCore::Spec spec = spec_of(type);

@@ -1,4 +1,4 @@
-// A limited number of calls may wait for the callback thread, and the sources of the calls take turns.
+// A limited number of calls are queued for the callback thread, and the sources of the calls take turns.
 #include "core/report/callback_thread.h"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,8 @@ namespace {
 class CallbackThreadTest : public testing::Test {
  protected:
   void SetUp() override { ASSERT_TRUE(thread_.start()); }
-  /// Calls a callback of the source. The callback does not return until release().
+  /// Posts a call of the source that does not return until release() is called, and waits until it has
+  /// begun.
   void hold(const char& source) {
     std::promise<void> begun;
     may_return_ = {};
@@ -32,7 +33,7 @@ class CallbackThreadTest : public testing::Test {
       ++called_;
     });
   }
-  /// Returns the names of the sources that were called, in the order of the calls.
+  /// Runs the remaining calls. Returns the names of the sources of all calls, in the order of the calls.
   std::string all_calls() {
     thread_.stop();
     return calls_;

@@ -1,4 +1,4 @@
-// Tests where a node writes its log, and from which level on.
+// Tests where a node writes its log, and which level lines must have at least.
 #include "core/report/log_setting.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tests which lines reach a program's log sink, and that repetitions are summed up.
+// Tests which lines reach a program's log sink, and that repetitions are counted.
 #include "core/report/node_log.h"
 
 #include <gtest/gtest.h>
@@ -164,9 +164,9 @@ TEST_F(NodeLogTest, AWarningThatDidNotComeForALongTimeIsWrittenAtOnce) {
 
 TEST_F(NodeLogTest, ALineCountsThoseThatWereOmittedForThePauseAndThoseThatWereForTheBudget) {
   NodeLog log = log_from(LogLevel::info);
-  // Two of these lines wait for the pause.
+  // Two of these lines are held back by the pause.
   for (int i = 0; i < 3; ++i) log.write(LogLevel::warning, "again", now);
-  const std::string others = "abcdefghijkl";  // the budget has room for nine of these twelve lines
+  const std::string others = "abcdefghijkl";  // the budget allows nine of these twelve lines
   for (const char other : others) log.write(LogLevel::warning, std::string(1, other), now);
   ASSERT_EQ(lines.size(), std::size_t{LineBudget::burst});
   log.write(LogLevel::warning, "again", now + LineBudget::period);

@@ -47,7 +47,7 @@ bool is_resident(const SampleHandle& buffer) {
 }
 
 TEST(BufferPoolTest, LargeBuffersThatAreExpectedAreReadyWhenTheyAreTaken) {
-  malloc_trim(0);  // memory that this process has freed before is resident, and would be reused
+  malloc_trim(0);  // returns freed memory to the system; it would be reused, although it is already resident
   const auto pool = BufferPool::make(256 << 20);
   const SampleHandle unexpected = pool->take(large_bytes);
   ASSERT_TRUE(unexpected);
@@ -177,7 +177,7 @@ TEST(BufferPoolTest, BeyondTheLimitThereIsNoBufferUntilOneIsReleased) {
   EXPECT_TRUE(first);
   EXPECT_FALSE(pool->take(1));
   first.reset();
-  EXPECT_TRUE(pool->take(1));  // the pool frees the large kept buffer for this one
+  EXPECT_TRUE(pool->take(1));  // the pool frees the large kept buffer to make this one
 }
 
 TEST(BufferPoolTest, ARoundBodyWithItsHeaderAndIndexTakesLittleMoreThanItself) {
@@ -240,10 +240,10 @@ TEST(BufferPoolTest, LeavesSomeOfTheKeptBuffersToOthers) {
   EXPECT_TRUE(pool->take(1000, limit - capacity)) << "all are back";
 }
 
-// The sanitizers end a process that gets no memory.
+// The sanitizers end a process when an allocation fails.
 #ifndef SFT_TEST_SANITIZED
 TEST(BufferPoolTest, WhatTheSystemHasNoMemoryForDoesNotCount) {
-  // The C library asks the system for each block of this size, and keeps none from earlier tests.
+  // The C library asks the system for each block of this size, and keeps no such block from earlier tests.
   constexpr std::size_t large = 64U << 20;
   const auto pool = BufferPool::make(large + large / 8);
   rlimit before{};

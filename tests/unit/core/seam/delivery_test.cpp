@@ -1,4 +1,4 @@
-// The counts of readers, while the set of readers that share a count changes.
+// The counts of readers, while the groups of readers that share a tally change.
 #include "core/seam/delivery.h"
 
 #include <gtest/gtest.h>
@@ -136,7 +136,7 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   group->sent(1, 2);
   book.retained(first_reader, 5);
   book.keep({neighbour});
-  group->sent(1, 2);  // counts for both readers, because the page is still open
+  group->sent(1, 2);  // counts for both readers, because the page is still in force
   EXPECT_EQ(book.total().sent, 4U);
   turn_to({{neighbour, {.tally = group}}});
   book.keep({neighbour});
@@ -144,7 +144,8 @@ TEST_F(DeliveryTest, ReadersThatAreGoneStayInTheTotal) {
   EXPECT_EQ(book.total(), (Delivered{.sent = 4, .retained = 5, .bytes = 4, .bytes_saved = 4}));
 }
 
-// The agent enters pages, and the publisher does not turn to each of them. A third thread reads the counts.
+// The agent enters pages, and the publisher puts only some of them in force. A third thread reads the
+// counts.
 TEST_F(DeliveryTest, WhileOthersReadAndReadersComeAndGoNoSampleIsMissedOrCountedTwice) {
   test::Random random{test::test_seed()};
   SCOPED_TRACE(test::how_to_repeat());

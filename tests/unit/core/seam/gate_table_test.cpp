@@ -1,4 +1,4 @@
-// The table behind a sample in shared memory, which names the gates that the sample has passed.
+// The table after a sample in shared memory, which lists the gates that the sample has passed.
 #include "core/seam/gate_table.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ std::shared_ptr<Gate> gate_with(std::uint64_t hash, bool passes) {
 
 class GateTableTest : public ::testing::Test {
  protected:
-  /// Returns a sample with room for a table of `gates` gates.
+  /// Returns a sample with memory for a table of `gates` gates.
   SampleHandle sample(std::size_t gates) {
     SampleHandle made = pool->take(detail::SampleLayout(slots).bytes(body_bytes) + gate_table_bytes(gates));
     made->header() = {};

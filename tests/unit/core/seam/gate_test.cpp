@@ -1,5 +1,6 @@
-// Tests which samples pass gates, with which numbers, and with which counts. Other tests cover conditions
-// alone. Here they are combined with a rate, and with readers that begin.
+// Tests which samples pass gates, with which ordinals, and with which counts. Other tests cover conditions
+// alone. Here conditions are combined with a maximum rate, and with readers whose requests have just taken
+// effect.
 #include "core/seam/gate.h"
 
 #include <gtest/gtest.h>
@@ -26,12 +27,13 @@ using sensor_msgs::msg::BatteryState;
 using Condition = Selection::Condition;
 
 constexpr std::int64_t milliseconds = 1'000'000;
-// At this time a slot of each period in these tests begins.
+// For each period in these tests, a slot begins at this time.
 constexpr std::int64_t begin_ns = 1'700'000'000'000'000'000;
 
 detail::FieldSource source(const BatteryState& battery) { return detail::FieldSource::of_message(&battery); }
 
-/// The gate for the text of a selection. A rate in the text gives the least period in microseconds.
+/// The gate for the text of a selection. If the text has a maximum rate, it becomes the minimum period of
+/// the gate.
 class Stream {
  public:
   explicit Stream(std::string_view text) : selection_(type().parse_selection(text).value()) {}
@@ -189,7 +191,8 @@ TEST(GateTest, AMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsComparedWit
   EXPECT_TRUE(stream.passes(1, begin_ns));
   BatteryState battery;
   battery.voltage = 2;
-  stream.gate().consider(source(battery), begin_ns);  // then there was no memory for this message
+  stream.gate().consider(source(battery), begin_ns);  // after that, memory for this message was lacking, so
+                                                      // neither made() nor refused() is called
   EXPECT_EQ(stream.gate().ordinal(), 2U) << "its readers see that one is missing";
   EXPECT_TRUE(stream.passes(2, begin_ns));
   EXPECT_FALSE(stream.passes(2, begin_ns));
@@ -202,7 +205,8 @@ TEST(GateTest, AFirstMessageForWhichThereIsNoMemoryIsMissedAndTheNextOneIsTheFir
   stream.gate().reader_begins();
   BatteryState battery;
   battery.voltage = 1;
-  stream.gate().consider(source(battery), begin_ns);  // then there was no memory for this message
+  stream.gate().consider(source(battery), begin_ns);  // after that, memory for this message was lacking, so
+                                                      // neither made() nor refused() is called
   EXPECT_TRUE(stream.gate().passes());
   EXPECT_TRUE(stream.passes(1, begin_ns));
   EXPECT_FALSE(stream.passes(1, begin_ns));
@@ -253,8 +257,9 @@ TEST(GateTest, IsNamedByItsConditionsAndItsRate) {
 
 class GateLaw : public test::RandomTest {
  protected:
-  /// Returns true if a sample passes. The rate applies only to samples for which the conditions hold. The
-  /// first sample of a reader is subtracted from the budget, even if the budget is used up.
+  /// A reference implementation: returns true if a sample should pass. The rate applies only to samples for
+  /// which the conditions hold. The first sample of a reader is subtracted from the budget, even if the
+  /// budget is used up.
   static bool permits(bool holds, bool begins, RateBudget& budget, std::int64_t stamp_ns) {
     if (!holds) return false;
     if (!begins) return budget.take(stamp_ns);

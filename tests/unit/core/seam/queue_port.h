@@ -1,4 +1,4 @@
-// Reader ports that hand out the samples that the test put into them.
+// Reader ports whose take() returns the samples that the test has put into them.
 #pragma once
 
 #include <algorithm>
@@ -53,8 +53,8 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
 
   std::uint64_t held_too_many() const noexcept override { return at_limit; }
 
-  std::uint64_t at_limit = 0;  ///< the number of times that the limit was reached
-  bool is_at_limit = false;    ///< true: the subscriber holds as many samples as it may
+  std::uint64_t at_limit = 0;  ///< how often take() returned nothing because the limit was reached
+  bool is_at_limit = false;    ///< true: the subscriber holds the maximum number of samples
 };
 
 /// A port to which one thread may add samples while another thread takes samples from it.

@@ -84,8 +84,8 @@ TEST_F(RateBudgetTest, AClockThatIsSetBackHoldsNothingUp) {
   EXPECT_TRUE(budget.take(now_ns - 3'600'000 * ms + 100 * ms));
 }
 
-// By this rule a reader in shared memory takes what its writer lets pass, although the two exchange no
-// messages about it.
+// Because of this rule, a reader in shared memory takes all samples that its writer lets pass, although the
+// two exchange no messages about the budget.
 TEST_F(RateBudgetTest, WhoSeesNoMoreThanTheWriterLetPassTakesAllOfIt) {
   for (int round = 0; round < 200; ++round) {
     RateBudget writer(10'000);
@@ -233,13 +233,13 @@ TEST_F(SequenceAccountTest, InSharedMemoryTheReaderSkipsAndCountsThatAsWithheld)
 
 TEST_F(SequenceAccountTest, BeginsWithOneSampleAndNotWithABurst) {
   account.ask(100'000);
-  // All of these samples are within one period.
+  // All of these samples have stamps within one period.
   for (std::uint64_t sequence = 1; sequence <= 9; ++sequence) enter(by_memory(sequence));
   EXPECT_EQ(delivered, 1U);
 }
 
-// The gate of the writer has used up its initial budget, and so has the reader, whichever path the samples
-// took.
+// The writer's gate has used up its initial budget. The reader's budget must be used up, too, whichever
+// path the samples took.
 TEST_F(SequenceAccountTest, APathThatChangesToSharedMemoryBringsNoMoreThanTheLimit) {
   account.ask(100'000);
   enter(over_network(1, 100'000, 1));
@@ -263,15 +263,15 @@ TEST_F(SequenceAccountTest, WhatAQueuePushedOutIsLostOnlyAsFarAsTheReaderWasEnti
 TEST_F(SequenceAccountTest, WhereTheLimitChangesWhatIsMissingIsJudgedByTheSlowerOne) {
   enter(over_network(1, 100'000, 1));
   enter(over_network(11, 100'000, 2));
-  enter(over_network(18));  // from here on there is no limit
+  enter(over_network(18));  // from here on there is no maximum rate
   enter(over_network(19));
   EXPECT_EQ(lost, 0U);
-  enter(over_network(25, 100'000, 9));  // from here on the limit applies again
+  enter(over_network(25, 100'000, 9));  // from here on the maximum rate applies again
   EXPECT_EQ(lost, 0U);
   EXPECT_EQ(withheld, 20U);
 }
 
-// A saved period can still be used, so a sample that the queue dropped in such a period is not lost.
+// The budget can save one period. A sample that was dropped by the queue may have used such a saved period.
 TEST_F(SequenceAccountTest, UnderOneLimitWhatIsSavedOfItIsReckonedWith) {
   std::mt19937_64 random(sft::test::test_seed());
   SCOPED_TRACE(sft::test::how_to_repeat());

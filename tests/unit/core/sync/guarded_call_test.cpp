@@ -15,8 +15,8 @@
 namespace sft::core {
 namespace {
 
-/// Waits until another thread has set the flag. If no thread sets it, the test hangs, and its time limit ends
-/// it.
+/// Waits until another thread has set the flag. If no thread sets it, the test hangs until its time limit
+/// ends it.
 void wait_for(const std::atomic<bool>& flag) { flag.wait(false); }
 void set(std::atomic<bool>& flag) {
   flag = true;
@@ -75,7 +75,7 @@ TEST(GuardedCallTest, ACallThatThrowsIsOver) {
 }
 
 /// A call that another thread is executing. The call ends only after release(), and so late that a clear()
-/// that does not wait would return before.
+/// that does not wait would return earlier than the call.
 class GuardedCallOfAnotherThread : public testing::Test {
  protected:
   GuardedCallOfAnotherThread() { wait_for(inside_); }
@@ -84,7 +84,8 @@ class GuardedCallOfAnotherThread : public testing::Test {
   void release() { set(released_); }
 
   std::function<void()> on_this_thread = [] {};
-  bool ended = false;  // not atomic, because clear() must order the threads
+  bool ended = false;  // not atomic, because the sanitizers check that clear() orders the accesses of the
+                       // threads
   const std::thread::id this_thread_ = std::this_thread::get_id();
   GuardedCall<> call{[this] {
     if (std::this_thread::get_id() == this_thread_) return on_this_thread();
@@ -202,7 +203,7 @@ TEST_F(GuardedCallOfAnotherThread, KeepsOneThatClearsItFromWithinAndThatOneIsWai
 TEST(GuardedCallTest, NoneOfManyThreadsIsInsideOnceItWasCleared) {
   constexpr int callers = 4;
   for (int round = 0; round < 50; ++round) {
-    // The callback uses memory that is freed later, so that the sanitizers notice a use that is too late.
+    // The callback uses memory that is freed later, so that the sanitizers detect a use after that.
     auto used = std::make_unique<std::array<int, callers>>();
     GuardedCall<std::size_t> call([used = used.get()](std::size_t who) { ++(*used)[who]; });
     std::latch begun(callers);

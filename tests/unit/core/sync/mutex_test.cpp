@@ -59,7 +59,7 @@ TEST(ConditionTest, AWaitTellsThatTheTimeIsOverAndHoldsTheMutexAgain) {
   EXPECT_FALSE(is_free(mutex));
 }
 
-/// A number. One thread increments it, and another one waits for a value.
+/// A number that one thread increments while another thread waits until it has a certain value.
 class Count {
  public:
   void raise() {

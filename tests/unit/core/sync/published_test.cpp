@@ -56,14 +56,15 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
   Published<int> value;
   value.replace(std::make_shared<int>(1));
   std::atomic<bool> reads{false}, replaced{false};
-  bool ended = false;  // not atomic, because wait_for_reader() must order the threads
+  bool ended = false;  // not atomic, because the sanitizers check that wait_for_reader() orders the accesses
+                       // of the threads
   std::thread reader([&] {
     const Published<int>::Reading reading(value);
     const int* former = value.load();
     reads = true;
     reads.notify_all();
     replaced.wait(false);
-    // The loop gives the other thread time to return too early.
+    // The loop gives the other thread the chance to return too early.
     for (int i = 0; i < 1000; ++i) std::this_thread::yield();
     EXPECT_EQ(*former, 1);
     ended = true;
@@ -77,8 +78,9 @@ TEST(PublishedTest, WhoeverReplacesTheValueWaitsForAReadingThatUsesTheFormerOne)
   reader.join();
 }
 
-// The waiting thread cannot report when it has begun to wait. So this thread begins a new reading again and
-// again, and at least one is always open. A thread that also waited for the new readings would wait for ever.
+// The waiting thread cannot report when it has begun to wait. So this thread begins a new Reading again and
+// again, and at least one Reading always exists. If the waiting thread also waited for later Readings, it
+// would wait for ever.
 TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   Published<int> value;
   std::optional<Published<int>::Reading> reading(std::in_place, value);
@@ -91,8 +93,8 @@ TEST(PublishedTest, AReadingThatBeginsMeanwhileIsNotWaitedFor) {
   reading.reset();
 }
 
-// A Reading must be visible before the value is loaded. If the order were wrong, threads would rarely meet
-// the fault, so this test may miss it. tests/model/routes.pml finds the fault (announced_late).
+// A Reading must be visible before the value is loaded. A wrong order would rarely cause a failure, so this
+// test may miss it. tests/model/routes.pml detects this fault (announced_late).
 TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
   using Alive = std::atomic<bool>;
   Published<Alive> latest;
@@ -119,7 +121,7 @@ TEST(PublishedTest, AfterTheWaitNoReadingUsesAFormerValue) {
 }
 
 TEST(PublishedTest, SeveralThreadsMayReplaceItAndEachWaitsUntilItsFormerValueIsNotUsed) {
-  using Plain = std::unique_ptr<int>;  // lets the sanitizers notice a use that is too late
+  using Plain = std::unique_ptr<int>;  // lets the sanitizers detect a use after the destruction
   Published<Plain> latest;
   latest.replace(std::make_shared<Plain>(std::make_unique<int>(0)));
   std::atomic<bool> stop{false};
