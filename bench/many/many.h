@@ -41,8 +41,8 @@ std::vector<Figure> join_64(const ManyScale& scale);
 /// the bytes that an idle node receives, and the exponents with which both grow. One round.
 std::vector<Figure> growth(const ManyScale& scale);
 
-// The following groups are curves: they measure the costs of SFT and of Cyclone DDS at four sizes, in
-// turns, with exponents.
+// The following functions measure the costs of SFT and of Cyclone DDS in turns, at four sizes each. They also
+// return the exponents with which the costs grow.
 
 /// Measures the costs of a sample for readers of a cloud of 16 kB on up to eight hosts: first for 1 to 64
 /// readers that all request its data, then for 64 readers with 1 to 64 different masks.

@@ -42,9 +42,10 @@ Case many_masks(std::size_t readers, const ManyScale& scale, std::uint64_t sampl
           .period_us = 50'000};
 }
 
-/// The number of samples that takes 8.5 s. The processor time of a node includes its control traffic.
-/// Cyclone DDS renews the leases of all nodes at once every 8 s: half as many samples would include a
-/// renewal or not, by chance. A node of SFT sends a heartbeat every second.
+/// The number of samples that are sent in 8.5 s. Cyclone DDS renews the leases of all nodes every 8 s, so
+/// that a run of this length always includes a renewal, and a shorter run only by chance. Renewals matter
+/// because the processor time of a node includes its control traffic. A node of SFT sends a heartbeat every
+/// second.
 constexpr std::uint64_t samples_of_a_period = 170;
 
 /// Returns the fields that a map, a display and a monitor may need. Two of them need the data. All of them

@@ -128,7 +128,7 @@ struct NodeReport {
 };
 
 /// A publisher or subscriber, of this node or of another one. The fields are those of sft_control.idl.
-/// Larger than usual: it is the record of all that a node announces about an endpoint.
+/// Larger than usual: the struct has everything that a node announces about an endpoint.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};

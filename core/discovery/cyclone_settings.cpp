@@ -155,7 +155,8 @@ Result<CycloneSettings> CycloneSettings::read(const std::string& config, std::ui
   return settings;
 }
 
-/// Returns where the text ends.
+/// Adds the settings of the XML document at the beginning of `text`. Returns the offset at which the document
+/// ends.
 Result<std::size_t> CycloneSettings::read_text(const std::string& text) {
   DocumentReader reader(domain_, false);
   const Parser parser(ddsrt_xmlp_new_string(text.c_str(), &reader, &DocumentReader::callbacks()));

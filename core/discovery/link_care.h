@@ -45,8 +45,8 @@ class LinkCare {
   void was_asked(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now);
-  /// For each link, the processes of which records are missing there, even if other links have brought
-  /// these records.
+  /// Sets, for each link, the processes with records that did not come by that link, even if other links have
+  /// brought these records.
   void misses(const std::map<LinkId, std::set<ProcessId>>& processes);
 
   // Questions about the state.

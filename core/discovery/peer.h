@@ -118,10 +118,10 @@ class Peer {
   const Timing& timing_;
   const Listened& listened_;
   const Changed changed_;
-  std::vector<Member> members_;                      ///< in the order in which they were found
-  std::set<LinkId> links_;                           ///< the links by which the process has been found
-  std::optional<PerRole<std::uint64_t>> digests_{};  ///< the digests of the last heartbeat of a participant
-                                                     ///< that counts
+  std::vector<Member> members_;  ///< in the order in which they were found
+  std::set<LinkId> links_;       ///< the links by which the process has been found
+  /// The digests of the last heartbeat whose participant speaks for the whole process; empty: there was none.
+  std::optional<PerRole<std::uint64_t>> digests_{};
   PerRole<Records> records_{};
 };
 

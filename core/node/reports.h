@@ -27,11 +27,11 @@ class Reports {
 
   // Functions for requests of the program.
 
-  /// Inquires the accounts of all pairs on that topic, until ask_no_more() has been called as often as
-  /// ask().
+  /// Asks other nodes for the accounts of all pairs on that topic, repeatedly, until ask_no_more() has been
+  /// called as often as ask().
   void ask(const std::string& topic);
   void ask_no_more(const std::string& topic);
-  /// Inquires the progress of all publishers, for a while.
+  /// Asks other nodes for the progress of all publishers, for a while.
   void ask_for_progress(Time now);
   /// Returns the known accounts of the pairs that the program asks about.
   PairAccounts accounts(Time now = std::chrono::steady_clock::now());

@@ -24,8 +24,8 @@ inline constexpr Border endpoint SFT_ACQUIRED_AFTER(endpoints){};
 /// The level of the queues of one endpoint or of one remote socket: Inbox, ShmReaderPort, Lane, Channel,
 /// ChannelRegistry, DestinationDirectory, ScheduledWork, SubscriptionDirectory.
 inline constexpr Border queues SFT_ACQUIRED_AFTER(endpoint){};
-/// The level of facts that several queues share: RemotePath, SharedFlowWindow, DeliveryBook, GroupReasons,
-/// Published.
+/// The level of the objects with state that several queues share: RemotePath, SharedFlowWindow, DeliveryBook,
+/// GroupReasons, Published.
 inline constexpr Border facts SFT_ACQUIRED_AFTER(queues){};
 /// The level of the pool to which jobs return, and of the budget for unproven sockets: JobPool,
 /// UnprovenBudget.

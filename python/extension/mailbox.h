@@ -14,8 +14,8 @@ namespace sft::python {
 
 struct Letter {
   std::uint64_t to = 0;  ///< the number of the callback
-  std::string kind{};    ///< of the event, or the level of the line
-  std::string node{};    ///< at the other end of the event
+  std::string kind{};    ///< the kind of the event, or the level of the line of the log
+  std::string node{};    ///< the name of the node at the other end of the event; empty for a line of the log
   std::string text{};
   std::uint64_t count = 1;
 };

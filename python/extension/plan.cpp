@@ -6,7 +6,7 @@ namespace sft::python {
 
 namespace {
 
-/// An array of fewer bytes is copied at once.
+/// The minimum size in bytes of an array that the plan refers to. Smaller arrays are copied into the plan.
 constexpr std::size_t least_array_bytes = 512;
 
 }  // namespace

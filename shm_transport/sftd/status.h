@@ -61,7 +61,7 @@ struct Usage {
   std::vector<SubscriberUse> subscribers{};
   /// Number of chunks that killed programs had in hand and that the daemon has freed.
   std::uint64_t leaks_healed = 0;
-  /// Number of locks that killed programs had left closed and that the daemon has opened.
+  /// Number of locks that killed programs still held and that the daemon has released.
   std::uint64_t locks_healed = 0;
   std::uint64_t deaths = 0;     ///< number of programs that ended without a goodbye
   std::uint64_t unaudited = 0;  ///< number of deaths since the last search for lost chunks

@@ -1,5 +1,6 @@
-// Arbitrary .msg text as types, with the definitions of nested messages behind it. An accepted type is
-// written as text, and the same type is made from that text. An error has words that a terminal can show.
+// Fuzzes from_msg() with arbitrary .msg text, which may be followed by the definitions of nested messages.
+// Checks that an accepted type can be written by to_msg() and read back as the same type, and that every
+// error message is one printable line.
 #include <algorithm>
 #include <cstdint>
 #include <stdexcept>

@@ -21,8 +21,9 @@ class McapReader final : public Recording {
   /// What the reader never exceeds.
   struct Limits {
     std::uint64_t chunk_bytes = std::uint64_t{1} << 30;   ///< the largest chunk when it is not compressed
-    std::uint64_t memory_bytes = std::uint64_t{1} << 28;  ///< for chunks that overlap
-    std::uint64_t text_bytes = std::uint64_t{1} << 24;    ///< a schema, a channel or metadata
+    std::uint64_t memory_bytes = std::uint64_t{1} << 28;  ///< the limit for all chunks that overlap
+    std::uint64_t text_bytes = std::uint64_t{1}
+                               << 24;  ///< the largest record of a schema, channel or metadata
   };
 
   /// Errc::malformed if the file does not begin like MCAP.

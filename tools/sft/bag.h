@@ -22,7 +22,8 @@ struct BagOptions {
 
 ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
-/// The type of a schema: by the definition in the recording, or by the files of the user and of SFT.
+/// Returns the type of a schema. Uses the definition in the recording, or if it has none, the definition in
+/// the files of the user or of SFT.
 Result<DynamicType> find_type(const recording::Schema& schema, const CommonOptions& common);
 
 /// Runs `sft bag estimate` for one file.

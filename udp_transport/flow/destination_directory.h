@@ -22,8 +22,8 @@ class DestinationDirectory {
   DestinationDirectory(const DestinationLimits& limits, Connect connect);
 
   /// Returns the destination of that address. If there is none, connects a new one and asks the kernel for
-  /// the path's MTU. If the address names its node, a known destination moves to that address. A destination
-  /// is destroyed, with its connections, when no writer uses it any more.
+  /// the path's MTU. If address.node is set, the destination that is already known for that node moves to
+  /// this address. A destination is destroyed, with its connections, when no writer uses it any more.
   std::shared_ptr<Destination> find(const core::UdpAddress& address);
   /// Returns the destination whose reports carry the number `flow`; null if it does not exist any more.
   std::shared_ptr<Destination> of_flow(std::uint32_t flow);

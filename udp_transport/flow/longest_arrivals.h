@@ -19,8 +19,9 @@ class LongestArrivals {
   using Time = std::chrono::steady_clock::time_point;
 
   static constexpr std::size_t addresses_max = 256;
-  /// The length of a datagram is kept for at least one period and at most two periods. Senders only use what
-  /// reports show about a shorter time (LengthMonitor::remembered_for).
+  /// The length of a datagram is kept for at least one period and at most two periods. Senders use a
+  /// report only as evidence about datagrams that they sent shortly before the flow mark: less than
+  /// LengthMonitor::remembered_for, which is shorter than a period.
   static constexpr std::chrono::seconds period{1};
   /// An address that has sent no flow mark for this time is removed if the table is full and another address
   /// comes.

@@ -187,7 +187,8 @@ class BufferRing {
 };
 
 std::string why_forbidden() {
-  // The value 1: disabled for processes without privilege; 2: for all; older kernels have no such file.
+  // In this file, 1 means disabled for unprivileged processes, and 2 for all processes. Older kernels do not
+  // have the file; `disabled` is then 0.
   int disabled = 0;
   std::ifstream("/proc/sys/kernel/io_uring_disabled") >> disabled;
   if (disabled == 0) return "it is forbidden here (a seccomp profile, as containers have)";

@@ -252,7 +252,7 @@ Arrival IncomingWriter::accept(const Following& d, const Envelope& envelope) {
   const std::uint32_t had = sample->received().covered();
   const auto added = sample->add(d.offset, d.payload, shared_.limits.gaps, now.steady);
   if (added == UnfinishedSample::Added::beyond_body) {
-    ++shared_.counters.malformed;  // only this sequence is refused; the sample itself may be well-formed
+    ++shared_.counters.malformed;  // the sample itself may be well-formed
     return {};
   }
   const bool again = added == UnfinishedSample::Added::yes && sample->received().covered() == had;

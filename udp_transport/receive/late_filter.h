@@ -1,7 +1,7 @@
-// Decides which samples of a durable writer a late reader takes. The samples for this reader alone come
-// first: the samples that the writer had retained, and those that it published meanwhile. Other readers in
-// the process may have the same mask. New samples for all readers must not overtake the samples for this
-// reader alone. Uses no clock, thread or I/O.
+// Decides which samples of a durable writer a late reader takes. The writer first sends samples for this
+// reader alone: those that it had retained, and those that it published meanwhile. Samples for all readers
+// can arrive earlier, because other readers of the process may have the same mask. They must not overtake
+// the samples for this reader alone. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>

@@ -160,7 +160,8 @@ struct DomainSnapshot::Pair {
   TransportKind transport{};       ///< valid only while the pair is connected
   std::string reason{};            ///< the reason for this transport, or for having none; for people
   bool incompatible_type = false;  ///< true: the names or definitions of the two types differ
-  /// Not null: two definitions of the type; "here" means the publisher's definition.
+  /// Not null if the publisher and the subscriber have different definitions of the type. In its texts,
+  /// "here" means the publisher and "there" the subscriber.
   std::shared_ptr<const TypeMismatch> mismatch{};
   /// The first incompatible policy; `reason` names all of them.
   QosPolicy incompatible_policy = QosPolicy::none;

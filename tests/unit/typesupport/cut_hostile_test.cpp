@@ -50,7 +50,8 @@ class CutHostile : public test::RandomTest {
     EXPECT_LT(seconds, 60);
   }
 
-  /// Returns the part. The test fails if the part is refused or is no message, or if cutting takes a second.
+  /// Cuts the selected part out of the message and returns it decoded. The test fails if the part is refused,
+  /// if it is not a valid message, or if cutting takes a second or longer.
   template <class T>
   static T taken(const T& message, const Selection& selection) {
     const std::clock_t begin = std::clock();

@@ -29,7 +29,7 @@ struct Order {
   /// Each order is answered with a report. Only the publisher gets orders to publish or halt.
   enum class Kind { report, publish, halt };
   Kind kind = Kind::report;
-  double hz = 0;              ///< for Kind::publish
+  double hz = 0;              ///< the rate of publishing, for Kind::publish
   std::uint64_t samples = 0;  ///< the number of samples for Kind::publish
 };
 

@@ -22,7 +22,8 @@ namespace {
 using std::chrono::milliseconds;
 
 constexpr milliseconds timeout_with_daemons{2'000};
-constexpr milliseconds timeout_with_hosts{8'000};  // in which nodes close, and daemons end
+// The time in which the processes of a host must end: nodes close, and daemons end.
+constexpr milliseconds timeout_with_hosts{8'000};
 
 /// Moves the calling process into the network and mounts an empty /dev/shm and /tmp that only it and its
 /// children see. Its next child becomes the first process of a new process namespace; when that child ends,

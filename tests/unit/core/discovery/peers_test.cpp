@@ -119,7 +119,8 @@ TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
   EXPECT_EQ(renewals[0].from, elsewhere);
 }
 
-/// The second heartbeat may have arrived while a cut link worked for a moment.
+/// One later heartbeat on a link that was silent is not enough to make the link anew: that heartbeat may have
+/// arrived while a cut link worked for a moment.
 TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   meet_on_both_links();
   writes(1, "b", {wlan});

@@ -70,7 +70,7 @@ class TestMemory final : public IdleSharedMemory {
   int writers = 0;
   int readers = 0;
   bool samples_wait = false;         ///< true: samples wait in the queue of each reader
-  std::uint64_t arrivals = 0;        ///< the count of samples of each writer that each reader port reports
+  std::uint64_t arrivals = 0;        ///< the number of samples that each reader port reports for each writer
   std::uint64_t held_too_many = 0;   ///< the count that each reader port reports
   int openings = 0;                  ///< the number of attempts to open a writer port, including refused ones
   std::vector<Route> routes;         ///< the routes that were set last, on any writer port

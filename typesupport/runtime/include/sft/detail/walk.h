@@ -45,8 +45,9 @@ constexpr std::uint64_t align_up(std::uint64_t offset, std::uint64_t alignment) 
   return (offset + alignment - 1) & ~(alignment - 1);
 }
 
-/// Checks `count` elements of `element_bytes` each at `offset`, which must be aligned unless `count` is 0.
-/// Returns the offset of the first element, or no_offset if the elements would not lie within the body.
+/// Checks that `count` elements of `element_bytes` each lie within the body. They begin at `offset`, rounded
+/// up to `alignment`. Returns the offset of the first element, or no_offset if they do not fit. If `count`
+/// is 0, `offset` is not rounded up.
 inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, std::uint64_t count,
                                    std::uint64_t element_bytes, std::uint64_t alignment) noexcept {
   if (count == 0) return offset <= s.body_bytes ? static_cast<std::uint32_t>(offset) : no_offset;
@@ -128,9 +129,9 @@ inline Extent checked_elements(const SampleState& s, Extent extent, std::uint32_
   return fits ? extent : Extent{};
 }
 
-/// Returns the offset at which the selected leaves of a member (or of a whole struct) end that begins at
-/// `offset`. Returns no_offset if the body ends before that. `leaf` is the number of the member's first
-/// leaf in the root type.
+/// Skips the selected leaves of a member (or of a whole struct) that begins at `offset`. Returns the offset
+/// at which these leaves end, or no_offset if the body ends earlier. `leaf` is the number of the member's
+/// first leaf in the root type.
 std::uint32_t skip(const SampleState& s, const Member& member, std::size_t leaf,
                    std::uint64_t offset) noexcept;
 std::uint32_t skip(const SampleState& s, const StructType& type, std::size_t leaf,
