@@ -117,10 +117,11 @@ class NodeCore final : private DiscoveryListener {
   Dispatcher dispatcher_;
   Dispatcher poller_;                       ///< makes the file descriptors of subscribers readable when
                                             ///< samples arrive in shared memory
+  Agent agent_;                             ///< outlives the parts below: Cyclone's threads post to it
+                                            ///< until they are destroyed
   std::unique_ptr<Discovery> discovery_;    ///< its threads post events to the agent
   std::unique_ptr<Reconciler> reconciler_;  ///< changed by the agent only; set before the agent starts
   std::optional<EndpointOpening> opening_;  ///< set once discovery is open
-  Agent agent_;
 };
 
 }  // namespace sft::core

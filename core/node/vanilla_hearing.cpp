@@ -45,8 +45,9 @@ void VanillaHearing::reconcile(Time now) {
   if (is_wanted()) {
     wanted_at_ = now;
     if (reader_ == nullptr) open_reader(now);
-  } else if (is_due(now)) {
-    reader_.reset();
+  } else {
+    opening_ = {};
+    if (is_due(now)) reader_.reset();
   }
   if (reader_ != nullptr) name_faults();
 }

@@ -29,6 +29,7 @@ bool VanillaServing::reconcile(Time now) {
     outlet_->show_readers(readers);
     return true;
   }
+  if (writer_ != nullptr && !wanted) opening_ = {};
   if (!wanted && outlet_ != nullptr) retired_ = std::exchange(outlet_, nullptr);
   if (outlet_ != nullptr) outlet_->show_readers(readers);
   if (retired_ == nullptr) start_outlet(now);  // it may have failed before

@@ -7,6 +7,12 @@
 
 namespace sft::core {
 
+namespace {
+
+constexpr std::uint64_t gap_max = 1 << 30;  // a longer gap of the sequence is none of lost samples
+
+}  // namespace
+
 /// Lends buffers that refer to the memory of samples which several readers share. Each reader needs a buffer
 /// of its own, since buffers name the gate that the sample has passed, and where readers have found elements.
 class VanillaInlet::Lender final : public BufferOwner, public std::enable_shared_from_this<Lender> {
@@ -62,11 +68,16 @@ bool VanillaInlet::put(const VanillaArrival& arrival) {
   Writer* const writer = writer_of(arrival.writer);
   if (writer == nullptr || !sample) {
     ++counters_.discarded;
+    // Later gaps in the sequence show samples that could not be read, but not those before the first one.
+    if (writer != nullptr && writer->last == 0) ++writer->discarded;
     return false;
   }
   sample->sequence = arrival.sequence == 0 ? writer->last + 1 : arrival.sequence;
   if (sample->sequence <= writer->last) return false;  // it came to an earlier DDS reader of the subscriber
-  if (writer->last != 0) writer->missing += static_cast<std::uint32_t>(sample->sequence - writer->last - 1);
+  if (writer->last != 0) {
+    const std::uint64_t gap = sample->sequence - writer->last - 1;
+    writer->missing += static_cast<std::uint32_t>(std::min<std::uint64_t>(gap, gap_max));
+  }
   writer->last = sample->sequence;
   ++writer->arrivals;
   if (writer->gate != nullptr && !passes(*writer, *sample, type_.index_slots())) return false;

@@ -139,7 +139,8 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
   if (info.instance_state != DDS_IST_ALIVE) {
     if (known_.erase(key) == 0) return false;
   } else {
-    if (!info.valid_data || known_.size() >= known_max || is_endpoint_of_sft(endpoint.qos)) return false;
+    const bool has_room = known_.size() < known_max || known_.contains(key);
+    if (!info.valid_data || !has_room || is_endpoint_of_sft(endpoint.qos)) return false;
     known_.insert_or_assign(key, std::pair(std::string(endpoint.topic_name), described(endpoint)));
   }
   changes_.fetch_add(1, std::memory_order_relaxed);

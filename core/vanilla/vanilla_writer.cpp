@@ -19,7 +19,7 @@ namespace {
 /// A reader that was stopped pins the depth of the writer and two samples more. Of large ones they are few.
 constexpr std::size_t kept_bytes = 16 << 20;
 constexpr std::size_t kept_samples = 10;
-constexpr std::size_t readers_counted = 64;
+constexpr std::size_t readers_counted = 1024;
 constexpr std::size_t reasons_max = 16;  // of one topic: forged readers can cost no more
 
 /// A writer that keeps the last samples never waits for its readers.

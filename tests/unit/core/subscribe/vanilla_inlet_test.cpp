@@ -76,6 +76,18 @@ TEST_F(VanillaInletTest, TheOldestSamplesOfAWriterAreDiscardedAndCounted) {
   EXPECT_EQ(inlet.counters().lost_unnoticed, 2U) << "nothing was taken before them";
 }
 
+TEST_F(VanillaInletTest, SamplesThatCannotBeReadAreLostIfTheyComeBeforeTheFirstOne) {
+  for (std::uint64_t i = 1; i <= 3; ++i) EXPECT_FALSE(inlet.put({.writer = 1, .sequence = i}));
+  EXPECT_TRUE(comes(4, 1));
+  EXPECT_THAT(taken(), ElementsAre(4));
+  EXPECT_EQ(inlet.counters().discarded, 3U);
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 3U);
+  EXPECT_FALSE(inlet.put({.writer = 1, .sequence = 5}));
+  EXPECT_TRUE(comes(6, 1));
+  EXPECT_THAT(taken(), ElementsAre(6));
+  EXPECT_EQ(inlet.counters().lost_unnoticed, 3U) << "the gap in the sequence shows this one";
+}
+
 class VanillaInletBytesTest : public VanillaInletTest {
  protected:
   VanillaInletBytesTest() : VanillaInletTest(100, 2500) {}
