@@ -165,7 +165,7 @@ class Ping {
         Sender::open(node_, topic_of(offer_.session, "samples" + suffix), type_, payload_, plan_.loans,
                      {.transport = plan_.transport,
                       .reliability = plan_.reliable ? reliable : best_effort,
-                      .max_blocking = plan_.rate_hz > 0 ? 0ns : flow_control});
+                      .max_blocking = plan_.reliable && plan_.rate_hz <= 0 ? flow_control : 0ns});
     if (!sender) return tl::unexpected(sender.error());
     track.sender.emplace(*std::move(sender));
     if (!plan_.answers)
