@@ -29,11 +29,11 @@ struct Strides {
   };
 
   const std::byte* first = nullptr;  ///< the first cell; must not be read if there are no cells
-  std::size_t rows = 0;
-  std::size_t columns = 0;
-  std::size_t row_step = 0;     ///< bytes from one row to the next
-  std::size_t column_step = 0;  ///< bytes from one cell of a row to the next
-  bool is_swapped = false;      ///< true if the values have the other byte order than this host
+  std::size_t rows = 0;              ///< the number of rows
+  std::size_t columns = 0;           ///< the number of cells in each row
+  std::size_t row_step = 0;          ///< bytes from one row to the next
+  std::size_t column_step = 0;       ///< bytes from one cell of a row to the next
+  bool is_swapped = false;           ///< true if the values have the other byte order than this host
   /// Of point_strides_of(): the channels in the order in which they were asked for.
   std::vector<Channel> channels{};
 };
