@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <charconv>
+#include <cmath>
 #include <iterator>
 
 namespace sft::perf {
@@ -73,7 +74,7 @@ class Reader {
     skip_blanks();
     const char* const first = text_.data() + at_;
     const auto number = std::from_chars(first, text_.data() + text_.size(), criterion.bound);
-    if (number.ec != std::errc()) return wrong("a number");
+    if (number.ec != std::errc() || !std::isfinite(criterion.bound)) return wrong("a number");
     at_ += static_cast<std::size_t>(number.ptr - first);
     skip_blanks();
     const std::size_t before = at_;

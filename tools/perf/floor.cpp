@@ -10,7 +10,11 @@
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
 #include <cstring>
+#include <limits>
+
+#include "tools/perf/usage.h"
 
 namespace sft::perf {
 
@@ -18,6 +22,9 @@ namespace {
 
 constexpr std::size_t datagram_bytes = 60'000;  // IP cuts a datagram into frames
 constexpr std::uint64_t message_bytes_max = 128 * 1024 * 1024;
+constexpr auto wake_up_period = std::chrono::milliseconds(200);  // how soon a thread notices the end
+constexpr std::int64_t first_header_ns = 2'000'000'000;          // after this a silent peer is closed
+constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
 
 /// Before each message of TCP, and in each datagram of UDP.
 struct Header {
@@ -30,9 +37,9 @@ struct Header {
 using Handle = std::function<void(const Header&, const sockaddr_in& from)>;
 
 void prepare(int socket, Socket kind) {
-  const timeval pause{0, 200'000};  // how soon a thread notices the end
-  const timeval timeout{2, 0};      // with a partner that hangs, or does not answer at all
-  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &pause, sizeof pause);
+  const timeval receive_timeout{0, std::chrono::microseconds(wake_up_period).count()};
+  const timeval timeout{2, 0};  // with a partner that hangs, or does not answer at all
+  setsockopt(socket, SOL_SOCKET, SO_RCVTIMEO, &receive_timeout, sizeof receive_timeout);
   setsockopt(socket, SOL_SOCKET, SO_SNDTIMEO, &timeout, sizeof timeout);
   const int buffer = 8 * 1024 * 1024, on = 1;
   if (kind == Socket::tcp) {
@@ -42,9 +49,11 @@ void prepare(int socket, Socket kind) {
   }
 }
 
+/// A message that was cut off is the last one of its stream: nobody could tell where the next one begins.
 bool write_all(int socket, const char* data, std::size_t bytes) {
-  while (bytes > 0) {
+  for (const std::size_t whole = bytes; bytes > 0;) {
     const ssize_t sent = ::send(socket, data, bytes, MSG_NOSIGNAL);
+    if (sent <= 0 && bytes < whole) shutdown(socket, SHUT_WR);
     if (sent <= 0) return false;
     data += sent;
     bytes -= static_cast<std::size_t>(sent);
@@ -52,8 +61,9 @@ bool write_all(int socket, const char* data, std::size_t bytes) {
   return true;
 }
 
-bool read_all(int socket, char* data, std::size_t bytes, const std::atomic<bool>& ending) {
-  while (bytes > 0 && !ending) {
+bool read_all(int socket, char* data, std::size_t bytes, const std::atomic<bool>& ending,
+              std::int64_t until_ns = never_ns) {
+  while (bytes > 0 && !ending && now_ns() < until_ns) {
     const ssize_t came = recv(socket, data, bytes, 0);
     if (came == 0 || (came < 0 && errno != EAGAIN && errno != EINTR)) return false;
     if (came < 0) continue;
@@ -105,10 +115,13 @@ void receive_datagrams(int socket, std::uint64_t token, const std::atomic<bool>&
   }
 }
 
-void receive_stream(int socket, std::uint64_t token, const std::atomic<bool>& ending, const Handle& handle) {
+/// Ends as well if the first header has not come by `until_ns`.
+void receive_stream(int socket, std::uint64_t token, const std::atomic<bool>& ending, std::int64_t until_ns,
+                    const Handle& handle) {
   std::vector<char> body;
   Header header;
-  while (read_all(socket, reinterpret_cast<char*>(&header), sizeof header, ending)) {
+  while (read_all(socket, reinterpret_cast<char*>(&header), sizeof header, ending, until_ns)) {
+    until_ns = never_ns;
     if (header.token != token || header.bytes > message_bytes_max || header.bytes < sizeof header) return;
     body.resize(header.bytes);
     if (!read_all(socket, body.data(), header.bytes - sizeof header, ending)) return;
@@ -161,14 +174,18 @@ FloorServer::FloorServer(Socket kind, int listening, std::uint64_t token, bool a
 void FloorServer::serve_tcp() {
   while (!ending_) {
     const int peer = accept4(socket_, nullptr, nullptr, SOCK_CLOEXEC);
-    if (peer < 0) continue;
+    if (peer < 0) {  // after a timeout; or at once, as long as the process has no more descriptors
+      if (errno != EAGAIN) std::this_thread::sleep_for(wake_up_period);
+      continue;
+    }
     prepare(peer, Socket::tcp);
     std::vector<char> message;
-    receive_stream(peer, token_, ending_, [&](const Header& header, const sockaddr_in&) {
-      ++received_;
-      put_header(message, header);
-      if (answers_) write_all(peer, message.data(), message.size());
-    });
+    receive_stream(peer, token_, ending_, now_ns() + first_header_ns,
+                   [&](const Header& header, const sockaddr_in&) {
+                     ++received_;
+                     put_header(message, header);
+                     if (answers_) write_all(peer, message.data(), message.size());
+                   });
     close(peer);
   }
 }
@@ -208,7 +225,7 @@ FloorClient::FloorClient(Socket kind, int connected, std::uint64_t token, std::s
   thread_ = std::thread([this] {
     const Handle handle = [this](const Header& header, const sockaddr_in&) { answer_(header.number); };
     kind_ == Socket::udp ? receive_datagrams(socket_, token_, ending_, handle)
-                         : receive_stream(socket_, token_, ending_, handle);
+                         : receive_stream(socket_, token_, ending_, never_ns, handle);
   });
 }
 

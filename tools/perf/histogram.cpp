@@ -4,6 +4,7 @@
 #include <bit>
 #include <cmath>
 #include <cstddef>
+#include <limits>
 
 namespace sft::perf {
 
@@ -22,8 +23,9 @@ Histogram::Class bounds_of(std::size_t number, std::uint64_t count) {
     return {static_cast<std::int64_t>(number), static_cast<std::int64_t>(number + 1), count};
   const std::uint64_t shift = number / per_octave - 1;
   const std::uint64_t within = number - shift * per_octave;
-  return {static_cast<std::int64_t>(within << shift), static_cast<std::int64_t>((within + 1) << shift),
-          count};
+  constexpr std::uint64_t largest = std::numeric_limits<std::int64_t>::max();  // the last class ends here
+  return {static_cast<std::int64_t>(within << shift),
+          static_cast<std::int64_t>(std::min((within + 1) << shift, largest)), count};
 }
 
 }  // namespace

@@ -23,8 +23,8 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr std::uint64_t first_samples = 10;  // before the figures: they meet cold caches and sleeping threads
-constexpr double slice_s = 1;  // lanes take turns, so that all of them meet the same disturbances
+constexpr std::uint64_t first_samples = 10;  // not in the figures: caches are cold, and paths are chosen
+constexpr double slice_s = 1;  // of one lane, then of the next: a disturbance affects all lanes alike
 constexpr std::chrono::nanoseconds flow_control = 500ms;  // a flood waits for sides that do not keep up
 constexpr std::int64_t grace_ns = 1'000'000'000;          // for the last answers of a slice
 
@@ -71,16 +71,16 @@ struct Track {
   };
   Lane lane;
   Inbox inbox;
-  std::vector<Sent> sent;                  ///< by number, from 1
-  std::map<std::uint64_t, Tally> tallies;  ///< by side
+  std::vector<Sent> sent;                    ///< by number, from 1
+  std::map<std::uint64_t, Tally> tallies;    ///< by side
+  std::map<std::uint64_t, double> before_s;  ///< by side: the latency of the answer before
   std::map<std::uint64_t, std::vector<Part>> parts;
   std::uint64_t number = 0;        ///< of the last sample that was sent
   std::uint64_t came = 0;          ///< answers that were evaluated
   std::uint64_t warm = 0;          ///< the number of the last sample that is not in the figures
   std::uint64_t warm_arrived = 0;  ///< samples that had arrived by then
   std::optional<double> first_s;
-  std::optional<double> before_s;  ///< the latency of the sample before
-  std::optional<Sender> sender;    ///< none for plain sockets
+  std::optional<Sender> sender;  ///< none for plain sockets
   std::unique_ptr<FloorClient> socket;
   std::optional<DynamicSubscriber> answers;  ///< its callbacks use the members above
 
@@ -114,10 +114,13 @@ class Ping {
          {std::tuple(plan_.beside_udp, Socket::udp, "udp"), std::tuple(plan_.beside_tcp, Socket::tcp, "tcp")})
       if (Result<void> met = wanted ? open_socket(kind, name) : Result<void>(); !met)
         return tl::unexpected(met.error());
-    const double slices = std::max(1.0, std::round(plan_.for_s / slice_s));
-    for (double done = 0; done < slices && run_.error.empty() && !stop_.requested(); ++done) {
+    const double samples = std::max(1.0, std::round(plan_.for_s * plan_.rate_hz));  // of each lane
+    double slices = std::max(1.0, std::round(plan_.for_s / slice_s));
+    if (plan_.rate_hz > 0) slices = std::min(slices, samples);
+    for (double done = 0; done < slices && goes_on(); ++done) {
+      const double count = std::floor(samples * (done + 1) / slices) - std::floor(samples * done / slices);
       for (auto& track : tracks_)
-        if (run_.error.empty() && !stop_.requested()) slice(*track, plan_.for_s / slices);
+        if (goes_on()) slice(*track, plan_.for_s / slices, static_cast<std::uint64_t>(count));
       progress(line());
     }
     return finish();
@@ -239,11 +242,13 @@ class Ping {
     });
   }
 
-  /// Takes reports. Returns true if all sides have answered that mark.
+  /// Takes reports. Returns true if all sides have answered that mark. Once the run has begun, these are the
+  /// sides that it began with: a side that reports later has missed samples.
   bool collect(std::uint64_t mark) {
     while (const auto text = take_text(*reports_)) {
       std::optional<Report> report = report_of(*text);
       if (!report || report->session != offer_.session) continue;
+      if (run_.sides > 0 && !sides_.contains(report->side)) continue;
       for (std::size_t i = 0; i < report->streams.size() && i < offer_.fields.size(); ++i) {
         const Report::Stream& stream = report->streams[i];
         auto& parts = tracks_[i]->parts[stream.publisher];
@@ -253,7 +258,19 @@ class Ping {
     }
     const auto answered =
         std::ranges::count_if(sides_, [&](const auto& side) { return side.second.mark == mark; });
-    return static_cast<std::size_t>(answered) >= std::max<std::size_t>(plan_.sides, 1);
+    return static_cast<std::size_t>(answered) >= std::max<std::size_t>({plan_.sides, run_.sides, 1});
+  }
+
+  bool goes_on() const { return run_.error.empty() && !run_.interrupted && !stop_.requested(); }
+
+  /// Returns true if the user does not want to wait for reports. The first Ctrl-C only ends the sending,
+  /// since samples without a report would seem lost.
+  bool is_hurried() {
+    if (!stop_.wait_for(0ns)) return false;
+    if (run_.interrupted) return true;
+    run_.interrupted = true;
+    stop_.forget();
+    return false;
   }
 
   /// Asks all sides for a report. Returns false if one of them does not answer.
@@ -263,7 +280,7 @@ class Ping {
     if (!publish_text(*offers_, text_of(offer_))) return false;
     const std::int64_t end = now_ns() + 3 * grace_ns;
     while (!collect(offer_.mark)) {
-      if (now_ns() > end || stop_.wait_for(0ns)) return false;
+      if (now_ns() > end || is_hurried()) return false;
       reports_->wait(50ms);
     }
     return true;
@@ -285,20 +302,24 @@ class Ping {
     return sum;
   }
 
+  /// Returns how many sides get each sample. A socket goes to one of them.
+  std::size_t readers(const Track& track) const { return track.socket ? 1 : sides_.size(); }
+
   /// Sends the first samples, which are not in the figures. Then the path and the size of a message are
   /// known.
   Result<void> warm_up(Track& track) {
     const std::uint64_t arrived_before = far_received(track);
     pace(track, first_samples, std::max(plan_.rate_hz, 20.0));
     settle(track, 0);
-    if (!mark(false)) return fail(Errc::unavailable, "stopped, or the other side has stopped answering");
+    if (!mark(false) || run_.interrupted)
+      return fail(Errc::unavailable, "stopped, or the other side has stopped answering");
     evaluate(track);
     Lane lane{.name = track.lane.name, .fields = track.lane.fields, .path = track.lane.path};
     lane.message_bytes = track.lane.message_bytes;
     lane.first_s = track.first_s;
     track.lane = std::move(lane);
     track.tallies.clear();
-    track.before_s.reset();
+    track.before_s.clear();
     track.warm = track.number;
     track.warm_arrived = far_received(track);
     if (track.socket && track.warm_arrived == arrived_before)
@@ -321,7 +342,7 @@ class Ping {
     }
   }
 
-  /// Tries the addresses of the other host until one of them works.
+  /// Tries the addresses of the other hosts until the side that has the port answers at one of them.
   Result<void> open_socket(Socket kind, const char* name) {
     const Report& report = sides_.begin()->second;
     const auto port = static_cast<std::uint16_t>(kind == Socket::udp ? report.udp_port : report.tcp_port);
@@ -345,35 +366,33 @@ class Ping {
   }
 
   std::vector<std::string> addresses() const {
-    const auto readers = tracks_[0]->sender->status().readers;
+    const auto served = tracks_[0]->sender->status().readers;
     std::vector<std::string> found;
     for (const DomainSnapshot::Endpoint& endpoint : node_.domain().subscribers) {
-      if (readers.empty() || endpoint.id != readers[0].id) continue;
+      if (std::ranges::find(served, endpoint.id, &PublisherStatus::Reader::id) == served.end()) continue;
       for (const std::string& address : endpoint.addresses) found.push_back(host_of(address));
     }
     if (run_.clocks_within_s == 0) found.emplace_back("127.0.0.1");
     return found;
   }
 
-  /// Sends for so long, waits for the answers and evaluates them.
-  void slice(Track& track, double for_s) {
+  /// Sends so many samples, or for so long, waits for the answers and evaluates them.
+  void slice(Track& track, double for_s, std::uint64_t count) {
     const Usage here = usage_now(), far = far_usage();
     const std::int64_t begin = now_ns();
-    const std::size_t expected = track.number * sides_.size();
-    const std::size_t came = track.came;
+    const std::uint64_t number = track.number, came = track.came;
     if (plan_.rate_hz > 0) {
-      pace(track, static_cast<std::uint64_t>(std::max(1.0, std::round(for_s * plan_.rate_hz))),
-           plan_.rate_hz);
+      pace(track, count, plan_.rate_hz);
     } else {
       flood(track, begin + std::llround(for_s * 1e9));
     }
     track.lane.seconds += static_cast<double>(now_ns() - begin) * 1e-9;
-    if (plan_.answers) settle(track, came + (track.number * sides_.size() - expected));
-    if (!mark(false) && !stop_.requested()) run_.error = "the other side has stopped answering";
+    if (plan_.answers) settle(track, came + (track.number - number) * readers(track));
+    if (!mark(false))
+      run_.error = stop_.requested() ? "stopped before the other side has sent its report"
+                                     : "the other side has stopped answering";
     if (!plan_.answers) drain(track);
     evaluate(track);
-    track.lane.sent = (track.number - track.warm) * sides_.size();
-    track.lane.arrived = far_received(track) - track.warm_arrived;
     track.lane.here = track.lane.here + (usage_now() - here);
     track.lane.far = track.lane.far + (far_usage() - far);
     if (raw_.is_open()) raw_.flush();
@@ -382,7 +401,7 @@ class Ping {
   /// Sends by a schedule that begins now.
   void pace(Track& track, std::uint64_t count, double rate_hz) {
     const auto period = static_cast<std::int64_t>(1e9 / rate_hz);
-    track.inbox.reserve(count * std::max<std::size_t>(sides_.size(), 1));
+    track.inbox.reserve(count * readers(track));
     track.sent.reserve(track.sent.size() + count);
     const std::int64_t begin = now_ns();
     for (std::uint64_t i = 0; i < count; ++i) {
@@ -421,7 +440,7 @@ class Ping {
     const auto longest = static_cast<std::int64_t>(track.lane.latency.max().value_or(grace_ns));
     const std::int64_t quiet_ns = std::clamp(8 * longest, least_ns, grace_ns);
     const std::int64_t end = now_ns() + grace_ns;
-    if (expected == 0) expected = track.number * sides_.size();
+    if (expected == 0) expected = track.number * readers(track);
     std::size_t came = track.came + track.inbox.size();
     for (std::int64_t changed = now_ns(); came < expected && now_ns() < std::min(end, changed + quiet_ns);) {
       std::this_thread::sleep_for(1ms);
@@ -440,6 +459,7 @@ class Ping {
     } while (run_.error.empty() && mark(false) && far_received(track) != before);
   }
 
+  /// Evaluates what has come, as far as the last reports go.
   void evaluate(Track& track) {
     for (const Answer& answer : track.inbox.take()) {
       ++track.came;
@@ -453,13 +473,19 @@ class Ping {
       const double latency_s = static_cast<double>(latency) * 1e-9;
       if (number == 1) track.first_s = latency_s;
       track.lane.latency.add(latency);
-      if (track.before_s) track.lane.jitter_sum_s += std::abs(latency_s - *track.before_s);
-      track.before_s = latency_s;
+      const auto [before, is_first] = track.before_s.try_emplace(answer.from, latency_s);
+      if (!is_first) {
+        track.lane.jitter_sum_s += std::abs(latency_s - before->second);
+        ++track.lane.jitter_count;
+      }
+      before->second = latency_s;
       if (track.sender) note_one_way(track, sent, answer, round_trip);
       if (raw_.is_open() && track.warm > 0)
         raw_ << track.lane.name << ',' << number << ',' << answer.from << ',' << sent.sent_ns << ','
              << latency << '\n';
     }
+    track.lane.sent = (track.number - track.warm) * readers(track);
+    track.lane.arrived = far_received(track) - track.warm_arrived;
     track.lane.returned = track.lane.reordered = track.lane.twice = 0;
     for (const auto& [side, tally] : track.tallies) {
       track.lane.returned += tally.distinct();
@@ -497,8 +523,7 @@ class Ping {
   }
 
   Result<Outcome> finish() {
-    run_.interrupted = stop_.requested();
-    stop_.forget();  // another Ctrl-C ends the wait for the last report
+    (void)is_hurried();  // a request that came after the last slice
     if (run_.error.empty() && !mark(true)) run_.error = "the other side has not sent its last report";
     run_.answers = plan_.answers;
     run_.rate_hz = plan_.rate_hz;
@@ -506,19 +531,19 @@ class Ping {
     run_.reliability = plan_.reliable ? "reliable" : "best effort";
     if (plan_.loans) run_.reliability += ", loans";
     for (const auto& track : tracks_) {
+      if (run_.error.empty()) evaluate(*track);
       const Lane& lane = track->lane;
-      const double rate = lane.seconds > 0 ? static_cast<double>(lane.sent + lane.refused) / lane.seconds /
-                                                 static_cast<double>(std::max<std::size_t>(run_.sides, 1))
-                                           : 0;
-      if (rate < 0.95 * plan_.rate_hz && !run_.interrupted)
+      const auto sent = static_cast<double>(track->number - track->warm + lane.refused);
+      const double rate = lane.seconds > 0 ? sent / lane.seconds : 0;
+      if (rate < 0.95 * plan_.rate_hz && !run_.interrupted && run_.error.empty())
         run_.remarks.push_back(fmt::format("{}: this program was the limit: it sent {} of {}", lane.name,
                                            tool::rate_text(rate), tool::rate_text(plan_.rate_hz)));
       run_.lanes.push_back(lane);
     }
     constexpr double low_rate_hz = 200;
-    const std::string habits = idle_habits();
-    if (plan_.rate_hz > 0 && plan_.rate_hz < low_rate_hz && !habits.empty())
-      run_.remarks.push_back("at this rate processors fall idle between samples: " + habits);
+    const std::string settings = idle_settings();
+    if (plan_.rate_hz > 0 && plan_.rate_hz < low_rate_hz && !settings.empty())
+      run_.remarks.push_back("at this rate processors fall idle between samples: " + settings);
     if (raw_.is_open() && !raw_.flush()) run_.error = "'" + plan_.raw_file + "' could not be written";
     return std::move(run_);
   }

@@ -1,10 +1,8 @@
 #include "tools/perf/pong.h"
 
 #include <fmt/format.h>
-#include <unistd.h>
 
 #include <algorithm>
-#include <array>
 #include <mutex>
 #include <utility>
 
@@ -19,15 +17,9 @@ using namespace std::chrono_literals;
 
 namespace {
 
-constexpr auto timeout = 5s;  // for the message, after the offer
+constexpr std::int64_t timeout_ns = 5'000'000'000;  // for the message, and for the streams after it
 constexpr std::size_t streams_max = 8;
 constexpr std::size_t sessions_max = 16;
-
-std::string host_name() {
-  std::array<char, 256> name{};
-  gethostname(name.data(), name.size() - 1);
-  return name.data();
-}
 
 }  // namespace
 
@@ -88,9 +80,9 @@ class Pong::Session {
  public:
   Session(Node& node, Offer offer)
       : offer_(std::move(offer)),
-        reports_(node.publisher(topic_of(offer_.session, "reports"), text_type(), retained())) {
-    const Result<void> opened = open(node);
-    if (!opened) error_ = opened.error().message;
+        reports_(node.publisher(topic_of(offer_.session, "reports"), text_type(), retained())),
+        type_(from_msg(offer_.type, offer_.definition)) {
+    if (const Result<void> opened = subscribe(node); !opened) error_ = opened.error().message;
   }
 
   std::uint64_t id() const { return offer_.session; }
@@ -100,9 +92,24 @@ class Pong::Session {
                        offer_.reliable ? "reliable" : "best effort");
   }
 
+  bool waits() const { return waits_; }
+  /// Begins if the message has come, gives up if it has not come in time, and reports that. Returns true if
+  /// it did so now.
+  bool begin(Node& node) {
+    if (!waits_) return false;
+    if (error_.empty()) {
+      const DynamicSample message = messages_->take();
+      if (!message && now_ns() - since_ns_ < timeout_ns) return false;
+      if (const Result<void> opened = open(node, message); !opened) error_ = opened.error().message;
+    }
+    waits_ = false;
+    since_ns_ = now_ns();
+    report(0);
+    return true;
+  }
+
   void report(std::uint64_t mark) {
-    Report report{
-        .session = offer_.session, .side = side_, .mark = mark, .error = error_, .host = host_name()};
+    Report report{.session = offer_.session, .side = side_, .mark = mark, .error = error_};
     report.clock = host_clock();
     for (const auto& echo : echoes_) report.streams.push_back(echo->report());
     report.udp_port = udp_ ? udp_->port() : 0;
@@ -116,12 +123,13 @@ class Pong::Session {
   /// The last report was made. The session stays until the side that sends has it.
   void end() { ended_ = true; }
   bool is_under_way() const { return !ended_ && error_.empty(); }
-  /// Returns true if the side that sends is gone.
+  /// Returns true if the side that sends is gone, or has not come.
   bool is_left() {
-    if (!error_.empty()) return now_ns() - opened_ns_ > std::chrono::nanoseconds(timeout).count();
+    const bool is_over = !waits_ && now_ns() - since_ns_ > timeout_ns;
+    if (!error_.empty() || waits_) return is_over;
     const bool left = std::ranges::any_of(echoes_, [](const auto& echo) { return echo->is_left(); });
     was_there_ = was_there_ || !left;
-    return left && was_there_;
+    return left && (was_there_ || is_over);
   }
 
   std::uint64_t received() const {
@@ -137,20 +145,21 @@ class Pong::Session {
   Usage usage() const { return usage_now() - began_; }
 
  private:
-  Result<void> open(Node& node) {
+  Result<void> subscribe(Node& node) {
     if (offer_.fields.empty() || offer_.fields.size() > streams_max)
       return fail(Errc::invalid_argument, "the offer has no selections, or too many");
-    const auto type = from_msg(offer_.type, offer_.definition);
-    if (!type) return tl::unexpected(type.error());
-    auto messages = node.subscriber(topic_of(offer_.session, "message"), *type, "*",
-                                    {.reliability = reliable, .durability = transient_local});
-    if (!messages) return tl::unexpected(messages.error());
-    messages->wait(timeout);
-    const DynamicSample message = messages->take();
+    if (!type_) return tl::unexpected(type_.error());
+    return node
+        .subscriber(topic_of(offer_.session, "message"), *type_, "*",
+                    {.reliability = reliable, .durability = transient_local})
+        .map([&](DynamicSubscriber&& messages) { messages_.emplace(std::move(messages)); });
+  }
+
+  Result<void> open(Node& node, const DynamicSample& message) {
     if (!message) return fail(Errc::unavailable, "the message did not come");
     const auto payload = std::make_shared<const Payload>(message.cdr().begin(), message.cdr().end());
     for (std::size_t i = 0; i < offer_.fields.size(); ++i) {
-      auto echo = Echo::open(node, offer_, i, *type, payload);
+      auto echo = Echo::open(node, offer_, i, *type_, payload);
       if (!echo) return tl::unexpected(echo.error());
       echoes_.push_back(*std::move(echo));
     }
@@ -172,11 +181,13 @@ class Pong::Session {
   const std::uint64_t side_ = random_number();
   const Usage began_ = usage_now();
   Result<DynamicPublisher> reports_;
+  const Result<DynamicType> type_;
+  std::optional<DynamicSubscriber> messages_;
   std::vector<std::unique_ptr<Echo>> echoes_;
   std::unique_ptr<FloorServer> udp_, tcp_;
   std::string error_;
-  const std::int64_t opened_ns_ = now_ns();
-  bool was_there_ = false, ended_ = false;
+  std::int64_t since_ns_ = now_ns();  ///< of the offer; then of the beginning, or of the error
+  bool waits_ = true, was_there_ = false, ended_ = false;
   std::uint64_t shown_ = 0;
 };
 
@@ -194,12 +205,21 @@ Pong::~Pong() = default;
 
 int Pong::descriptor() const { return offers_.file_descriptor(); }
 
+std::chrono::nanoseconds Pong::pause() const {
+  const bool waits = std::ranges::any_of(sessions_, [](const auto& session) { return session->waits(); });
+  return waits ? 10ms : 1000ms;
+}
+
 std::vector<std::string> Pong::step() {
   std::vector<std::string> sentences;
   while (const auto text = take_text(offers_)) {
     std::string sentence = handle(*text);
     if (!sentence.empty()) sentences.push_back(std::move(sentence));
   }
+  for (const auto& session : sessions_)
+    if (session->begin(node_))
+      sentences.push_back(session->error().empty() ? "begins: " + session->name()
+                                                   : "cannot take part: " + session->error());
   std::erase_if(sessions_, [&](const auto& session) {
     const bool left = session->is_left();
     if (left && session->is_under_way())
@@ -217,9 +237,8 @@ std::string Pong::handle(const std::string& text) {
   if (found == sessions_.end()) {
     if (offer->mark != 0 || offer->ends) return "";  // a run that began before this program
     if (sessions_.size() >= sessions_max) return "too many runs at a time: one is left out";
-    const auto& session = sessions_.emplace_back(std::make_unique<Session>(node_, *offer));
-    session->report(0);
-    return session->error().empty() ? "begins: " + session->name() : "cannot take part: " + session->error();
+    sessions_.push_back(std::make_unique<Session>(node_, *offer));
+    return "";
   }
   (*found)->report(offer->mark);
   if (!offer->ends) return "";

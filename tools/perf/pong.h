@@ -3,6 +3,7 @@
 #pragma once
 
 #include <sft/sft.h>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <memory>
@@ -18,8 +19,9 @@ class Pong {
   Pong(Pong&&) noexcept;
   Pong& operator=(Pong&&) = delete;
 
-  /// Readable when step() has something to do. It also has to be called once a second.
+  /// Readable when step() has something to do. It also has to be called after pause().
   int descriptor() const;
+  std::chrono::nanoseconds pause() const;
   /// Handles what came. Returns sentences for the user: a run began, or it ended, with its figures.
   std::vector<std::string> step();
   /// Returns a line about the last second; empty if no run is under way.

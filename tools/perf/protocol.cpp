@@ -11,7 +11,7 @@ NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(HostClock, boot, is_kept, error_s)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report::Stream, publisher, received, lost, parts)
 NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Offer, version, session, mark, ends, type, definition, fields, transport,
                                    reliable, answers, loans, udp, tcp)
-NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report, version, session, side, mark, error, host, clock, usage, streams,
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Report, version, session, side, mark, error, clock, usage, streams,
                                    udp_port, tcp_port, udp_received, tcp_received)
 
 namespace {

@@ -44,7 +44,6 @@ struct Report {
   std::uint64_t side = 0;  ///< a random number that tells the sides apart
   std::uint64_t mark = 0;
   std::string error{};
-  std::string host{};
   HostClock clock{};
   Usage usage{};  ///< since the process began
   std::vector<Stream> streams{};

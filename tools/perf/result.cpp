@@ -100,9 +100,8 @@ std::string text_of(const Lane& lane, const Outcome& run) {
           text_of(in_seconds(lane.there.percentile(50))), text_of(in_seconds(lane.there.percentile(99))),
           text_of(in_seconds(lane.back.percentile(50))), text_of(in_seconds(lane.back.percentile(99))));
   } else {
-    text +=
-        fmt::format("    arrived: {}, {} a second\n", tool::count_text(lane.arrived, "sample"),
-                    tool::bytes_text(static_cast<double>(lane.arrived) * lane.message_bytes / lane.seconds));
+    text += fmt::format("    arrived: {}, {} a second\n", tool::count_text(lane.arrived, "sample"),
+                        tool::bytes_text(values.at("rate").value_or(0) * lane.message_bytes));
   }
   text += fmt::format("    lost: {} there", values.at("lost_there").value_or(0));
   if (run.answers)
@@ -151,8 +150,7 @@ std::string curve(const Lane& lane, std::size_t number, const Axes& axes) {
 }  // namespace
 
 std::optional<double> Lane::jitter_s() const {
-  return latency.count() < 2 ? std::nullopt
-                             : std::optional(jitter_sum_s / static_cast<double>(latency.count() - 1));
+  return jitter_count == 0 ? std::nullopt : std::optional(jitter_sum_s / static_cast<double>(jitter_count));
 }
 
 Values Lane::values(bool answers) const {

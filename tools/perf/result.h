@@ -30,7 +30,8 @@ struct Lane {
   double seconds = 0;   ///< while samples were sent
   Histogram latency{};  ///< half of each round trip
   Histogram there{}, back{};
-  double jitter_sum_s = 0;          ///< differences of consecutive latencies
+  double jitter_sum_s = 0;  ///< differences of consecutive latencies of one side
+  std::uint64_t jitter_count = 0;
   std::optional<double> first_s{};  ///< of the first sample, which is not in `latency`
   Usage here{}, far{};
 

@@ -55,8 +55,9 @@ Usage usage_now() {
 }
 
 Usage operator-(const Usage& after, const Usage& before) {
-  return {after.cpu_s - before.cpu_s, after.switches - before.switches, after.bytes_in - before.bytes_in,
-          after.bytes_out - before.bytes_out, after.memory_bytes};
+  return {after.cpu_s - before.cpu_s, after.switches - before.switches,
+          after.bytes_in - std::min(before.bytes_in, after.bytes_in),
+          after.bytes_out - std::min(before.bytes_out, after.bytes_out), after.memory_bytes};
 }
 
 Usage operator+(const Usage& one, const Usage& other) {
@@ -85,7 +86,7 @@ Agreement agreement(const HostClock& here, const HostClock& there) {
           within};
 }
 
-std::string idle_habits() {
+std::string idle_settings() {
   const std::string cpu = "/sys/devices/system/cpu/cpu0/";
   const std::string governor = first_line(cpu + "cpufreq/scaling_governor");
   std::string states;
@@ -94,9 +95,9 @@ std::string idle_habits() {
     if (name.empty()) break;
     states += ' ' + name;
   }
-  std::string habits = governor.empty() ? "" : "governor " + governor;
-  if (!states.empty()) habits += (habits.empty() ? "" : ", ") + ("idle states" + states);
-  return habits;
+  std::string settings = governor.empty() ? "" : "governor " + governor;
+  if (!states.empty()) settings += (settings.empty() ? "" : ", ") + ("idle states" + states);
+  return settings;
 }
 
 }  // namespace sft::perf

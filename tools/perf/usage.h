@@ -17,6 +17,7 @@ struct Usage {
   std::uint64_t memory_bytes = 0;             ///< the most that the process had; not a difference
 };
 Usage usage_now();
+/// Counts of interfaces that have disappeared since `before` are 0, and not less.
 Usage operator-(const Usage& after, const Usage& before);
 Usage operator+(const Usage& one, const Usage& other);
 
@@ -35,8 +36,8 @@ struct Agreement {
 };
 Agreement agreement(const HostClock& here, const HostClock& there);
 
-/// Returns what this host does when it is idle: "governor schedutil, idle states POLL C1 C6"; empty if the
-/// system does not tell.
-std::string idle_habits();
+/// Returns what saves power while this host is idle: "governor schedutil, idle states POLL C1 C6"; empty if
+/// the system does not tell.
+std::string idle_settings();
 
 }  // namespace sft::perf

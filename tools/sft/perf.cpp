@@ -74,7 +74,8 @@ ExitCode serve(const CommonOptions& common, Session& session) {
   tell(fmt::format("waits in domain {} for 'sft perf ping' or 'sft perf pub'",
                    session.node().status().domain));
   bool served = false;
-  for (auto shown = std::chrono::steady_clock::now(); !session.stop().wait_for(1s, pong->descriptor());) {
+  for (auto shown = std::chrono::steady_clock::now();
+       !session.stop().wait_for(pong->pause(), pong->descriptor());) {
     for (const std::string& sentence : pong->step()) {
       served = true;
       tell(sentence);

@@ -50,6 +50,8 @@ TEST(CriteriaTest, AWrongTextIsNamedByItsPosition) {
         Wrong{"p98 > 1 ms", "at character 1 "},
         Wrong{"p99 2 ms", "at character 5 there is '2 ms', but expected is one of >"},
         Wrong{"p99 > ms", "at character 7 "},
+        Wrong{"lost > nan", "at character 8 there is 'nan', but expected is a number"},
+        Wrong{"p99 > inf s", "at character 7 "},
         Wrong{"p99 > 2", "at character 8 there is the end, but expected is a unit"},
         Wrong{"p99 > 2 %", "at character 9 "}, Wrong{"lost > 1 ms", "at character 10 "},
         Wrong{"p99 > 2 ms lost > 1", "at character 12 "},

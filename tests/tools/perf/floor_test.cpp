@@ -37,6 +37,12 @@ TEST_P(FloorTest, WhoDoesNotKnowTheNumberOfTheRunGetsNoAnswer) {
   EXPECT_EQ(server->received(), 0U);
 }
 
+TEST_P(FloorTest, WhoConnectsAndSaysNothingHoldsUpNobody) {
+  const auto silent = FloorClient::open(GetParam(), "127.0.0.1", server->port(), 7, 64, [](std::uint64_t) {});
+  ASSERT_TRUE(silent);
+  EXPECT_EQ(round_trip(64, 7), 42U);
+}
+
 INSTANTIATE_TEST_SUITE_P(Sockets, FloorTest, testing::Values(Socket::udp, Socket::tcp));
 
 }  // namespace

@@ -64,6 +64,14 @@ TEST(HistogramTest, EachValueIsInItsClassUpToTheLargestTime) {
   }
 }
 
+TEST(HistogramTest, TheLastClassEndsWithTheLargestTime) {
+  constexpr std::int64_t largest = std::numeric_limits<std::int64_t>::max();
+  Histogram histogram;
+  histogram.add(largest);
+  EXPECT_EQ(histogram.classes().at(0).end, largest);
+  EXPECT_EQ(histogram.percentile(0), static_cast<double>(largest));
+}
+
 TEST(HistogramTest, ANegativeTimeCountsAsZero) {
   Histogram histogram;
   histogram.add(-5);

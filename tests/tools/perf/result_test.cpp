@@ -38,6 +38,14 @@ TEST(ResultTest, WhatDidNotComeIsNullAndNotANumber) {
   EXPECT_EQ(json.find("nan"), json.npos);
 }
 
+TEST(ResultTest, WhatWasNeverSentHasNoRate) {
+  Outcome run = run_of(0, 0, 0);
+  run.answers = false;
+  run.lanes[0].seconds = 0;
+  EXPECT_THAT(text_of(run), HasSubstr("arrived: 0 samples, 0 B a second"));
+  EXPECT_EQ(text_of(run).find("nan"), std::string::npos) << text_of(run);
+}
+
 TEST(ResultTest, OneWayTimesAreToldOnlyIfTheClocksAreKnownToAgree) {
   Outcome run = run_of(10, 10, 10);
   EXPECT_FALSE(json_of(run, {})["lanes"][0]["there_s"].is_null());
@@ -63,6 +71,12 @@ TEST(ResultTest, ThePictureHasACurveForEachLane) {
   EXPECT_EQ(curves, 2U);
   EXPECT_THAT(svg, HasSubstr("</svg>"));
   EXPECT_NE(svg_of(Outcome{}), "") << "without figures there are axes only";
+}
+
+TEST(UsageTest, AnInterfaceThatDisappearsCountsAsNothing) {
+  const Usage used = Usage{.bytes_in = 5, .bytes_out = 9} - Usage{.bytes_in = 7, .bytes_out = 2};
+  EXPECT_EQ(used.bytes_in, 0U);
+  EXPECT_EQ(used.bytes_out, 7U);
 }
 
 TEST(ClockTest, ProgramsOfOneHostHaveOneClock) {

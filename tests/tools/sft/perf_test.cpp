@@ -7,6 +7,7 @@
 
 #include "tests/tools/sft/tool_fixture.h"
 #include "tools/hosts/network.h"
+#include "tools/perf/protocol.h"
 
 namespace sft::test {
 namespace {
@@ -167,6 +168,48 @@ TEST_F(PerfTest, AnyNumberOfOtherSidesAnswers) {
   EXPECT_EQ(json_of(ended)["lanes"][0]["returned"], 200) << ended.out;
 }
 
+TEST_F(PerfTest, MoreSidesThanAreWaitedForAreCountedAsTheyAnswer) {
+  ToolProcess second({"perf", "pong"});
+  ASSERT_TRUE(second.prints("waits in domain"));
+  const Ended ended = measured({"ping", "--beside", "udp", "--rate", "100", "--for", "1", "--json"});
+  ASSERT_EQ(ended.code, 0) << ended.err;
+  const Json json = json_of(ended);
+  EXPECT_EQ(json["lanes"][0]["sent"], 100 * json["sides"].get<int>()) << ended.out;
+  EXPECT_EQ(json["lanes"][1]["sent"], 100) << "a socket goes to one side";
+  for (const Json& lane : json["lanes"]) EXPECT_EQ(lane["returned"], lane["sent"]) << ended.out;
+}
+
+TEST_F(PerfTest, ASlowRateLastsAsLongAsItWasToldTo) {
+  struct Slow {
+    const char* rate;
+    int samples;
+  };
+  for (const auto& [rate, samples] : {Slow{"0.5", 1}, Slow{"1.5", 3}}) {
+    const Ended ended = measured({"ping", "--rate", rate, "--for", "2", "--json"});
+    ASSERT_EQ(ended.code, 0) << ended.err;
+    EXPECT_EQ(json_of(ended)["lanes"][0]["sent"], samples);
+    EXPECT_NEAR(json_of(ended)["lanes"][0]["seconds"].get<double>(), 2, 0.5);
+  }
+}
+
+TEST_F(PerfTest, ARunThatNeverBeginsHoldsUpNoOtherRunAndIsForgotten) {
+  Node node = Node::open({.name = "lost"}).value();
+  auto offers = node.publisher(perf::offer_topic, perf::text_type(), perf::retained()).value();
+  auto message = node.publisher(perf::topic_of(1, "message"), perf::text_type(), perf::retained()).value();
+  ASSERT_TRUE(perf::publish_text(message, "hello"));
+  ToolProcess pong({"perf", "pong"});
+  ASSERT_TRUE(pong.prints("waits in domain"));
+  perf::Offer offer{
+      .session = 1, .type = "std_msgs::msg::String", .definition = "string data\n", .fields = {"*"}};
+  ASSERT_TRUE(perf::publish_text(offers, perf::text_of(offer)));
+  ASSERT_TRUE(pong.prints("begins: std_msgs::msg::String")) << "its message has come";
+  for (offer.session = 2; offer.session < 4; ++offer.session)
+    ASSERT_TRUE(perf::publish_text(offers, perf::text_of(offer)));
+  EXPECT_EQ(run_tool({"perf", "ping", "--for", "1"}).code, 0) << "while others wait for their messages";
+  EXPECT_TRUE(pong.prints("cannot take part: the message did not come")) << pong.out();
+  EXPECT_TRUE(pong.prints("the side that sends is gone: std_msgs::msg::String")) << pong.out();
+}
+
 TEST_F(PerfTest, ARunningTopicGivesTheMessage) {
   Node robot = Node::open({.name = "lidar"}).value();
   auto points = robot.publisher<PointCloud2>("points").value();
@@ -222,15 +265,20 @@ TEST_F(PerfTest, APartnerThatIsKilledIsNamedAndTheFiguresSoFarAreTold) {
 TEST_F(PerfTest, CtrlCTellsTheFiguresSoFar) {
   ToolProcess pong({"perf", "pong"});
   ASSERT_TRUE(pong.prints("waits in domain"));
-  ToolProcess ping({"perf", "ping", "--for", "60", "--json", "--raw", "/tmp/live.csv"});
+  ToolProcess ping({"perf", "ping", "--for", "60", "--json", "--raw", "/tmp/live.csv", "--fail-if",
+                    "lost > 0, lost_there > 0"});
   ASSERT_TRUE(pong.prints("begins: "));
-  ASSERT_TRUE(eventually(
-      [begin = std::chrono::steady_clock::now()] { return std::chrono::steady_clock::now() - begin > 2s; }));
+  ASSERT_TRUE(has_measured("/tmp/live.csv"));
+  ASSERT_TRUE(eventually([begin = std::chrono::steady_clock::now()] {
+    return std::chrono::steady_clock::now() - begin > 500ms;
+  })) << "a part of the next slice is sent";
   ping.send(SIGINT);
   const Ended ended = ping.end();
   EXPECT_EQ(ended.code, 0) << ended.err;
   EXPECT_EQ(json_of(ended)["interrupted"], true);
-  EXPECT_GT(json_of(ended)["lanes"][0]["returned"], 0);
+  EXPECT_GT(json_of(ended)["lanes"][0]["returned"], 100);
+  EXPECT_EQ(json_of(ended)["lanes"][0]["returned"], json_of(ended)["lanes"][0]["sent"]) << ended.out;
+  EXPECT_EQ(json_of(ended)["lanes"][0]["arrived"], json_of(ended)["lanes"][0]["sent"]) << ended.out;
   EXPECT_TRUE(pong.prints("ends: ")) << "the other side tells its own figures";
 }
 
