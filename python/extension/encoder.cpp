@@ -130,6 +130,7 @@ void Encoder::put_struct(const StructType& type, const py::handle& value) {
     const py::str name = text_of(member.name);
     PyObject* const found = PyObject_GetAttr(value.ptr(), name.ptr());
     if (found == nullptr) {
+      if (PyErr_ExceptionMatches(PyExc_AttributeError) == 0) throw py::error_already_set();
       PyErr_Clear();
       refuse(PyExc_TypeError, value, "a mapping or an object with the fields of " + short_name(type.name));
     }
@@ -250,6 +251,7 @@ void Encoder::put_integer(const Member& member, const py::handle& value) {
   if (!PyIndex_Check(value.ptr())) refuse(PyExc_TypeError, value, expected);
   const auto index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
   if (!index) {
+    if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
     PyErr_Clear();
     refuse(PyExc_TypeError, value, expected);
   }
@@ -275,6 +277,7 @@ void Encoder::put_float(const Member& member, const py::handle& value) {
   const double number = PyFloat_AsDouble(p);
   if (PyErr_Occurred() != nullptr) {
     const bool is_out = PyErr_ExceptionMatches(PyExc_OverflowError) != 0;
+    if (!is_out && PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
     PyErr_Clear();
     refuse(is_out ? PyExc_ValueError : PyExc_TypeError, value, "a number of 64 bits");
   }

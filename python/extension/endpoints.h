@@ -1,5 +1,5 @@
-// Nodes, publishers, loans and subscribers as the Python package uses them. The classes in python/sft/node.py
-// are those that programs see.
+// Nodes, publishers, loans and subscribers as the Python package uses them. The classes in
+// python/sft/_node.py are those that programs see.
 //
 // Objects of Python are used by any thread that has the GIL. Publishers let one thread at a time publish.
 #pragma once
@@ -13,8 +13,8 @@
 #include <string>
 #include <vector>
 
+#include "python/extension/callback_queue.h"
 #include "python/extension/gil.h"
-#include "python/extension/mailbox.h"
 #include "python/extension/plan.h"
 #include "sft/node.h"
 
@@ -41,7 +41,7 @@ class PyLoan {
   /// Returns a number, a writable array, or None for a struct. Throws a KeyError if there is no such field.
   py::object get(const std::string& path);
   void set(const std::string& path, const py::handle& value);
-  /// Publishes it. If an array over it is still alive, a copy is published, and `copied` becomes true.
+  /// Publishes it. If an array over it is still alive, a copy is published, and was_copied() becomes true.
   bool publish();
   void discard() { memory_.reset(); }
   bool is_over() const { return memory_ == nullptr; }
@@ -59,7 +59,8 @@ class PyLoan {
 
 class PyPublisher {
  public:
-  explicit PyPublisher(LockedPublisher&& opened) : publisher_(std::move(opened)) {}
+  PyPublisher(LockedPublisher&& opened, const Shared<Node>& node)
+      : publisher_(std::move(opened)), node_(node) {}
 
   /// Returns false if a reader misses the sample.
   bool publish(const py::handle& message);
@@ -70,22 +71,33 @@ class PyPublisher {
   void assert_liveliness() { opened()->publisher.assert_liveliness(); }
   py::dict status() const;
   DynamicType type() const { return opened()->publisher.type(); }
-  void close() { publisher_.reset(); }
+  bool is_over() const { return !publisher_ || (*node_)->is_interrupted(); }
+  void close() {
+    publisher_.reset();
+    node_.reset();
+  }
 
  private:
   const Shared<LockedPublisher>& opened() const;
 
   std::optional<Shared<LockedPublisher>> publisher_;  ///< empty once it is closed
+  std::optional<Shared<Node>> node_;                  ///< empty once it is closed
 };
 
 class PySubscriber {
  public:
-  PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, std::string topic, bool is_recorded)
-      : subscriber_(std::move(opened)), node_(node), topic_(std::move(topic)), is_recorded_(is_recorded) {}
+  /// `copies`: samples are copied when they are taken, since the options say `as_remote`.
+  PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, std::string topic, bool is_recorded,
+               bool copies)
+      : subscriber_(std::move(opened)),
+        node_(node),
+        topic_(std::move(topic)),
+        is_recorded_(is_recorded),
+        copies_(copies) {}
 
   /// Returns a Sample, or None.
-  py::object take() { return sample_of(opened()->take()); }
-  py::object take_latest() { return sample_of(opened()->take_latest()); }
+  py::object take() { return taken(&DynamicSubscriber::take); }
+  py::object take_latest() { return taken(&DynamicSubscriber::take_latest); }
   bool wait(std::optional<double> timeout_s);
   int file_descriptor() const { return opened()->file_descriptor(); }
   void set_selection(const std::string& fields, std::size_t which);
@@ -94,23 +106,27 @@ class PySubscriber {
   py::dict status(std::size_t which) const;
   int held() const { return *held_; }
   DynamicType type() const { return opened()->type(); }
-  bool is_over() const { return !subscriber_ || node_->is_interrupted(); }
-  void close() { subscriber_.reset(); }
+  bool is_over() const { return !subscriber_ || (*node_)->is_interrupted(); }
+  void close() {
+    subscriber_.reset();
+    node_.reset();
+  }
 
  private:
   const Shared<DynamicSubscriber>& opened() const;
-  py::object sample_of(DynamicSample sample);
+  py::object taken(DynamicSample (DynamicSubscriber::*function)());
 
   std::optional<Shared<DynamicSubscriber>> subscriber_;  ///< empty once it is closed
-  Shared<Node> node_;
+  std::optional<Shared<Node>> node_;                     ///< empty once it is closed
   std::string topic_;
   bool is_recorded_;
+  bool copies_;
   std::shared_ptr<std::atomic<int>> held_ = std::make_shared<std::atomic<int>>(0);
 };
 
 class PyNode {
  public:
-  /// Lines of the log go to the mailbox if `log_level` is given.
+  /// Lines of the log are queued for their callback if `log_level` is given.
   PyNode(const py::dict& options, const std::optional<std::string>& log_level);
 
   std::unique_ptr<PyPublisher> publisher(const std::string& topic, const DynamicType& type,
@@ -119,7 +135,8 @@ class PyNode {
                                            const std::optional<std::string>& fields, const py::dict& options,
                                            std::uint64_t events_to);
   DynamicType find_type(const std::string& topic, std::optional<double> timeout_s);
-  py::list letters(double timeout_s);
+  /// Returns the queued calls of callbacks, each as a tuple. It waits for the first one.
+  py::list queued_calls(double timeout_s);
   std::string snapshot() const { return to_json(opened()->snapshot()); }
   py::list topics() const;
   std::int64_t now_ns() const { return opened()->now().time_since_epoch().count(); }
@@ -131,7 +148,7 @@ class PyNode {
   const Shared<Node>& opened() const;
   Event::Callback events(std::uint64_t to) const;
 
-  std::shared_ptr<Mailbox> mailbox_ = std::make_shared<Mailbox>();
+  std::shared_ptr<CallbackQueue> callbacks_ = std::make_shared<CallbackQueue>();
   std::optional<Shared<Node>> node_;  ///< empty once it is closed
 };
 

@@ -9,10 +9,13 @@
 #include <algorithm>
 #include <atomic>
 #include <chrono>
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <optional>
 #include <utility>
+
+#include "python/extension/failure.h"
 
 namespace sft::python {
 
@@ -23,12 +26,26 @@ namespace py = pybind11;
 inline std::atomic<bool> interpreter_ends{false};
 /// The number of threads that are without the GIL in a call of this module.
 inline std::atomic<int> threads_without_gil{0};
+/// True in a process that was forked from one with open nodes. Locks may be held there for ever, and waits
+/// return at once, so that nothing of SFT is used.
+inline std::atomic<bool> is_forked{false};
+/// What errors about forks say in addition in Python.
+inline constexpr const char* instead_of_fork = "; of multiprocessing, use the start method 'spawn'";
+/// Copies of more bytes are made without the GIL.
+constexpr std::size_t large_bytes = 64 * 1024;
 
-/// The calling thread is without the GIL as long as this object lives.
+inline void refuse_forked() {
+  if (!is_forked) return;
+  throw Failure({Errc::unavailable, std::string("this process was forked from one that has open nodes: open "
+                                                "nodes only after fork()") +
+                                        instead_of_fork});
+}
+
+/// The calling thread is without the GIL as long as this object lives, if `leaves`.
 class WithoutGil {
  public:
-  WithoutGil() {
-    if (interpreter_ends) return;
+  explicit WithoutGil(bool leaves = true) {
+    if (!leaves || interpreter_ends) return;
     ++threads_without_gil;
     state_ = PyEval_SaveThread();
   }
@@ -43,6 +60,18 @@ class WithoutGil {
  private:
   PyThreadState* state_ = nullptr;
 };
+
+/// Returns bytes of Python that `write` writes, without the GIL if they are many. It gets their place.
+template <class Write>
+py::bytes bytes_with(std::size_t size, Write&& write) {
+  auto bytes =
+      py::reinterpret_steal<py::bytes>(PyBytes_FromStringAndSize(nullptr, static_cast<py::ssize_t>(size)));
+  if (!bytes) throw py::error_already_set();
+  auto* const to = reinterpret_cast<std::byte*>(PyBytes_AS_STRING(bytes.ptr()));
+  const WithoutGil without(size > large_bytes);
+  write(to);
+  return bytes;
+}
 
 /// Owns an object of SFT whose destructor may wait for other threads, and destroys it without the GIL. It is
 /// copied like a std::shared_ptr.
@@ -69,9 +98,11 @@ class Shared {
   std::shared_ptr<T> object_;
 };
 
-/// The time that a caller of Python gives in seconds; None is for ever.
+/// The time that a caller of Python gives in seconds; None is for ever. Throws a ValueError if it is no
+/// number.
 inline std::chrono::nanoseconds duration_of(std::optional<double> seconds) {
   constexpr double most_s = 1e9;
+  if (seconds && std::isnan(*seconds)) throw py::value_error("timeout is nan; seconds or None were expected");
   return std::chrono::nanoseconds(
       static_cast<std::int64_t>(1e9 * std::clamp(seconds.value_or(most_s), 0.0, most_s)));
 }
@@ -84,6 +115,7 @@ bool wait_in_slices(std::optional<double> timeout_s, Wait&& wait, IsOver&& is_ov
   constexpr std::chrono::nanoseconds slice = std::chrono::milliseconds(100);
   const Clock::time_point end = Clock::now() + duration_of(timeout_s);
   for (;;) {
+    refuse_forked();
     const auto left = std::max<std::chrono::nanoseconds>(end - Clock::now(), {});
     bool done = false;
     {

@@ -54,7 +54,10 @@ PYBIND11_MODULE(_sft, module) {
   python::define_views(module);
   python::define_endpoints(module);
   module.def("end", &python::end);
-  module.def("forget_threads", [] { python::threads_without_gil = 0; });  // after fork()
+  module.def("forget_threads", [](bool had_nodes) {  // after fork()
+    python::threads_without_gil = 0;
+    if (had_nodes) python::is_forked = true;
+  });
   module.attr("version") = SFT_VERSION;
   module.attr("knows_numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // pybind11 2.12
 }

@@ -2,6 +2,7 @@
 
 #include <pybind11/stl.h>
 
+#include <atomic>
 #include <condition_variable>
 #include <thread>
 
@@ -29,7 +30,7 @@ class TypeSearch {
     auto search = std::make_shared<TypeSearch>();
     ++threads_without_gil;  // the interpreter waits for its end
     std::thread([search, node = std::move(node), topic = std::move(topic), timeout]() mutable {
-      search->end(node.find_type(topic, timeout));
+      search->end(search->find(node, topic, timeout));
       { [[maybe_unused]] const Node closed = std::move(node); }
       --threads_without_gil;
     }).detach();
@@ -43,8 +44,25 @@ class TypeSearch {
     const std::lock_guard lock(mutex_);
     return *type_;
   }
+  /// The caller no longer waits for the result. The search and its node end within `slice`.
+  void leave() { has_left_ = true; }
 
  private:
+  using Clock = std::chrono::steady_clock;
+  /// Longer than Node::find_type() prefers the types of publishers to those of subscribers, which it does
+  /// anew in each slice.
+  static constexpr std::chrono::nanoseconds slice = std::chrono::seconds(10);
+
+  Result<DynamicType> find(Node& node, const std::string& topic, std::chrono::nanoseconds timeout) {
+    const Clock::time_point end = Clock::now() + timeout;
+    for (;;) {
+      const Clock::time_point slice_end = std::min(Clock::now() + slice, end);
+      Result<DynamicType> type = node.find_type(topic, slice_end - Clock::now());
+      const Clock::time_point now = Clock::now();
+      // An error before the time is over is none that waiting mends.
+      if (type || now < slice_end || now >= end || has_left_) return type;
+    }
+  }
   void end(Result<DynamicType>&& type) {
     const std::lock_guard lock(mutex_);
     type_.emplace(std::move(type));
@@ -54,12 +72,12 @@ class TypeSearch {
   std::mutex mutex_;
   std::condition_variable found_;
   std::optional<Result<DynamicType>> type_;
+  std::atomic<bool> has_left_{false};
 };
 
 /// Says what to do in Python if the process was forked.
 Error for_python(Error error) {
-  if (error.message.find("forked") != std::string::npos)
-    error.message += "; of multiprocessing, use the start method 'spawn'";
+  if (error.message.find("forked") != std::string::npos) error.message += instead_of_fork;
   return error;
 }
 
@@ -75,8 +93,8 @@ PyNode::PyNode(const py::dict& given, const std::optional<std::string>& log_leve
   NodeOptions options = node_options(given);
   if (log_level) {
     options.log_level = level_of(*log_level);
-    options.log = [mailbox = mailbox_](LogLevel level, std::string_view text) {
-      mailbox->put({.kind = level_names[static_cast<std::size_t>(level)], .text = std::string(text)});
+    options.log = [callbacks = callbacks_](LogLevel level, std::string_view text) {
+      callbacks->put({.kind = level_names[static_cast<std::size_t>(level)], .text = std::string(text)});
     };
   }
   Result<Node> node = fail(Errc::unavailable, "");
@@ -88,18 +106,19 @@ PyNode::PyNode(const py::dict& given, const std::optional<std::string>& log_leve
 }
 
 const Shared<Node>& PyNode::opened() const {
+  refuse_forked();
   if (!node_) throw Failure({Errc::unavailable, "the node is closed"});
   return *node_;
 }
 
 Event::Callback PyNode::events(std::uint64_t to) const {
   if (to == 0) return {};
-  return [mailbox = mailbox_, to](const Event& event) {
-    mailbox->put({.to = to,
-                  .kind = to_string(event.kind),
-                  .node = event.node,
-                  .text = event.text,
-                  .count = event.count});
+  return [callbacks = callbacks_, to](const Event& event) {
+    callbacks->put({.to = to,
+                    .kind = to_string(event.kind),
+                    .node = event.node,
+                    .text = event.text,
+                    .count = event.count});
   };
 }
 
@@ -113,7 +132,7 @@ std::unique_ptr<PyPublisher> PyNode::publisher(const std::string& topic, const D
     const WithoutGil without;
     publisher = node->publisher(topic, type, options);
   }
-  return std::make_unique<PyPublisher>(LockedPublisher(opened_or_throw(std::move(publisher))));
+  return std::make_unique<PyPublisher>(LockedPublisher(opened_or_throw(std::move(publisher))), node);
 }
 
 std::unique_ptr<PySubscriber> PyNode::subscriber(const std::string& topic, const DynamicType& type,
@@ -128,34 +147,46 @@ std::unique_ptr<PySubscriber> PyNode::subscriber(const std::string& topic, const
     subscriber = fields ? node->subscriber(topic, type, *fields, options)
                         : node->subscriber(topic, type, recorded, options);
   }
-  return std::make_unique<PySubscriber>(opened_or_throw(std::move(subscriber)), node, topic, !fields);
+  return std::make_unique<PySubscriber>(opened_or_throw(std::move(subscriber)), node, topic, !fields,
+                                        options.recording.as_remote);
 }
 
 DynamicType PyNode::find_type(const std::string& topic, std::optional<double> timeout_s) {
   const auto search = TypeSearch::begin(*opened(), topic, duration_of(timeout_s));
   // The search itself ends after the timeout, with an error that says what was seen.
-  wait_in_slices(
-      std::nullopt, [&](std::chrono::nanoseconds time) { return search->wait(time); }, [] { return false; });
+  try {
+    wait_in_slices(
+        std::nullopt, [&](std::chrono::nanoseconds time) { return search->wait(time); },
+        [] { return false; });
+  } catch (...) {
+    search->leave();
+    throw;
+  }
   if (interpreter_ends) throw Failure({Errc::unavailable, "the interpreter ends"});
   return value_of(search->result());
 }
 
-py::list PyNode::letters(double timeout_s) {
-  std::vector<Letter> letters;
+py::list PyNode::queued_calls(double timeout_s) {
+  std::vector<QueuedCall> calls;
   {
     const WithoutGil without;
-    letters = mailbox_->take(duration_of(timeout_s));
+    calls = callbacks_->take(duration_of(timeout_s));
   }
   py::list all;
-  for (const Letter& letter : letters)
-    all.append(
-        py::make_tuple(letter.to, letter.kind, text_of(letter.node), text_of(letter.text), letter.count));
+  for (const QueuedCall& call : calls)
+    all.append(py::make_tuple(call.to, call.kind, text_of(call.node), text_of(call.text), call.count));
   return all;
 }
 
 py::list PyNode::topics() const {
+  const Shared<Node> node = opened();
+  std::vector<TopicInfo> topics;
+  {
+    const WithoutGil without;
+    topics = node->topics();
+  }
   py::list all;
-  for (const TopicInfo& topic : opened()->topics()) {
+  for (const TopicInfo& topic : topics) {
     for (const TopicInfo::Type& type : topic.types) {
       all.append(py::dict(py::arg("topic") = text_of(topic.name), py::arg("type") = short_name(type.name),
                           py::arg("publishers") = type.publishers,
@@ -200,7 +231,7 @@ void define_endpoints(py::module_& module) {
       .def("publisher", &PyNode::publisher)
       .def("subscriber", &PyNode::subscriber)
       .def("find_type", &PyNode::find_type)
-      .def("letters", &PyNode::letters)
+      .def("queued_calls", &PyNode::queued_calls)
       .def("snapshot", &PyNode::snapshot)
       .def("topics", &PyNode::topics)
       .def("now_ns", &PyNode::now_ns)

@@ -9,6 +9,10 @@ py::object Keywords::taken(const char* name) {
   return value;
 }
 
+void Keywords::refuse(const char* name, const py::object& value) {
+  throw py::type_error(std::string(name) + " cannot be " + py::repr(value).cast<std::string>());
+}
+
 void Keywords::take_transport(TransportChoice& to) {
   std::string name = "automatic";
   take("transport", name);

@@ -5,6 +5,7 @@
 #include <pybind11/stl.h>
 
 #include <chrono>
+#include <cmath>
 #include <string>
 #include <utility>
 
@@ -14,7 +15,8 @@ namespace sft::python {
 
 namespace py = pybind11;
 
-/// Takes keyword arguments one by one. An argument that is None counts as not given.
+/// Takes keyword arguments one by one. An argument that is None counts as not given. Values that an option
+/// cannot have raise a TypeError or a ValueError that names the argument.
 class Keywords {
  public:
   explicit Keywords(py::dict given) : given_(std::move(given)) {}
@@ -22,13 +24,22 @@ class Keywords {
   template <class T>
   void take(const char* name, T& to) {
     const py::object value = taken(name);
-    if (!value.is_none()) to = value.cast<T>();
+    if (value.is_none()) return;
+    try {
+      to = value.cast<T>();
+    } catch (const py::cast_error&) {
+      refuse(name, value);
+    }
   }
-  /// A time in seconds.
+  /// A time in seconds, of at most 31 years, so that it fits.
   template <class Rep, class Period>
   void take(const char* name, std::chrono::duration<Rep, Period>& to) {
+    constexpr double most_s = 1e9;
     double seconds = std::chrono::duration<double>(to).count();
     take(name, seconds);
+    if (!(std::abs(seconds) <= most_s))
+      throw py::value_error(std::string(name) + " is " + std::to_string(seconds) +
+                            "; seconds were expected, at most 1e9");
     to = std::chrono::duration_cast<std::chrono::duration<Rep, Period>>(
         std::chrono::duration<double>(seconds));
   }
@@ -45,6 +56,7 @@ class Keywords {
 
  private:
   py::object taken(const char* name);
+  [[noreturn]] static void refuse(const char* name, const py::object& value);
 
   py::dict given_;
 };

@@ -13,12 +13,10 @@ namespace sft::python {
 
 namespace {
 
-/// Copies of more bytes are made without the GIL.
-constexpr std::size_t large_bytes = 64 * 1024;
-
 /// Calls a function of the publisher without the GIL, when no other thread uses the publisher.
 template <class Call>
 auto alone(LockedPublisher& publisher, Call&& call) {
+  refuse_forked();
   const WithoutGil without;
   const std::lock_guard lock(publisher.mutex);
   return call(publisher.publisher);
@@ -29,8 +27,7 @@ DynamicPublisher::Loan lend(LockedPublisher& publisher, std::size_t bytes) {
 }
 
 void write(const Plan& plan, DynamicPublisher::Loan& loan, bool zeroed) {
-  std::optional<WithoutGil> without;
-  if (plan.bytes() > large_bytes) without.emplace();
+  const WithoutGil without(plan.bytes() > large_bytes);
   plan.write(loan.body(), zeroed);
 }
 
@@ -88,14 +85,18 @@ py::object PyLoan::get(const std::string& path) {
 void PyLoan::set(const std::string& path, const py::handle& value) {
   const Plan::Place* const place = find(path);
   if (place == nullptr) throw py::type_error("'" + path + "' is a struct: set its members");
+  // The conversion may run code of Python that ends the loan. So the memory is looked for after it.
   if (place->member->shape == Shape::single) {
     const Plan plan = Encoder().member(*place->member, value, path);
-    plan.write({at(*place), plan.bytes()}, false);
+    plan.write({at(*find(path)), plan.bytes()}, false);
   } else {
-    const py::object array = get(path);
-    const py::object fitting =
-        py::module_::import("sft._fit").attr("fit_array")(value, array.attr("dtype"), path);
-    array.attr("__setitem__")(py::ellipsis(), fitting);
+    const py::array fitting = py::module_::import("sft._fit")
+                                  .attr("fit_array")(value, py::dtype(dtype_text(place->member->kind)), path);
+    const auto count = static_cast<std::size_t>(fitting.size());
+    if (count != place->count)
+      throw py::value_error("'" + path + "' has " + std::to_string(place->count) + " elements; " +
+                            std::to_string(count) + " were given");
+    get(path).attr("__setitem__")(py::ellipsis(), fitting);
   }
 }
 
@@ -106,13 +107,17 @@ bool PyLoan::publish() {
   if (!was_copied_) return send(*publisher_, std::move(*memory));
   // What an array of Python can still write must not become a sample.
   DynamicPublisher::Loan copy = lend(*publisher_, memory->body().size());
-  std::memcpy(copy.body().data(), memory->body().data(), copy.body().size());
+  {
+    const WithoutGil without(copy.body().size() > large_bytes);
+    std::memcpy(copy.body().data(), memory->body().data(), copy.body().size());
+  }
   return send(*publisher_, std::move(copy));
 }
 
 // ---- publishers ----
 
 const Shared<LockedPublisher>& PyPublisher::opened() const {
+  refuse_forked();
   if (!publisher_) throw Failure({Errc::unavailable, "the publisher is closed"});
   return *publisher_;
 }
@@ -150,7 +155,7 @@ bool PyPublisher::wait_for_subscribers(std::size_t count, std::optional<double> 
   return wait_in_slices(
       timeout_s,
       [&](std::chrono::nanoseconds time) { return publisher->publisher.wait_for_subscribers(count, time); },
-      [this] { return !publisher_.has_value(); });
+      [this] { return is_over(); });
 }
 
 py::dict PyPublisher::status() const {
@@ -165,7 +170,8 @@ py::dict PyPublisher::status() const {
   }
   return py::dict(py::arg("published") = status.published, py::arg("dropped") = status.dropped,
                   py::arg("bytes_sent") = status.bytes_sent, py::arg("bytes_saved") = status.bytes_saved,
-                  py::arg("diverted") = status.diverted.total(), py::arg("readers") = readers);
+                  py::arg("diverted") = status.diverted.total(),
+                  py::arg("vanilla_readers") = status.vanilla_readers, py::arg("readers") = readers);
 }
 
 }  // namespace sft::python

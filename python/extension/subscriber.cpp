@@ -7,11 +7,17 @@
 namespace sft::python {
 
 const Shared<DynamicSubscriber>& PySubscriber::opened() const {
+  refuse_forked();
   if (!subscriber_) throw Failure({Errc::unavailable, "the subscriber of '" + topic_ + "' is closed"});
   return *subscriber_;
 }
 
-py::object PySubscriber::sample_of(DynamicSample sample) {
+py::object PySubscriber::taken(DynamicSample (DynamicSubscriber::*function)()) {
+  const Shared<DynamicSubscriber> subscriber = opened();
+  DynamicSample sample = [&] {
+    const WithoutGil without(copies_);
+    return ((*subscriber).*function)();
+  }();
   if (!sample) return py::none();
   return py::cast(Sample(std::make_shared<const HeldSample>(std::move(sample), topic_, is_recorded_, held_)));
 }

@@ -10,6 +10,7 @@
 
 #include "python/extension/encoder.h"
 #include "python/extension/failure.h"
+#include "python/extension/gil.h"
 #include "python/extension/view.h"
 #include "sft/msg_text.h"
 
@@ -70,10 +71,11 @@ void PyType::check(const std::string& member, const py::handle& value) const {
 py::bytes PyType::encode(const py::handle& message) const {
   constexpr std::size_t encapsulation_bytes = 4;
   const Plan plan = Encoder().message(*type_, message);
-  std::vector<std::byte> bytes(encapsulation_bytes + plan.bytes());
-  bytes[1] = std::byte{1};  // CDR in little-endian byte order
-  plan.write(std::span(bytes).subspan(encapsulation_bytes), true);
-  return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+  return bytes_with(encapsulation_bytes + plan.bytes(), [&](std::byte* to) {
+    constexpr std::byte encapsulation[encapsulation_bytes]{{}, std::byte{1}};  // little-endian CDR
+    std::memcpy(to, encapsulation, encapsulation_bytes);
+    plan.write({to + encapsulation_bytes, plan.bytes()}, true);
+  });
 }
 
 void define_types(py::module_& module) {

@@ -3,12 +3,14 @@
 #include <pybind11/stl.h>
 
 #include <algorithm>
+#include <cstring>
 #include <optional>
 #include <span>
 #include <variant>
 
 #include "python/extension/arrays.h"
 #include "python/extension/failure.h"
+#include "python/extension/gil.h"
 
 namespace sft::python {
 
@@ -80,7 +82,8 @@ py::object attribute(const py::object& self, const py::str& name) {
   if (view.has(text)) return view.member(text);
   PyObject* const found = PyObject_GenericGetAttr(self.ptr(), name.ptr());
   if (found != nullptr) return py::reinterpret_steal<py::object>(found);
-  if (text.starts_with('_')) throw py::error_already_set();
+  if (text.starts_with('_') || PyErr_ExceptionMatches(PyExc_AttributeError) == 0)
+    throw py::error_already_set();
   PyErr_Clear();
   throw py::attribute_error(view.view()[text].error()->message);
 }
@@ -111,7 +114,7 @@ void define_info(py::module_& module) {
           "receive_stamp", [](const SampleInfo& i) { return nanoseconds(i.receive_stamp); },
           "Time at which the sample was complete here [ns].")
       .def_property_readonly(
-          "transport", [](const SampleInfo& i) { return to_string(i.transport); }, "'shm' or 'udp'.");
+          "transport", [](const SampleInfo& i) { return to_string(i.transport); }, "'shm', 'udp' or 'dds'.");
 }
 
 }  // namespace
@@ -282,7 +285,8 @@ void define_views(py::module_& module) {
           "to_cdr",
           [](const Sample& s) {
             const auto bytes = s.held().sample().cdr();
-            return py::bytes(reinterpret_cast<const char*>(bytes.data()), bytes.size());
+            return bytes_with(bytes.size(),
+                              [&](std::byte* to) { std::memcpy(to, bytes.data(), bytes.size()); });
           },
           "The present fields as CDR with its encapsulation, copied. This is no read.");
 }

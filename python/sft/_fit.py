@@ -1,4 +1,4 @@
-"""Values of Python people in fields of messages: what fits is converted, and what does not is refused by name."""
+"""Converts values of programs to those of fields of messages, and refuses by name what does not fit."""
 
 import difflib
 

@@ -4,16 +4,21 @@ import asyncio
 import atexit
 import collections
 import concurrent.futures
+import contextlib
+import contextvars
 import inspect
+import itertools
 import json
 import os
 import sys
 import threading
+import time
 import traceback
 import warnings
 import weakref
 
 from sft import _sft
+from sft._errors import Error
 
 Event = collections.namedtuple("Event", "kind node text count")
 Event.__doc__ = "One event of an endpoint. `kind` is 'matched', 'samples_lost' and so on; `text` is for people."
@@ -21,20 +26,26 @@ Event.__doc__ = "One event of an endpoint. `kind` is 'matched', 'samples_lost' a
 _DAEMON = os.path.join(os.path.dirname(__file__), "sftd")  # a wheel brings it along
 
 _open_nodes = weakref.WeakSet()
+_calling = contextvars.ContextVar("calling", default=None)  # the subscriber whose coroutine runs
 
 
 def _end():
     """Closes what is open before the interpreter ends, so that no thread is in the library any more."""
     _Background.join_s = 2  # a callback that never returns does not keep the interpreter from ending
-    for node in list(_open_nodes):
-        node.close()
-    _sft.end()
+    try:
+        for node in list(_open_nodes):
+            try:
+                node.close()
+            except Exception:
+                traceback.print_exc()
+    finally:
+        _sft.end()
 
 
 def _forget():
     """A forked process leaves the nodes and threads of its parent alone."""
+    _sft.forget_threads(len(_open_nodes) > 0)
     _open_nodes.clear()
-    _sft.forget_threads()
 
 
 atexit.register(_end)
@@ -62,9 +73,9 @@ class _Background:
         while not self.stops and self._step() is not False:
             pass
 
-    def stop(self):
+    def stop(self, joins=True):
         self.stops = True
-        if self._thread is not threading.current_thread():
+        if joins and self._thread is not threading.current_thread():
             self._thread.join(self.join_s)
 
 
@@ -82,10 +93,12 @@ class Node:
         level = log_level or ("info" if log else None)
         self._node = _sft.Node({"name": name, **options}, level if log else None)
         self._name = name
-        self._callbacks = {0: lambda *letter: log(letter[0], letter[2])} if log else {}
+        self._log = log
+        self._callbacks = {}  # for events, by their numbers
+        self._numbers = itertools.count(1)
         self._endpoints = weakref.WeakSet()
         self._called_back = set()  # subscribers with a callback live until they or the node are closed
-        self._postman = _Background("sft-python-news", self._deliver) if log else None
+        self._callback_thread = _Background("sft-callbacks", self._call_queued) if log else None
         _open_nodes.add(self)
 
     def __repr__(self):
@@ -103,12 +116,14 @@ class Node:
             return
         _open_nodes.discard(self)
         self._node.interrupt()
-        for endpoint in list(self._endpoints):
-            endpoint.close()
-        if self._postman:
-            self._postman.stop()
-        self._postman = None
-        self._node.close()
+        try:
+            for endpoint in list(self._endpoints):
+                endpoint.close()
+        finally:
+            if self._callback_thread:
+                self._callback_thread.stop()
+            self._callback_thread = None
+            self._node.close()
 
     def interrupt(self):
         """Ends all waits in this node, now and from now on."""
@@ -140,8 +155,9 @@ class Node:
         Options: reliable, transient_local, history_depth, deadline [s], lifespan [s], max_blocking [s],
         manual_liveliness, liveliness_lease [s], max_sample_bytes, max_bytes_per_s, asynchronous, transport.
         """
-        to = self._add_callback(on_event)
-        return Publisher(self, self._node.publisher(topic, self._type(topic, type)._whole, options, to), topic)
+        with self._callback(on_event) as to:
+            opened = self._node.publisher(topic, self._type(topic, type)._whole, options, to)
+            return Publisher(self, opened, topic, to)
 
     def subscriber(self, topic, type=None, fields=None, callback=None, *, on_event=None, **options):
         """Opens a subscriber.
@@ -156,9 +172,9 @@ class Node:
         narrow_after_samples, as_remote.
         """
         options.setdefault("pollable", callback is None)
-        to = self._add_callback(on_event)
-        opened = self._node.subscriber(topic, self._type(topic, type)._whole, fields, options, to)
-        return Subscriber(self, opened, topic, callback)
+        with self._callback(on_event) as to:
+            opened = self._node.subscriber(topic, self._type(topic, type)._whole, fields, options, to)
+            return Subscriber(self, opened, topic, to, callback)
 
     def _type(self, topic, type):
         if type is None:
@@ -168,31 +184,44 @@ class Node:
             return find_type(type)
         return type
 
-    def _add_callback(self, function):
+    @contextlib.contextmanager
+    def _callback(self, function):
+        """Gives the number of a callback for events. It is forgotten if the endpoint cannot be opened."""
         if function is None:
-            return 0
-        number = max(self._callbacks, default=0) + 1
-        self._callbacks[number] = lambda kind, node, text, count: function(Event(kind, node, text, count))
-        if not self._postman:
-            self._postman = _Background("sft-python-news", self._deliver)
-        return number
+            yield 0
+            return
+        number = next(self._numbers)  # never one of before: calls for that one may still be in the queue
+        self._callbacks[number] = function
+        if not self._callback_thread:
+            self._callback_thread = _Background("sft-callbacks", self._call_queued)
+        try:
+            yield number
+        except BaseException:
+            self._callbacks.pop(number, None)
+            raise
 
-    def _deliver(self):
-        for to, *letter in self._node.letters(0.1):
+    def _call_queued(self):
+        for to, kind, node, text, count in self._node.queued_calls(0.1):
+            callback = self._callbacks.get(to)
             try:
-                self._callbacks[to](*letter)
-            except Exception:
+                if to == 0:
+                    self._log(kind, text)
+                elif callback:
+                    callback(Event(kind, node, text, count))
+            except BaseException:  # SystemExit, too, would end the thread without a word
                 _show_failure("the log" if to == 0 else "events")
 
 
 class _Endpoint:
     """What publishers and subscribers have in common. They keep their node open."""
 
-    def __init__(self, node, opened, topic):
+    def __init__(self, node, opened, topic, events_to):
         self._node = node
         self._opened = opened
         self.topic = topic
         node._endpoints.add(self)
+        self._forget_callback = weakref.finalize(self, node._callbacks.pop, events_to, None)  # also without close()
+        self._forget_callback.atexit = False
 
     def __repr__(self):
         return f"<sft.{type(self).__name__} of '{self.topic}'>"
@@ -212,6 +241,7 @@ class _Endpoint:
         """Ends it. Samples and arrays stay valid."""
         self._node._endpoints.discard(self)
         self._opened.close()
+        self._forget_callback()
 
 
 class Publisher(_Endpoint):
@@ -240,7 +270,8 @@ class Publisher(_Endpoint):
         return Loan(self._opened.loan(fields, not for_overwrite), "")
 
     def wait_for_subscribers(self, count=1, timeout=None):
-        """Waits until this many subscribers are served. Returns False when the time [s] is over."""
+        """Waits until this many subscribers are served. Returns False when the time [s] is over, or after
+        interrupt()."""
         return self._opened.wait_for_subscribers(count, timeout)
 
     def assert_liveliness(self):
@@ -314,11 +345,12 @@ class Subscriber(_Endpoint):
     publisher (256); then it gets no more of them until some are gone. sample.copy() holds nothing.
     """
 
-    def __init__(self, node, opened, topic, callback):
-        super().__init__(node, opened, topic)
+    def __init__(self, node, opened, topic, events_to, callback):
+        super().__init__(node, opened, topic, events_to)
         self.take = opened.take  # one call less for each sample
         self._callback = callback
         self._thread = None
+        self._cancels = True  # whether close() ends a coroutine that runs
         self._readers = set()  # futures of event loops that wait for samples
         if callback is None:
             return
@@ -340,11 +372,23 @@ class Subscriber(_Endpoint):
         return self._opened.wait(timeout)
 
     def wait_for_sample(self, timeout=None):
-        """Waits for a sample and takes it. Returns None when the time [s] is over."""
-        sample = self.take()
-        while sample is None and self.wait(timeout):
+        """Waits for a sample and takes it. Returns None when the time [s] is over, when the subscriber is closed, or
+        after interrupt()."""
+        end = None if timeout is None else time.monotonic() + timeout
+        left = timeout
+        try:
             sample = self.take()
-        return sample
+            while sample is None and self.wait(left):
+                sample = self.take()
+                if end is not None:
+                    left = end - time.monotonic()
+                    if left <= 0:
+                        break
+            return sample
+        except Error:
+            if not self._opened.is_over():
+                raise
+            return None
 
     def fileno(self):
         """Returns a file descriptor that is readable while there is a sample to take; wait on it, do not read it."""
@@ -379,10 +423,13 @@ class Subscriber(_Endpoint):
         """Ends it: no callback runs any more, unless this is called in the callback. Samples and arrays stay valid."""
         self._node._called_back.discard(self)
         if self._thread:
-            self._thread.stop()
+            within = _calling.get() is self  # a coroutine is neither waited for nor cancelled by itself
+            self._cancels = not within
+            self._thread.stop(joins=not within)
         super().close()
         for readable in list(self._readers):
-            readable.get_loop().call_soon_threadsafe(lambda r=readable: r.done() or r.set_result(None))
+            with contextlib.suppress(RuntimeError):  # the loop is closed
+                readable.get_loop().call_soon_threadsafe(lambda r=readable: r.done() or r.set_result(None))
 
     def __iter__(self):
         """Yields samples until the subscriber is closed or its node is interrupted."""
@@ -395,10 +442,15 @@ class Subscriber(_Endpoint):
     async def __aiter__(self):
         """Yields samples in an event loop of asyncio, until the subscriber is closed or its node is interrupted."""
         loop = asyncio.get_running_loop()
-        fd = os.dup(self.fileno())  # several loops may wait
+        try:
+            fd = os.dup(self.fileno())  # several loops may wait
+        except Error:
+            if self._opened.is_over():
+                return
+            raise
         try:
             while not self._opened.is_over():
-                sample = self.take()
+                sample = self.wait_for_sample(0)
                 if sample is not None:
                     yield sample
                     del sample  # whoever wants to hold it does
@@ -411,6 +463,8 @@ class Subscriber(_Endpoint):
         """Waits until the file descriptor is readable, or the subscriber is closed."""
         readable = loop.create_future()
         self._readers.add(readable)
+        if self._opened.is_over():  # another thread may have closed it before it was told of `readable`
+            readable.set_result(None)
         loop.add_reader(fd, lambda: readable.done() or readable.set_result(None))
         try:
             await readable
@@ -429,16 +483,22 @@ class Subscriber(_Endpoint):
             result = self._callback(sample)
             del sample  # whoever wants to hold it does
             if self._loop is not None:
-                self._finish(asyncio.run_coroutine_threadsafe(result, self._loop))
-        except Exception:
+                self._finish(asyncio.run_coroutine_threadsafe(self._run(result), self._loop))
+        except BaseException:  # SystemExit, too, would end the thread without a word
             _show_failure(repr(self))
         return True
 
+    async def _run(self, coroutine):
+        _calling.set(self)
+        await coroutine
+
     def _finish(self, running):
-        """Waits for a coroutine, which is cancelled if the subscriber is closed meanwhile."""
+        """Waits for a coroutine, which is cancelled if the subscriber is closed meanwhile by others."""
         while not running.done():
             concurrent.futures.wait([running], 0.1)
-            if self._thread.stops:
+            if self._loop.is_closed():
+                return
+            if self._thread.stops and self._cancels:
                 running.cancel()
                 return
         running.result()

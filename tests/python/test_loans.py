@@ -61,13 +61,34 @@ def test_a_loan_refuses_what_does_not_fit(pair):
             loan.hieght = 1
         with pytest.raises(TypeError, match="'header' is a struct"):
             loan.header = {}
-        with pytest.raises(ValueError):
-            loan.data = np.zeros(11, np.uint8)
+        for other in (np.zeros(11, np.uint8), [5]):
+            with pytest.raises(ValueError, match=f"'data' has 10 elements; {len(other)} were given"):
+                loan.data = other
         loan.data = np.arange(10)
     with pytest.raises(sft.Error, match="max_sample_bytes|at most"):
         publisher.loan(data=100_000_000)
     with pytest.raises(TypeError, match="'data' is 5"):
         publisher.publish(data=5)
+
+
+@pytest.mark.parametrize("end", ["discard", "publish"])
+def test_a_value_that_ends_the_loan_while_it_is_converted_is_not_written(pair, end):
+    class Ends:
+        def __index__(self):
+            getattr(loan, end)()
+            return 7
+
+        def __array__(self, *_, **__):
+            return np.full(10, self.__index__(), np.uint8)
+
+    publisher, subscriber = pair.open(type="sensor_msgs/Image")
+    for field in ("width", "data"):
+        loan = publisher.loan(width=3, data=np.full(10, 3, np.uint8))
+        with pytest.raises(sft.Error, match="loan is over"):
+            setattr(loan, field, Ends())
+        if end == "publish":
+            sample = subscriber.wait_for_sample(HANG_S)
+            assert sample.width == 3 and (sample.data == 3).all()
 
 
 def test_loans_have_dlpack_and_the_buffer_protocol(pair):

@@ -92,6 +92,23 @@ def test_what_does_not_fit_is_refused_by_its_path_also_without_readers(node, eve
             setattr(every(), name, value)
 
 
+def test_an_exception_of_the_program_is_not_replaced(node, every):
+    class Broken:
+        def __index__(self):
+            raise ZeroDivisionError("of the program")
+
+        __float__ = __index__
+
+        @property
+        def yes(self):
+            raise ZeroDivisionError("of the program")
+
+    publisher = node.publisher("t", every)
+    for message in (Broken(), {"number": Broken()}, {"double": Broken()}):
+        with pytest.raises(ZeroDivisionError, match="of the program"):
+            publisher.publish(message)
+
+
 def test_messages_objects_and_mappings_are_published_alike(pair, every):
     class Inner:
         a, b = 3, "three"
@@ -185,6 +202,13 @@ def test_errors_have_the_texts_of_the_library(node):
         node.subscriber("t", "sensor_msgs/PointCloud2", "hieght")
     with pytest.raises(TypeError, match="no argument 'relaible'"):
         node.subscriber("t", "sensor_msgs/PointCloud2", relaible=True)
+    with pytest.raises(TypeError, match="depth cannot be 'many'"):
+        node.subscriber("t", "sensor_msgs/PointCloud2", depth="many")
+    for seconds in (float("nan"), float("inf"), 1e300):
+        with pytest.raises(ValueError, match="deadline is"):
+            node.publisher("t", "sensor_msgs/PointCloud2", deadline=seconds)
+    with pytest.raises(ValueError, match="timeout is nan"):
+        node.subscriber("t", "sensor_msgs/PointCloud2").wait(float("nan"))
     with pytest.raises(sft.Error, match="not a sensor_msgs"):
         publisher = node.publisher("t", "sensor_msgs/PointCloud2")
         subscriber = node.subscriber("t", "sensor_msgs/PointCloud2")

@@ -28,6 +28,59 @@ def test_a_wait_returns_when_the_time_is_over_or_the_node_is_interrupted(node):
     assert not subscriber.wait() and list(subscriber) == []
 
 
+def test_an_interrupt_ends_a_wait_for_subscribers(node):
+    publisher = node.publisher("t", CLOCK)
+    threading.Timer(0.1, node.interrupt).start()
+    assert not publisher.wait_for_subscribers()
+
+
+def test_a_wait_for_a_sample_that_others_take_ends_in_time(node):
+    publisher, subscriber = node.publisher("t", CLOCK), node.subscriber("t", CLOCK)
+    assert publisher.wait_for_subscribers(1, HANG_S)
+    publisher.publish(sec=1)
+    assert subscriber.wait(HANG_S)
+    subscriber.take = lambda: None  # as if another thread were always quicker
+    before = time.monotonic()
+    assert subscriber.wait_for_sample(0.2) is None and time.monotonic() - before < HANG_S
+
+
+@pytest.mark.parametrize("finds", [lambda take: take(), lambda take: None])
+def test_loops_end_if_another_thread_closes_the_subscriber_at_any_step(node, finds):
+    def closes_before_it_takes(subscriber):
+        take = subscriber.take
+
+        def closed():
+            subscriber.close()
+            return finds(take)
+
+        subscriber.take = closed
+        return subscriber
+
+    async def read(subscriber):
+        return [sample async for sample in subscriber]
+
+    assert list(closes_before_it_takes(node.subscriber("t", CLOCK))) == []
+    assert closes_before_it_takes(node.subscriber("t", CLOCK)).wait_for_sample() is None
+    reading = read(closes_before_it_takes(node.subscriber("t", CLOCK)))
+    assert asyncio.run(asyncio.wait_for(reading, HANG_S)) == []
+
+
+def test_a_closed_event_loop_does_not_keep_a_node_from_closing(node):
+    async def read(subscriber):
+        async for _ in subscriber:
+            pass
+
+    loop, others = asyncio.new_event_loop(), []
+    reading = loop.create_task(read(node.subscriber("t", CLOCK)))
+    loop.run_until_complete(asyncio.sleep(0.05))
+    others.append(node.publisher("t", CLOCK))
+    loop.close()
+    node.close()
+    with pytest.raises(sft.Error, match="closed"):
+        others[0].publish(sec=1)
+    reading._log_destroy_pending = False  # asyncio would say that nobody has cancelled it
+
+
 def test_closing_ends_a_wait_of_another_thread(node):
     subscriber = node.subscriber("t", CLOCK)
     threading.Timer(0.1, subscriber.close).start()
@@ -146,6 +199,37 @@ def test_a_callback_may_be_a_coroutine(pair):
     asyncio.run(main())
 
 
+def test_a_coroutine_may_close_its_subscriber_and_goes_on(pair):
+    async def main():
+        done = asyncio.Event()
+
+        async def callback(_):
+            subscriber.close()
+            await asyncio.sleep(0.3)  # long enough to be cancelled
+            done.set()
+
+        publisher, subscriber = pair.open(type=CLOCK, callback=callback)
+        publisher.publish(sec=5)
+        await asyncio.wait_for(done.wait(), HANG_S)
+
+    asyncio.run(main())
+
+
+def test_a_callback_that_ends_its_thread_is_shown_and_the_next_sample_follows(pair, capfd):
+    got = []
+
+    def callback(sample):
+        got.append(sample.sec)
+        sys.exit("from the callback")
+
+    publisher, subscriber = pair.open(type=CLOCK, callback=callback)
+    publisher.publish(sec=1)
+    publisher.publish(sec=2)
+    assert eventually(lambda: len(got) == 2)
+    subscriber.close()
+    assert capfd.readouterr().err.count("SystemExit: from the callback") == 2
+
+
 def test_a_callback_may_close_its_subscriber(pair):
     closed = threading.Event()
 
@@ -167,6 +251,20 @@ def test_events_and_lines_of_the_log_reach_python(node):
         assert eventually(lambda: any(event.kind == "matched" and event.node == "node" for event in events))
         assert eventually(lambda: any(level == "info" and "matched" in text for level, text in lines))
         subscriber.close()
+
+
+def test_a_callback_for_events_is_forgotten_with_its_endpoint(node):
+    def on_event(_):
+        pass
+
+    closed = node.subscriber("t", CLOCK, on_event=on_event)
+    dropped = node.publisher("t", CLOCK, on_event=on_event)
+    assert len(node._callbacks) == 2
+    closed.close()
+    del dropped
+    with pytest.raises(sft.Error):
+        node.subscriber("t", CLOCK, "no_field", on_event=on_event)
+    assert node._callbacks == {}
 
 
 def test_threads_open_take_and_close_with_a_log_of_python():
@@ -203,6 +301,46 @@ def test_a_forked_child_is_told_to_spawn_and_the_parent_goes_on(pair):
     assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == 7
     publisher.publish(sec=9)
     assert subscriber.wait_for_sample(HANG_S).sec == 9
+
+
+def test_a_forked_child_that_uses_what_its_parent_opened_is_told_to_spawn(node):
+    publisher, subscriber = node.publisher("t", CLOCK), node.subscriber("t", CLOCK)
+    loan = publisher.loan()
+
+    async def read():
+        async for _ in subscriber:
+            pass
+
+    uses = [subscriber.wait, subscriber.wait_for_sample, lambda: list(subscriber), lambda: asyncio.run(read()),
+            lambda: publisher.publish(sec=1), loan.publish, publisher.wait_for_subscribers, node.topics,
+            lambda: node.find_type("u")]
+    child = os.fork()
+    if child == 0:
+        signal.alarm(HANG_S)
+        refused = 0
+        for use in uses:
+            try:
+                use()
+            except sft.Error as error:
+                refused += "spawn" in str(error)
+        os._exit(refused)
+    assert os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]) == len(uses)
+
+
+def test_a_forked_child_of_a_process_without_nodes_opens_its_own():
+    done = run("""
+import os, sft
+child = os.fork()
+if child == 0:
+    with sft.Node("child", transport="udp") as node:
+        publisher = node.publisher("t", "builtin_interfaces/Time")
+        subscriber = node.subscriber("t", "builtin_interfaces/Time")
+        assert publisher.wait_for_subscribers(1, 10)
+        publisher.publish(sec=5)
+        os._exit(subscriber.wait_for_sample(10).sec)
+print(os.waitstatus_to_exitcode(os.waitpid(child, 0)[1]))
+""")
+    assert done.stdout == "5\n", done.stderr
 
 
 EXIT = """
