@@ -1,5 +1,7 @@
 #include "tools/recording/block.h"
 
+#include <utility>
+
 namespace sft::recording {
 
 void walk(std::span<const std::byte> bytes, const RecordVisitor& visitor) {
@@ -16,6 +18,30 @@ void walk(std::span<const std::byte> bytes, const RecordVisitor& visitor) {
     visitor.record(static_cast<Opcode>(opcode), head.raw(length), offset);
     offset += record_head_bytes + length;
   }
+}
+
+void Block::shorten(std::uint64_t most, std::size_t least) {
+  Bytes kept;
+  std::vector<Entry> kept_entries;
+  before += at;
+  for (; !is_empty(); ++at) {
+    const std::span<const std::byte> record =
+        std::span<const std::byte>(bytes).subspan(static_cast<std::size_t>(entries[at].offset));
+    ByteReader head(record.subspan(1));
+    const std::uint64_t length = record_head_bytes + head.number<std::uint64_t>();
+    const std::uint64_t memory = kept.size() + length + (kept_entries.size() + 1) * sizeof(Entry);
+    if (memory > most && kept_entries.size() >= least) {
+      has_rest = true;
+      rest_ns = time();
+      break;
+    }
+    kept_entries.push_back({time(), kept.size()});
+    kept.insert(kept.end(), record.begin(), record.begin() + static_cast<std::ptrdiff_t>(length));
+  }
+  kept.shrink_to_fit();
+  bytes = std::move(kept);
+  entries = std::move(kept_entries);
+  at = 0;
 }
 
 bool read_message(std::span<const std::byte> content, Message& message) {

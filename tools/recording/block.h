@@ -38,6 +38,7 @@ void walk(std::span<const std::byte> bytes, const RecordVisitor& visitor);
 /// Reads the content of a message record; false: it is too short.
 bool read_message(std::span<const std::byte> content, Message& message);
 
+/// Messages of a place, from `before` on: all, or as many as memory is for.
 struct Block {
   /// A message by its time and the offset of its record.
   struct Entry {
@@ -46,11 +47,18 @@ struct Block {
   };
 
   const Place* place = nullptr;
-  Bytes bytes{};  ///< empty: not in memory at present
+  Bytes bytes{};
   std::vector<Entry> entries{};
-  std::size_t at = 0;  ///< the next entry
+  std::size_t at = 0;         ///< the next entry
+  std::uint64_t before = 0;   ///< messages of the place that come before these entries
+  bool has_rest = false;      ///< others come behind them
+  std::uint64_t rest_ns = 0;  ///< the time of the first of the others
 
-  std::uint64_t time() const { return entries[at].log_ns; }
+  bool is_empty() const { return at == entries.size(); }
+  std::uint64_t time() const { return is_empty() ? rest_ns : entries[at].log_ns; }
+  std::uint64_t memory() const { return bytes.size() + entries.size() * sizeof(Entry); }
+  /// Keeps the next messages that have room in `most` bytes, and at least `least` of them.
+  void shorten(std::uint64_t most, std::size_t least);
 };
 
 }  // namespace sft::recording

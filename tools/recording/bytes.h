@@ -19,6 +19,12 @@ static_assert(std::endian::native == std::endian::little);
 using Bytes = std::vector<std::byte>;
 using Texts = std::map<std::string, std::string>;
 
+/// The value of a key; empty if there is none.
+inline std::string value_of(const Texts& texts, const char* key) {
+  const auto found = texts.find(key);
+  return found == texts.end() ? std::string() : found->second;
+}
+
 inline std::span<const std::byte> bytes_of(std::string_view text) { return std::as_bytes(std::span(text)); }
 
 /// Appends to a buffer that outlives the object.

@@ -36,6 +36,12 @@ std::string text_at(sqlite3_stmt* row, int column) {
 void Db3Reader::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 void Db3Reader::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
+Db3Reader::Db3Reader(sqlite3* database) : database_(database) {
+  constexpr int steps = 100'000;  // some milliseconds
+  const auto stop = [](void* self) { return static_cast<Db3Reader*>(self)->is_stopped() ? 1 : 0; };
+  sqlite3_progress_handler(database, steps, stop, this);
+}
+
 Result<std::unique_ptr<Db3Reader>> Db3Reader::open(const std::string& path) {
   sqlite3* opened = nullptr;
   const int code =

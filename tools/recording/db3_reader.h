@@ -31,7 +31,7 @@ class Db3Reader final : public Recording {
   };
   using Statement = std::unique_ptr<sqlite3_stmt, Close>;
 
-  explicit Db3Reader(sqlite3* database) : database_(database) {}
+  explicit Db3Reader(sqlite3* database);
   Statement prepare(const std::string& sql);
   bool step(const Statement& statement);
   bool has_table(const char* name);

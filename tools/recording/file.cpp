@@ -32,13 +32,16 @@ std::size_t read_at(int descriptor, std::uint64_t offset, std::span<std::byte> t
 }  // namespace
 
 Result<File> File::open(const std::string& path) {
-  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC);
+  // Without O_NONBLOCK, the open of a FIFO waits for somebody who writes. For files it changes nothing.
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat about {};
   if (descriptor < 0 || fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode)) {
-    const int code = descriptor >= 0 && S_ISDIR(about.st_mode) ? EISDIR : errno;
+    const int code = about.st_mode == 0 ? errno : 0;
     if (descriptor >= 0) ::close(descriptor);
-    return fail(code == ENOENT ? Errc::unavailable : Errc::system,
-                "'" + path + "' cannot be read: " + std::generic_category().message(code));
+    const std::string why = code != 0                ? std::generic_category().message(code)
+                            : S_ISDIR(about.st_mode) ? std::generic_category().message(EISDIR)
+                                                     : "it is no file with contents";
+    return fail(code == ENOENT ? Errc::unavailable : Errc::system, "'" + path + "' cannot be read: " + why);
   }
   return File(descriptor, static_cast<std::uint64_t>(about.st_size), path);
 }

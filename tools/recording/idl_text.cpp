@@ -61,6 +61,7 @@ class IdlReader {
 
  private:
   static constexpr std::size_t depth_most = 16;
+  static constexpr std::size_t type_most = 512;
 
   std::string next() { return at_ < words_.size() ? words_[at_++] : std::string(); }
   bool take(std::string_view word) {
@@ -105,14 +106,21 @@ class IdlReader {
     } else if (take("typedef")) {
       std::string type = type_name();
       const std::string alias = next();
-      if (take("[")) type += "[" + next() + "]", expect("]");
-      expect(";");
+      end_of_type(type);
       aliases_[alias] = type;
     } else if (take("struct")) {
       structure(modules);
     } else {
       refuse("this is not known in messages");
     }
+  }
+
+  /// Reads what comes behind a name: the length of an array.
+  void end_of_type(std::string& type) {
+    if (take("[")) type += "[" + next() + "]", expect("]");
+    expect(";");
+    // An alias of aliases could become as long as memory is large.
+    if (type.size() > type_most) refuse("a type has more than " + std::to_string(type_most) + " characters");
   }
 
   void structure(const std::vector<std::string>& modules) {
@@ -124,8 +132,7 @@ class IdlReader {
       if (take("}")) break;
       std::string type = type_name();
       const std::string member = next();
-      if (take("[")) type += "[" + next() + "]", expect("]");
-      expect(";");
+      end_of_type(type);
       // ROS 2 writes this member for a message without fields, which have none in .msg.
       if (member != "structure_needs_at_least_one_member") lines += type + " " + member + "\n";
     }

@@ -11,8 +11,11 @@ namespace sft::recording {
 void McapReader::check() {
   std::map<std::uint16_t, std::uint64_t> counted;
   rewind(0, nullptr);
-  for (const Place& place : found_.places) check_place(place, counted);
-  (void)attachments();
+  for (const Place& place : found_.places) {
+    if (is_stopped()) return;
+    check_place(place, counted);
+  }
+  read_attachments([](const Bytes&) {});
   check_summary(counted);
   if (found_.footer && found_.footer->summary != 0 && found_.data_end == 0)
     add_fault("the file has a summary, but no DataEnd record in front of it");
@@ -53,7 +56,9 @@ void McapReader::check_place(const Place& place, std::map<std::uint16_t, std::ui
 void McapReader::check_indexes(const Place& place, const Bytes& bytes, std::uint64_t messages) {
   const std::uint64_t begin = place.data_offset + place.data_bytes;
   if (place.index_end <= begin) return;  // a file may have no indexes
-  const Result<Bytes> indexes = file_.read(begin, place.index_end - begin);
+  const std::uint64_t length = place.index_end - begin;
+  const Result<Bytes> indexes =
+      length > limits_.chunk_bytes ? fail(Errc::malformed, "they are too large") : file_.read(begin, length);
   std::uint64_t indexed = 0;
   bool is_right = indexes.has_value();
   const auto record = [&](Opcode opcode, std::span<const std::byte> content, std::uint64_t) {
@@ -120,6 +125,7 @@ void McapReader::check_crc(const char* what, std::uint64_t begin, std::uint64_t 
   if (crc == 0) return;
   if (begin > end) return add_fault(std::string(what) + " begins behind its end");
   while (begin < end) {
+    if (is_stopped()) return;
     const std::uint64_t length = std::min(piece, end - begin);
     const Result<Bytes> bytes = file_.read(begin, length);
     if (!bytes) return add_fault(std::string(what) + ": " + bytes.error().message);

@@ -12,6 +12,7 @@ namespace {
 
 constexpr std::uint64_t run_bytes = std::uint64_t{1}
                                     << 20;  // messages without a chunk are read in such pieces
+constexpr std::uint64_t texts_most = 16;    // of the largest definitions, which all together may have
 constexpr std::size_t chunk_head_bytes = 8 + 8 + 8 + 4 + 4;  // of a chunk, in front of its compression
 
 const char* name_of_kind(Opcode opcode) {
@@ -21,6 +22,11 @@ const char* name_of_kind(Opcode opcode) {
                                 "Metadata",   "MetadataIndex", "SummaryOffset",   "DataEnd"};
   const auto kind = static_cast<std::size_t>(opcode);
   return kind < names.size() ? names[kind] : "Record";
+}
+
+/// The identifier that schemas, channels and messages begin with.
+std::uint16_t id_of(std::span<const std::byte> content) {
+  return ByteReader(content).number<std::uint16_t>();
 }
 
 }  // namespace
@@ -69,7 +75,7 @@ bool McapReader::scan_from(std::uint64_t offset, std::uint64_t end) {
     ByteReader head(file_.look(offset, record_head_bytes));
     const auto opcode = head.number<std::uint8_t>();
     const auto length = head.number<std::uint64_t>();
-    if (!head.is_good()) {
+    if (!head.is_good() || end - offset < record_head_bytes) {
       add_fault("the record at offset " + std::to_string(offset) + " is cut off");
       return false;
     }
@@ -96,7 +102,8 @@ bool McapReader::scan_record(Opcode opcode, std::uint64_t offset, std::uint64_t 
     case Opcode::chunk:
       return scan_chunk(offset, length);
     case Opcode::message_index:
-      if (!found_.places.empty()) found_.places.back().index_end = content + length;
+      if (!found_.places.empty() && found_.places.back().index_end == offset)
+        found_.places.back().index_end = content + length;
       return true;
     case Opcode::attachment: {
       // The data may be large; only what is in front of them is read.
@@ -134,13 +141,22 @@ bool McapReader::scan_record(Opcode opcode, std::uint64_t offset, std::uint64_t 
 }
 
 void McapReader::scan_content(Opcode opcode, std::uint64_t offset, std::span<const std::byte> content) {
+  const bool is_new_schema = opcode == Opcode::schema && !schemas_.contains(id_of(content));
+  const bool is_new_channel = opcode == Opcode::channel && !channels_.contains(id_of(content));
+  if (is_new_schema || is_new_channel) definition_bytes_ += content.size();
+  if (content.size() > limits_.text_bytes || definition_bytes_ > texts_most * limits_.text_bytes) {
+    if (is_new_schema || is_new_channel) definition_bytes_ -= content.size();
+    return add_fault(name(opcode, offset) + ": " + std::to_string(content.size()) + " bytes are too many");
+  }
   ByteReader from(content);
   if (opcode == Opcode::header) {
     found_.profile = from.text();
     found_.library = from.text();
   } else if (opcode == Opcode::footer) {
-    found_.footer =
-        Footer{from.number<std::uint64_t>(), from.number<std::uint64_t>(), from.number<std::uint32_t>()};
+    Footer footer{.summary = from.number<std::uint64_t>()};
+    from.number<std::uint64_t>();
+    footer.crc = from.number<std::uint32_t>();
+    found_.footer = footer;
   } else if (opcode == Opcode::schema) {
     Schema schema{.id = from.number<std::uint16_t>()};
     schema.name = from.text();
@@ -264,7 +280,7 @@ void McapReader::go_on_by_index() {
     const auto kind = head.number<std::uint8_t>();
     const auto bytes = head.number<std::uint64_t>();
     const bool is_there = head.is_good() && kind == static_cast<std::uint8_t>(Opcode::chunk) &&
-                          bytes <= file_.size() && offset <= file_.size() - bytes;
+                          bytes <= file_.size() - offset - record_head_bytes;
     if (is_there && !known.contains(offset)) scan_chunk(offset, bytes);
   }
 }
@@ -275,6 +291,7 @@ void McapReader::rewind(std::uint64_t from_ns, const std::set<std::uint16_t>* on
   open_.clear();
   given_ = open_.end();
   next_place_ = 0;
+  reread_ = 0;
   from_ns_ = from_ns;
   only_ = only == nullptr ? std::nullopt : std::optional(*only);
 }
@@ -337,6 +354,10 @@ void McapReader::open_due_blocks() {
     const bool is_wanted = !only_ || place.channels.empty() ||
                            std::ranges::any_of(place.channels, [&](auto id) { return only_->contains(id); });
     if (place.last_ns < from_ns_ || !is_wanted) continue;
+    if (is_stopped()) {
+      next_place_ = found_.places.size();
+      return open_.clear();
+    }
     std::optional<Block> block = opened(place);
     if (!block) continue;
     open_.push_back(*std::move(block));
@@ -344,37 +365,47 @@ void McapReader::open_due_blocks() {
   }
 }
 
-/// Lets go of the bytes of those blocks whose turn comes last.
+/// Reads the rest of a block's messages. Returns false if they cannot be read.
+bool McapReader::reopen(Block& block) {
+  const Place& place = *block.place;
+  reread_ += place.size;
+  if (reread_ > limits_.reread_bytes) {
+    add_fault(name(Opcode::chunk, place.offset) +
+              ": it overlaps with others in time, and all of them are too large to be read together; "
+              "its rest is left out");
+    return false;
+  }
+  const std::uint64_t before = block.before + block.entries.size();
+  block.bytes = Bytes();
+  std::optional<Block> read = is_stopped() ? std::nullopt : opened(place);
+  if (!read || read->entries.size() <= before) return false;
+  block = *std::move(read);
+  block.at = static_cast<std::size_t>(before);
+  keep_within_memory(block);
+  return true;
+}
+
+/// Gives each block an equal part of memory if they need more of it.
 void McapReader::keep_within_memory(const Block& in_use) {
   std::uint64_t total = 0;
-  for (const Block& block : open_) total += block.bytes.size();
-  while (total > limits_.memory_bytes) {
-    Block* last = nullptr;
-    for (Block& block : open_) {
-      const bool is_later = last == nullptr || block.time() > last->time();
-      if (&block != &in_use && !block.bytes.empty() && is_later) last = &block;
-    }
-    if (last == nullptr) return;
-    total -= last->bytes.size();
-    last->bytes = Bytes();
+  for (const Block& block : open_) total += block.memory();
+  if (total <= limits_.memory_bytes || open_.size() == 1) return;
+  const std::uint64_t part = limits_.memory_bytes / open_.size();
+  for (Block& block : open_) {
+    if (block.memory() > part) block.shorten(part, &block == &in_use ? 1 : 0);
   }
 }
 
 std::optional<Message> McapReader::next() {
-  if (given_ != open_.end() && given_->at == given_->entries.size()) open_.erase(given_);
+  if (given_ != open_.end() && given_->is_empty() && !given_->has_rest) open_.erase(given_);
   given_ = open_.end();
   for (;;) {
     open_due_blocks();
     const auto first = std::ranges::min_element(open_, {}, &Block::time);
     if (first == open_.end()) return std::nullopt;
-    if (first->bytes.empty()) {
-      std::optional<Bytes> bytes = bytes_of_place(*first->place);
-      if (!bytes) {
-        open_.erase(first);
-        continue;
-      }
-      first->bytes = *std::move(bytes);
-      keep_within_memory(*first);
+    if (first->is_empty() && !reopen(*first)) {
+      open_.erase(first);
+      continue;
     }
     const std::uint64_t offset = first->entries[first->at++].offset;
     ByteReader from(std::span(first->bytes).subspan(static_cast<std::size_t>(offset) + 1));
@@ -406,8 +437,7 @@ const Overview& McapReader::overview() {
   return overview_;
 }
 
-std::vector<Bytes> McapReader::attachments() {
-  std::vector<Bytes> contents;
+void McapReader::read_attachments(const std::function<void(const Bytes&)>& each) {
   for (const auto& [offset, length] : found_.attachments) {
     const std::string label = name(Opcode::attachment, offset - record_head_bytes);
     if (length > limits_.chunk_bytes) {
@@ -422,21 +452,27 @@ std::vector<Bytes> McapReader::attachments() {
     if (content && crc != 0 && crc32(0, std::span(*content).first(data)) != crc)
       content = fail(Errc::malformed, "its checksum is wrong");
     if (content)
-      contents.push_back(*std::move(content));
+      each(*content);
     else
       add_fault(label + ": " + content.error().message + "; it is left out");
   }
-  return contents;
 }
 
 void McapReader::count() {
   rewind(0, nullptr);
-  while (const std::optional<Message> message = next()) {
-    if (overview_.messages++ == 0) overview_.first_ns = message->log_ns;
-    overview_.last_ns = message->log_ns;
-    ++overview_.of_channel[message->channel];
+  for (const Place& place : found_.places) {
+    if (is_stopped()) return;
+    const std::optional<Block> block = opened(place);
+    if (!block) continue;
+    const std::uint64_t first_ns = block->entries.front().log_ns;
+    overview_.first_ns = overview_.messages == 0 ? first_ns : std::min(overview_.first_ns, first_ns);
+    overview_.last_ns = std::max(overview_.last_ns, block->entries.back().log_ns);
+    overview_.messages += block->entries.size();
+    for (const Block::Entry& entry : block->entries) {
+      const auto record = std::span(block->bytes).subspan(static_cast<std::size_t>(entry.offset));
+      ++overview_.of_channel[id_of(record.subspan(record_head_bytes))];
+    }
   }
-  rewind(0, nullptr);
 }
 
 }  // namespace sft::recording

@@ -2,7 +2,8 @@
 //
 // open() walks over the heads of all records, and reads no chunk. So it needs no summary, and the walk takes
 // one look per chunk. Chunks may overlap in time, and come in any order. next() has those in memory of which
-// the times overlap, but not more than a limit: beyond it, a chunk is read again when it is its turn.
+// the times overlap, but not more than a limit: beyond it, it has the next messages of each, and reads a
+// chunk again when these have been returned.
 #pragma once
 
 #include <list>
@@ -20,10 +21,12 @@ class McapReader final : public Recording {
  public:
   /// What the reader never exceeds.
   struct Limits {
-    std::uint64_t chunk_bytes = std::uint64_t{1} << 30;   ///< the largest chunk when it is not compressed
-    std::uint64_t memory_bytes = std::uint64_t{1} << 28;  ///< the limit for all chunks that overlap
-    std::uint64_t text_bytes = std::uint64_t{1}
-                               << 24;  ///< the largest record of a schema, channel or metadata
+    std::uint64_t chunk_bytes = std::uint64_t{1} << 30;  ///< the largest chunk when it is not compressed
+    /// For the messages of all chunks that overlap. The chunk that is being read comes on top.
+    std::uint64_t memory_bytes = std::uint64_t{1} << 28;
+    std::uint64_t reread_bytes = std::uint64_t{1} << 36;  ///< of all chunks that are read again
+    /// The largest record of a schema, channel or metadata. All definitions together have 16 times as much.
+    std::uint64_t text_bytes = std::uint64_t{1} << 24;
   };
 
   /// Errc::malformed if the file does not begin like MCAP.
@@ -34,7 +37,7 @@ class McapReader final : public Recording {
   const Overview& overview() override;
   void rewind(std::uint64_t from_ns, const std::set<std::uint16_t>* only) override;
   std::optional<Message> next() override;
-  std::vector<Bytes> attachments() override;
+  void read_attachments(const std::function<void(const Bytes&)>& each) override;
   void check() override;
 
  private:
@@ -46,7 +49,6 @@ class McapReader final : public Recording {
   };
   struct Footer {
     std::uint64_t summary = 0;
-    std::uint64_t summary_offsets = 0;
     std::uint32_t crc = 0;
   };
   /// What the walk over the file found.
@@ -77,6 +79,7 @@ class McapReader final : public Recording {
   std::optional<Bytes> bytes_of_place(const Place& place);
   std::optional<Block> opened(const Place& place);
   void open_due_blocks();
+  bool reopen(Block& block);
   void keep_within_memory(const Block& in_use);
   void count();
 
@@ -90,10 +93,12 @@ class McapReader final : public Recording {
   Found found_{};
   Overview overview_{};
   bool is_counted_ = false;
+  std::uint64_t definition_bytes_ = 0;  ///< of schemas and channels
 
   // The state of next().
   std::list<Block> open_{};
   std::size_t next_place_ = 0;
+  std::uint64_t reread_ = 0;  ///< the bytes of the chunks that were read again
   std::uint64_t from_ns_ = 0;
   std::optional<std::set<std::uint16_t>> only_{};
   std::list<Block>::iterator given_ = open_.end();  ///< the block of the message that next() returned last

@@ -52,7 +52,12 @@ class McapWriter {
 
   const std::string& path() const { return path_; }
   std::uint64_t bytes() const { return offset_; }  ///< the size of the file, without the chunk that is open
+  /// The messages in the file, without those of the chunk that is open; also those of one channel.
   std::uint64_t messages() const { return messages_; }
+  std::uint64_t messages(std::uint16_t channel) const {
+    const auto found = of_channel_.find(channel);
+    return found == of_channel_.end() ? 0 : found->second;
+  }
 
  private:
   struct ChunkOfFile {

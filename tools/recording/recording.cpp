@@ -17,6 +17,12 @@ void Recording::add_fault(std::string fault) {
   if (faults_.size() <= faults_most) faults_.push_back(std::move(fault));
 }
 
+bool Recording::is_stopped() {
+  const bool is_it = is_stopped_ && is_stopped_();
+  if (is_it) add_fault("reading was interrupted");
+  return is_it;
+}
+
 void Recording::add(Schema schema, const std::string& where) {
   if (schema.id == 0) return;  // the specification says that readers ignore it
   const auto [known, is_new] = schemas_.try_emplace(schema.id, schema);

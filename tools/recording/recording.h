@@ -3,11 +3,13 @@
 #pragma once
 
 #include <cstdint>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
 #include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/recording/mcap.h"
@@ -39,10 +41,12 @@ class Recording {
   /// Returns the next message, whose data are valid until the next call; nothing at the end. What cannot be
   /// read is left out, and named by faults().
   virtual std::optional<Message> next() = 0;
-  /// The contents of the attachment records that can be read.
-  virtual std::vector<Bytes> attachments() { return {}; }
+  /// Calls `each` with the contents of the attachment records that can be read.
+  virtual void read_attachments(const std::function<void(const Bytes&)>& each) { (void)each; }
   /// Reads everything, and compares it with what the file says of it.
   virtual void check() = 0;
+  /// What reads for long asks this now and then, and ends early once it returns true; faults() says so.
+  void set_is_stopped(std::function<bool()> is_stopped) { is_stopped_ = std::move(is_stopped); }
 
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
@@ -53,12 +57,14 @@ class Recording {
   void add(Schema schema, const std::string& where);
   void add(Channel channel, const std::string& where);
   void add_fault(std::string fault);
+  bool is_stopped();
 
   std::map<std::uint16_t, Schema> schemas_;
   std::map<std::uint16_t, Channel> channels_;
 
  private:
   std::vector<std::string> faults_;
+  std::function<bool()> is_stopped_;
 };
 
 }  // namespace sft::recording

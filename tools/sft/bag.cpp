@@ -11,6 +11,7 @@
 #include "tools/recording/mcap_writer.h"
 #include "tools/recording/qos_profile.h"
 #include "tools/sft/definitions.h"
+#include "tools/sft/session.h"
 #include "tools/sft/table.h"
 #include "tools/terminal/units.h"
 
@@ -22,6 +23,8 @@ using recording::Channel;
 using recording::Overview;
 using recording::Recording;
 using BagJson = nlohmann::ordered_json;
+
+using namespace std::chrono_literals;
 
 constexpr double ns_per_s = 1e9;
 
@@ -47,10 +50,7 @@ std::vector<ChannelRow> rows_of(Recording& bag) {
   std::vector<ChannelRow> rows;
   const Overview& overview = bag.overview();
   for (const auto& [id, channel] : bag.channels()) {
-    const auto text = [&](const char* key) {
-      const auto found = channel.metadata.find(key);
-      return found == channel.metadata.end() ? std::string() : found->second;
-    };
+    const auto text = [&](const char* key) { return recording::value_of(channel.metadata, key); };
     const auto schema = bag.schemas().find(channel.schema);
     const auto count = overview.of_channel.find(id);
     rows.push_back({channel.topic, schema == bag.schemas().end() ? "unknown" : schema->second.name,
@@ -95,13 +95,14 @@ void print_json(const std::string& path, std::uint64_t size, Recording& bag, Out
 
 void print_info(const std::string& path, std::uint64_t size, Recording& bag, Output& output) {
   const Overview& overview = bag.overview();
-  output.line(fmt::format("{}: {}, {}", path, bag.format(), bytes_text(static_cast<double>(size))));
+  output.line(
+      printable(fmt::format("{}: {}, {}", path, bag.format(), bytes_text(static_cast<double>(size)))));
   output.line(overview.messages == 0
                   ? "no messages"
                   : fmt::format("{}, {:.3f} s from {} on", count_text(overview.messages, "message"),
                                 span_s(overview), time_text(overview.first_ns)));
   for (const auto& [compression, count] : overview.chunks)
-    output.line(fmt::format("{}, compression {}", count_text(count, "chunk"), compression));
+    output.line(printable(fmt::format("{}, compression {}", count_text(count, "chunk"), compression)));
   for (const auto& [name, bytes] : overview.attachments)
     output.line(printable(fmt::format("attachment '{}', {}", name, bytes_text(static_cast<double>(bytes)))));
   for (const auto& [name, texts] : overview.metadata) {
@@ -123,13 +124,19 @@ ExitCode check(const std::string& path, Recording& bag, const CommonOptions& com
   if (common.json) {
     output.record({{"file", path}, {"messages", messages}, {"faults", bag.faults()}});
   } else if (bag.faults().empty()) {
-    output.line(fmt::format("{}: all is well: {}", path, count_text(messages, "message")));
+    output.line(printable(fmt::format("{}: all is well: {}", path, count_text(messages, "message"))));
   } else {
     for (const std::string& fault : bag.faults()) output.line(printable(path + ": " + fault));
-    output.line(fmt::format("{}: {}; {} can be read", path, count_text(bag.faults().size(), "fault"),
-                            count_text(messages, "message")));
+    output.line(
+        printable(fmt::format("{}: {}; {} can be read", path, count_text(bag.faults().size(), "fault"),
+                              count_text(messages, "message"))));
   }
   return bag.faults().empty() ? ExitCode::done : ExitCode::failed;
+}
+
+ExitCode interrupted() {
+  complain("Interrupted.");
+  return ExitCode::failed;
 }
 
 /// Copies what can be read into a new file, and checks that.
@@ -145,16 +152,19 @@ Result<void> copy_to(recording::McapWriter& writer, Recording& bag, std::uint64_
     if (const Result<void> done = writer.write(*message); !done) return done;
     ++messages;
   }
-  for (const recording::Bytes& attachment : bag.attachments()) {
-    if (const Result<void> done = writer.write_attachment(attachment); !done) return done;
-  }
+  Result<void> attached;
+  bag.read_attachments([&](const recording::Bytes& attachment) {
+    if (attached) attached = writer.write_attachment(attachment);
+  });
+  if (!attached) return attached;
   for (const auto& [name, texts] : bag.overview().metadata) {
     if (const Result<void> done = writer.write_metadata(name, texts); !done) return done;
   }
   return writer.close();
 }
 
-ExitCode repair(const BagOptions& options, const std::string& path, Recording& bag, Output& output) {
+ExitCode repair(const BagOptions& options, const std::string& path, Recording& bag, Stop& stop,
+                Output& output) {
   if (options.output.empty()) {
     complain("Name the new file with --output.");
     return ExitCode::failed;
@@ -167,9 +177,12 @@ ExitCode repair(const BagOptions& options, const std::string& path, Recording& b
     complain(printable(copied.error().message + "."));
     return ExitCode::failed;
   }
+  if (stop.requested()) return interrupted();
   for (const std::string& fault : bag.faults()) output.line(printable(path + ": " + fault));
   const Result<std::unique_ptr<Recording>> made = recording::open_recording(options.output);
+  if (made) (*made)->set_is_stopped([&stop] { return stop.wait_for(0ns); });
   if (made) (*made)->check();
+  if (stop.requested()) return interrupted();
   if (!made || !(*made)->faults().empty() || (*made)->overview().messages != messages) {
     complain(printable(fmt::format("'{}' is not what was written: {}.", options.output,
                                    !made                       ? made.error().message
@@ -185,12 +198,10 @@ ExitCode repair(const BagOptions& options, const std::string& path, Recording& b
 ExitCode run_one(const BagOptions& options, const CommonOptions& common, const std::string& path, Stop& stop,
                  Output& output) {
   Result<std::unique_ptr<Recording>> bag = recording::open_recording(path);
-  if (!bag) {
-    complain(printable(bag.error().message));
-    return bag.error().code == Errc::unavailable ? ExitCode::nothing : ExitCode::failed;
-  }
+  if (!bag) return give_up({bag.error().code, printable(bag.error().message)});
+  (*bag)->set_is_stopped([&stop] { return stop.wait_for(0ns); });
   if (options.what == "check") return check(path, **bag, common, output);
-  if (options.what == "repair") return repair(options, path, **bag, output);
+  if (options.what == "repair") return repair(options, path, **bag, stop, output);
   if (options.what == "estimate") {
     const ExitCode code = run_estimate(options, common, **bag, stop, output);
     for (const std::string& fault : (*bag)->faults()) complain(printable(path + ": " + fault));
@@ -198,6 +209,8 @@ ExitCode run_one(const BagOptions& options, const CommonOptions& common, const s
   }
   std::error_code ignored;
   const std::uint64_t size = std::filesystem::file_size(path, ignored);
+  (void)(*bag)->overview();
+  if (stop.requested()) return interrupted();
   if (common.json) {
     print_json(path, size, **bag, output);
   } else {
@@ -219,6 +232,7 @@ Result<DynamicType> find_type(const recording::Schema& schema, const CommonOptio
 
 ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop, Output& output) {
   ExitCode worst = ExitCode::done;
+  std::vector<std::string> paths;
   for (const std::string& given : options.files) {
     const Result<std::vector<std::string>> files = recording::files_of(given);
     if (!files) {
@@ -226,8 +240,15 @@ ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop,
       worst = ExitCode::failed;
       continue;
     }
-    for (const std::string& path : *files)
-      worst = std::max(worst, run_one(options, common, path, stop, output));
+    paths.insert(paths.end(), files->begin(), files->end());
+  }
+  if (paths.size() > 1 && !(options.output.empty() && options.html.empty())) {
+    complain("A new file is made from one recording only: name one of the files.");
+    return ExitCode::failed;
+  }
+  for (const std::string& path : paths) {
+    if (stop.requested()) return interrupted();
+    worst = std::max(worst, run_one(options, common, path, stop, output));
   }
   return worst;
 }

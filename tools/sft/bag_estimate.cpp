@@ -11,6 +11,7 @@
 #include "tools/recording/estimate.h"
 #include "tools/recording/sample_type.h"
 #include "tools/sft/bag.h"
+#include "tools/sft/session.h"
 #include "tools/sft/topic_selection.h"
 #include "tools/terminal/units.h"
 
@@ -61,7 +62,7 @@ Result<void> Estimate::add_channels(const recording::Recording& bag) {
   for (const auto& [id, channel] : bag.channels()) {
     const auto schema = bag.schemas().find(channel.schema);
     if (of_channel_.contains(id) || schema == bag.schemas().end()) continue;
-    const std::string topic = channel.topic.substr(channel.topic.starts_with('/') ? 1 : 0);
+    const std::string topic = Session::plain_name(channel.topic);
     const Result<DynamicType> type = find_type(schema->second, common_);
     if (!type) {
       faults_.insert(fmt::format("topic '{}' is left out: {}", topic, type.error().message));
@@ -227,6 +228,10 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     return ExitCode::failed;
   }
   estimate.count(bag, stop);
+  if (stop.requested()) {
+    complain("Interrupted: the figures of a part are not those of the whole.");
+    return ExitCode::failed;
+  }
   if (common.json)
     output.document(to_json(estimate));
   else

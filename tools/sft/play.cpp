@@ -6,10 +6,13 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <functional>
 #include <map>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <string_view>
+#include <tuple>
 
 #include "tools/recording/qos_profile.h"
 #include "tools/sft/bag.h"
@@ -28,6 +31,7 @@ using namespace std::chrono_literals;
 constexpr auto late_most = 20ms;    // what is later than this is not made up for: all topics slow down
 constexpr auto last_pause = 200ms;  // time for the last sample to be received before the node closes
 constexpr double ns_of_s = 1e9;
+constexpr double most_ns = 1e17;         // three years: later messages are not waited for
 constexpr double enough_of_rate = 0.98;  // what is slower is told
 
 /// A publisher of the recording, and its publisher now.
@@ -37,18 +41,26 @@ struct PlayedChannel {
   std::uint32_t retained;  ///< the number of samples that it keeps for late readers; 0: none
   std::uint64_t samples = 0;
   /// The last retained samples: each file of a recording in several files begins with those from before.
-  std::deque<std::pair<std::uint64_t, std::uint32_t>> published{};
+  /// By the time of publishing, the number, and a hash of the contents: SQLite files have no numbers.
+  std::deque<std::tuple<std::uint64_t, std::uint32_t, std::size_t>> published{};
+};
+
+/// A file whose faults are told while it is played.
+struct ToldFile {
+  std::string path;
+  std::size_t faults;  ///< the number of faults that were told
 };
 
 /// Replays files on their topics.
 class Player {
  public:
   Player(const PlayOptions& options, const CommonOptions& common, Session& session,
-         std::vector<std::unique_ptr<recording::Recording>> files)
+         std::vector<std::unique_ptr<recording::Recording>> files, std::vector<ToldFile> told)
       : options_(options),
         common_(common),
         session_(session),
         files_(std::move(files)),
+        told_(std::move(told)),
         only_(files_.size()) {}
 
   /// Opens the publishers. Returns an error that says why nothing can be played.
@@ -56,11 +68,13 @@ class Player {
   bool wait_for_subscribers();
   void play();
   void report();
+  /// Names what could not be read, besides what was known when the files were opened.
+  void report_faults();
   std::uint64_t published() const { return published_; }
   bool has_failed() const { return failed_; }
 
  private:
-  Result<void> add_channel(std::size_t file, const recording::Channel& channel);
+  void add_channel(std::size_t file, const recording::Channel& channel);
   Result<void> open_clock();
   std::string new_name(const std::string& topic) const;
   void find_first();
@@ -76,6 +90,7 @@ class Player {
   const CommonOptions& common_;
   Session& session_;
   PlayedFiles files_;
+  const std::vector<ToldFile> told_;
   std::vector<std::set<std::uint16_t>> only_;        ///< the channels of each file
   std::map<std::string, PlayedChannel> channels_{};  ///< by what makes them one
   std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< by file and channel
@@ -104,12 +119,12 @@ std::string Player::new_name(const std::string& topic) const {
   return topic;
 }
 
-Result<void> Player::add_channel(std::size_t file, const recording::Channel& channel) {
+void Player::add_channel(std::size_t file, const recording::Channel& channel) {
   const std::string topic = plain(channel.topic);
   const bool is_wanted =
       options_.topics.empty() ||
       std::ranges::any_of(options_.topics, [&](const auto& one) { return plain(one) == topic; });
-  if (!is_wanted) return {};
+  if (!is_wanted) return;
   const auto left_out = [&](const std::string& why) {
     const std::string sentence = fmt::format("topic '{}' is left out: {}", topic, why);
     if (missing_.insert(sentence).second) complain(printable(sentence));
@@ -120,15 +135,12 @@ Result<void> Player::add_channel(std::size_t file, const recording::Channel& cha
     left_out("its messages are in '" + channel.encoding + "' and not in cdr");
   else if (schema == schemas.end())
     left_out("the recording does not say which type it has");
-  if (channel.encoding != "cdr" || schema == schemas.end()) return {};
+  if (channel.encoding != "cdr" || schema == schemas.end()) return;
   const Result<DynamicType> type = find_type(schema->second, common_);
-  if (!type) return left_out(type.error().message), Result<void>();
-  const auto text = [&](const char* key) {
-    const auto found = channel.metadata.find(key);
-    return found == channel.metadata.end() ? std::string() : found->second;
-  };
-  const std::string profiles = text("offered_qos_profiles");
-  const std::string key = fmt::format("{}\n{:x}\n{}\n{}", topic, type->hash(), profiles, text("sft_node"));
+  if (!type) return left_out(type.error().message);
+  const std::string profiles = recording::value_of(channel.metadata, "offered_qos_profiles");
+  const std::string key = fmt::format("{}\n{:x}\n{}\n{}", topic, type->hash(), profiles,
+                                      recording::value_of(channel.metadata, "sft_node"));
   auto known = channels_.find(key);
   if (known == channels_.end()) {
     const Qos qos = recording::from_profiles(profiles);
@@ -137,7 +149,7 @@ Result<void> Player::add_channel(std::size_t file, const recording::Channel& cha
                                  .durability = qos.durability,
                                  .history_depth = is_retained ? qos.history_depth : 1};
     Result<DynamicPublisher> publisher = session_.node().publisher("/" + new_name(topic), *type, offer);
-    if (!publisher) return left_out(publisher.error().message), Result<void>();
+    if (!publisher) return left_out(publisher.error().message);
     known = channels_
                 .emplace(key, PlayedChannel{new_name(topic), *std::move(publisher),
                                             is_retained ? qos.history_depth : 0})
@@ -145,7 +157,6 @@ Result<void> Player::add_channel(std::size_t file, const recording::Channel& cha
   }
   of_channel_[{file, channel.id}] = &known->second;
   only_[file].insert(channel.id);
-  return {};
 }
 
 Result<void> Player::open_clock() {
@@ -160,7 +171,10 @@ Result<void> Player::open_clock() {
 
 void Player::find_first() {
   for (std::size_t i = 0; i < files_.size(); ++i) {
+    // A file without a summary is read as a whole.
+    files_.file(i).set_is_stopped([this] { return session_.stop().wait_for(0ns); });
     const recording::Overview& overview = files_.file(i).overview();
+    files_.file(i).set_is_stopped(nullptr);  // from now on another thread reads
     if (overview.messages == 0) continue;
     first_ns_ = first_ns_ == 0 ? overview.first_ns : std::min(first_ns_, overview.first_ns);
   }
@@ -173,9 +187,7 @@ Result<void> Player::open() {
   }
   find_first();
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    for (const auto& [id, channel] : files_.file(i).channels()) {
-      if (const Result<void> added = add_channel(i, channel); !added) return added;
-    }
+    for (const auto& [id, channel] : files_.file(i).channels()) add_channel(i, channel);
   }
   for (const std::string& topic : options_.topics) {
     const bool is_there = std::ranges::any_of(
@@ -210,7 +222,9 @@ bool Player::wait_for_subscribers() {
 void Player::publish(const PlayedFiles::Message& message) {
   PlayedChannel& channel = *of_channel_.at({message.file, message.message.channel});
   if (channel.retained > 0) {
-    const std::pair sample(message.message.publish_ns, message.message.sequence);
+    const std::string_view contents(reinterpret_cast<const char*>(message.data.data()), message.data.size());
+    const std::tuple sample(message.message.publish_ns, message.message.sequence,
+                            std::hash<std::string_view>()(contents));
     if (std::ranges::find(channel.published, sample) != channel.published.end()) return;
     channel.published.push_back(sample);
     if (channel.published.size() > channel.retained) channel.published.pop_front();
@@ -306,8 +320,8 @@ bool Player::play_once(std::uint64_t from_ns) {
   while (const std::optional<PlayedFiles::Message> message = files_.next()) {
     const std::uint64_t time_ns = message->message.log_ns;
     if (time_ns > end_ns) break;
-    const auto offset = std::chrono::duration_cast<Clock::duration>(
-        std::chrono::duration<double, std::nano>(static_cast<double>(time_ns - from_ns) / options_.rate));
+    const auto offset = std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double, std::nano>(
+        std::min(static_cast<double>(time_ns - from_ns) / options_.rate, most_ns)));
     goes_on = wait_until(begin_ + offset, time_ns);
     if (!goes_on) break;
     const auto late = Clock::now() - (begin_ + offset);
@@ -326,9 +340,23 @@ bool Player::play_once(std::uint64_t from_ns) {
 
 void Player::play() {
   const std::uint64_t from_ns = first_ns_ + static_cast<std::uint64_t>(options_.start_s * ns_of_s);
-  while (play_once(from_ns) && options_.loop && published_ > 0) {
+  for (bool goes_on = true; goes_on;) {
+    const std::uint64_t before_ns = played_ns_;
+    goes_on = play_once(from_ns) && options_.loop && published_ > 0;
+    // A recording of one moment would be published as often as a processor can.
+    if (goes_on && played_ns_ == before_ns) goes_on = !session_.stop().wait_for(last_pause);
   }
   session_.stop().wait_for(last_pause);
+}
+
+void Player::report_faults() {
+  for (std::size_t i = 0; i < files_.size(); ++i) {
+    const std::vector<std::string>& faults = files_.file(i).faults();
+    for (std::size_t fault = told_[i].faults; fault < faults.size(); ++fault) {
+      complain(printable(told_[i].path + ": " + faults[fault]));
+      failed_ = true;
+    }
+  }
 }
 
 void Player::report() {
@@ -363,6 +391,7 @@ void Player::report() {
 
 ExitCode run(const PlayOptions& options, const CommonOptions& common, Session& session) {
   std::vector<std::unique_ptr<recording::Recording>> files;
+  std::vector<ToldFile> told;
   for (const std::string& given : options.files) {
     const Result<std::vector<std::string>> paths = recording::files_of(given);
     if (!paths) return give_up(paths.error());
@@ -370,15 +399,17 @@ ExitCode run(const PlayOptions& options, const CommonOptions& common, Session& s
       Result<std::unique_ptr<recording::Recording>> file = recording::open_recording(path);
       if (!file) return give_up(file.error());
       for (const std::string& fault : (*file)->faults()) complain(printable(path + ": " + fault));
+      told.push_back({path, (*file)->faults().size()});
       files.push_back(*std::move(file));
     }
   }
-  Player player(options, common, session, std::move(files));
+  Player player(options, common, session, std::move(files), std::move(told));
   if (const Result<void> opened = player.open(); !opened) return give_up(opened.error());
   (void)session.look_around();  // subscribers that are there are served by then
   if (!player.wait_for_subscribers()) return ExitCode::nothing;
   player.play();
   player.report();
+  player.report_faults();
   if (player.has_failed()) return ExitCode::failed;
   return player.published() > 0 ? ExitCode::done : ExitCode::nothing;
 }

@@ -9,12 +9,14 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <filesystem>
 #include <list>
 #include <map>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <system_error>
 
 #include "tools/recording/sample_type.h"
 #include "tools/sft/definitions.h"
@@ -56,14 +58,11 @@ class Recorder {
   const std::list<RecordedTopic>& topics() const { return topics_; }
   bool has_failed() const { return failed_; }
   RecordedTopic::Counts counts() const;
+  void look_at_losses() {
+    for (RecordedTopic& topic : topics_) topic.look_at_losses(writer_);
+  }
 
  private:
-  struct Trigger {
-    std::string topic;
-    std::uint64_t type_hash;
-    DynamicSubscriber subscriber;
-  };
-
   void look_for_publishers();
   void add(const DomainSnapshot::Endpoint& publisher, const std::string& text);
   void add_triggers(const RecordedTopic& topic);
@@ -82,7 +81,7 @@ class Recorder {
   SampleWriter& writer_;
   const int epoll_;
   std::list<RecordedTopic> topics_{};
-  std::list<Trigger> open_triggers_{};
+  std::list<DynamicSubscriber> open_triggers_{};
   std::set<std::string> working_triggers_{};  ///< their texts
   std::set<std::string> complaints_{};
   std::set<std::pair<std::string, std::uint64_t>> refused_{};  ///< topic and type
@@ -156,9 +155,9 @@ void Recorder::add_triggers(const RecordedTopic& topic) {
       continue;
     }
     working_triggers_.insert(trigger.text);
-    open_triggers_.push_back({topic.topic(), topic.type().hash(), *std::move(subscriber)});
+    open_triggers_.push_back(*std::move(subscriber));
     epoll_event event{.events = EPOLLIN, .data = {.ptr = nullptr}};
-    epoll_ctl(epoll_, EPOLL_CTL_ADD, open_triggers_.back().subscriber.file_descriptor(), &event);
+    epoll_ctl(epoll_, EPOLL_CTL_ADD, open_triggers_.back().file_descriptor(), &event);
   }
 }
 
@@ -180,8 +179,8 @@ void Recorder::take_samples() {
     if (topic != nullptr) static_cast<RecordedTopic*>(topic)->take(writer_, now_ns);
   }
   bool triggered = false;
-  for (Trigger& trigger : open_triggers_) {
-    while (trigger.subscriber.take()) triggered = true;
+  for (DynamicSubscriber& trigger : open_triggers_) {
+    while (trigger.take()) triggered = true;
   }
   if (triggered) writer_.trigger();
 }
@@ -203,6 +202,11 @@ std::string losses_text(const RecordedTopic::Counts& counts) {
                      counts.lost_by_queue, counts.lost_by_disk);
 }
 
+std::string folder_of(const std::string& path) {
+  const std::string folder = std::filesystem::path(path).parent_path().string();
+  return folder.empty() ? "." : folder;
+}
+
 void Recorder::report() {
   recording::Texts losses;
   for (const RecordedTopic& topic : topics_) {
@@ -213,9 +217,8 @@ void Recorder::report() {
   report_missing();
   const RecordedTopic::Counts all = counts();
   const SampleWriter::Status status = writer_.status();
-  const std::string folder = std::filesystem::path(options_.output).parent_path().string();
   struct statvfs disk {};
-  const bool is_known = statvfs(folder.empty() ? "." : folder.c_str(), &disk) == 0;
+  const bool is_known = statvfs(folder_of(options_.output).c_str(), &disk) == 0;
   const double left = is_known ? static_cast<double>(disk.f_bavail) * static_cast<double>(disk.f_frsize) : 0;
   const double rate =
       static_cast<double>(all.bytes - reported_bytes_) / std::chrono::duration<double>(report_period).count();
@@ -252,6 +255,7 @@ void Recorder::run() {
     if (now >= next_look) {
       if (!writer_.status().fault.empty()) break;
       look_for_publishers();
+      look_at_losses();
       next_look = now + look_period;
     }
     if (now >= next_report) {
@@ -262,6 +266,7 @@ void Recorder::run() {
     take_samples();
   }
   take_samples();  // what has come by now
+  look_at_losses();
   report();
   if (session_.output().on_terminal() && !common_.json) session_.output().write("\n");
 }
@@ -370,17 +375,25 @@ ExitCode run(const RecordOptions& given, const CommonOptions& common, Session& s
   if (!triggers) return refuse(triggers.error().message);
   if (wanted->empty() && !options.all) return refuse("Name topics, or --all.");
   if ((options.last_s > 0) != !triggers->empty()) return refuse("--last and --on belong together.");
+  const SampleWriter::Options writer_options = options_of_writer(options, common.sim_time);
+  const std::string first_file = SampleWriter::path_of(writer_options, 0);
   std::error_code ignored;
-  if (std::filesystem::exists(options.output, ignored))
-    return refuse(fmt::format("'{}' is there already; name another file.", options.output));
+  if (std::filesystem::exists(first_file, ignored))
+    return refuse(printable(fmt::format("'{}' is there already; name another file.", first_file)));
+  // With a window the first file is made only when the first trigger comes.
+  if (access(folder_of(first_file).c_str(), W_OK) != 0) {
+    return refuse(printable(
+        fmt::format("'{}' cannot be made: {}.", first_file, std::generic_category().message(errno))));
+  }
   // Freed samples are used again for the next ones, instead of going back to the system each time.
   mallopt(M_MMAP_THRESHOLD, 1 << 30);
   mallopt(M_TRIM_THRESHOLD, 1 << 30);
 
-  SampleWriter writer(options_of_writer(options, common.sim_time));
+  SampleWriter writer(writer_options);
   Recorder recorder(options, common, session, *wanted, *triggers, writer);
   recorder.run();
   wait_for_end(writer, session.stop());
+  recorder.look_at_losses();  // those of a disk are known now
   const SampleWriter::Status status = writer.status();
   print_summary(recorder, status, common.json, session.output());
   if (!status.fault.empty()) return refuse(printable(status.fault + "."));

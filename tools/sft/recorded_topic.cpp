@@ -12,12 +12,16 @@ namespace sft::tool {
 namespace {
 
 constexpr std::uint32_t depth_of_recorder = 256;  // the most that shared memory keeps
+constexpr std::uint32_t retained_most = 128;      // PublisherOptions::history_depth
 constexpr std::size_t queue_bytes = std::size_t{256} << 20;
 constexpr std::size_t turn_most = 1000;  // samples of a topic before the others have their turn
 
 std::uint64_t to_ns(std::chrono::sys_time<std::chrono::nanoseconds> time) {
   return static_cast<std::uint64_t>(time.time_since_epoch().count());
 }
+
+/// Shared memory loses nothing but what has no room in the queue of a reader.
+bool is_queue(TransportKind transport) { return transport == TransportKind::shm; }
 
 }  // namespace
 
@@ -37,20 +41,33 @@ Result<RecordedTopic> RecordedTopic::open(std::string topic, const DynamicType& 
 
 RecordedTopic::Counts RecordedTopic::counts() const {
   Counts counts = counts_;
-  for (const Subscription& one : subscribers_) {
-    const SubscriberStatus status = one.subscriber.status();
-    for (const SubscriberStatus::Writer& writer : status.writers) {
-      const auto source = sources_.find(writer.id);
-      if (source == sources_.end() || source->second.offer != one.offer) continue;
-      // Shared memory loses nothing but what has no room in the queue of a reader.
-      const bool by_queue = writer.connected && writer.transport == TransportKind::shm;
-      (by_queue ? counts.lost_by_queue : counts.lost_by_network) += writer.lost;
-    }
-    const std::uint64_t pushed_out = std::min(status.discarded, counts.lost_by_network);
-    counts.lost_by_network -= pushed_out;
-    counts.lost_by_queue += pushed_out;
-  }
+  counts.samples -= unwritten_;
+  counts.lost_by_disk += unwritten_;
+  for (const auto& [id, loss] : losses_)
+    (loss.by_queue ? counts.lost_by_queue : counts.lost_by_network) += std::max(loss.before, loss.known);
+  std::uint64_t discarded = 0;
+  for (const Subscription& one : subscribers_) discarded += one.discarded;
+  const std::uint64_t pushed_out = std::min(discarded, counts.lost_by_network);
+  counts.lost_by_network -= pushed_out;
+  counts.lost_by_queue += pushed_out;
   return counts;
+}
+
+void RecordedTopic::look_at_losses(const SampleWriter& writer) {
+  for (Subscription& one : subscribers_) {
+    const SubscriberStatus status = one.subscriber.status();
+    one.discarded = status.discarded;
+    for (const SubscriberStatus::Writer& publisher : status.writers) {
+      const auto source = sources_.find(publisher.id);
+      if (source == sources_.end() || source->second.offer != one.offer) continue;
+      if (publisher.lost == 0) continue;
+      Loss& loss = losses_[publisher.id];
+      loss.known = publisher.lost;
+      if (publisher.connected) loss.by_queue = is_queue(publisher.transport);
+    }
+  }
+  unwritten_ = 0;
+  for (const auto& [name, channel] : channels_) unwritten_ += writer.lost(channel);
 }
 
 std::size_t RecordedTopic::channel_of(const DomainSnapshot::Endpoint& publisher, SampleWriter& writer) {
@@ -63,14 +80,16 @@ std::size_t RecordedTopic::channel_of(const DomainSnapshot::Endpoint& publisher,
   const std::string whole = recording::ros_type_name(type_.name());
   if (schema_.name != whole) channel.metadata["sft_type"] = whole;
   const bool is_retained = publisher.qos.durability == transient_local;
-  known->second = writer.add_channel(schema_, std::move(channel),
-                                     is_retained ? std::max(publisher.qos.history_depth, 1U) : 0);
+  known->second =
+      writer.add_channel(schema_, std::move(channel),
+                         is_retained ? std::clamp(publisher.qos.history_depth, 1U, retained_most) : 0);
   return known->second;
 }
 
 Result<void> RecordedTopic::follow(const DomainSnapshot::Endpoint& publisher, Node& node, int epoll,
                                    SampleWriter& writer) {
-  if (sources_.contains(publisher.id)) return {};
+  const auto known = sources_.find(publisher.id);
+  if (known != sources_.end() && !known->second.is_guess) return {};
   const Offer offer{publisher.qos.reliability, publisher.qos.durability};
   if (std::ranges::find(subscribers_, offer, &Subscription::offer) == subscribers_.end()) {
     SubscriberOptions options{.reliability = offer.reliability,
@@ -85,7 +104,10 @@ Result<void> RecordedTopic::follow(const DomainSnapshot::Endpoint& publisher, No
     epoll_event event{.events = EPOLLIN, .data = {.ptr = this}};
     epoll_ctl(epoll, EPOLL_CTL_ADD, subscribers_.back().subscriber.file_descriptor(), &event);
   }
-  sources_.emplace(publisher.id, Source{channel_of(publisher, writer), offer});
+  Source& source = sources_[publisher.id];
+  source.channel = channel_of(publisher, writer);
+  source.offer = offer;
+  source.is_guess = false;
   return {};
 }
 
@@ -101,6 +123,20 @@ void RecordedTopic::discard() {
   }
 }
 
+/// Remembers samples of a publisher that is a guess. Returns true for one that comes again, because another
+/// subscriber has been opened since.
+bool RecordedTopic::is_known(Source& source, std::uint64_t sequence) {
+  if (!source.is_guess) {
+    const auto found = std::ranges::find(source.taken, sequence);
+    const bool is_there = found != source.taken.end();
+    if (is_there) source.taken.erase(found);
+    return is_there;
+  }
+  source.taken.push_back(sequence);
+  if (source.taken.size() > retained_most) source.taken.pop_front();
+  return false;
+}
+
 void RecordedTopic::take(Subscription& from, SampleWriter& writer, std::optional<std::uint64_t> now_ns) {
   for (std::size_t i = 0; i < turn_most; ++i) {
     const DynamicSample sample = from.subscriber.take();
@@ -109,13 +145,19 @@ void RecordedTopic::take(Subscription& from, SampleWriter& writer, std::optional
     auto source = sources_.find(info.writer);
     if (source != sources_.end() && source->second.offer != from.offer) continue;  // it comes by another one
     if (source == sources_.end()) {
-      // Its publisher has gone before it was looked for.
+      // Its publisher was not looked for yet, or has gone before it was.
       DomainSnapshot::Endpoint unknown;
       unknown.id = info.writer;
       unknown.qos.reliability = from.offer.reliability;
       unknown.qos.durability = from.offer.durability;
-      source = sources_.emplace(info.writer, Source{channel_of(unknown, writer), from.offer}).first;
+      source = sources_.emplace(info.writer, Source{channel_of(unknown, writer), from.offer, true}).first;
     }
+    if (info.lost_before > 0) {
+      Loss& loss = losses_[info.writer];
+      loss.before += info.lost_before;
+      loss.by_queue = is_queue(info.transport);
+    }
+    if (is_known(source->second, info.sequence)) continue;
     const std::span<const std::byte> cdr = sample.cdr();
     if (cdr.empty() || sample.mask() != selection_.mask()) {
       ++counts_.lost_by_network;  // malformed, or of a request that is not ours

@@ -34,6 +34,8 @@ class RecordedTopic {
   const std::string& topic() const { return topic_; }
   const DynamicType& type() const { return type_; }
   Counts counts() const;
+  /// Looks at what was lost until now, for counts(). The status of a subscriber forgets departed publishers.
+  void look_at_losses(const SampleWriter& writer);
 
   /// Subscribes for a publisher of this topic and type, unless that has been done. `epoll` gets the file
   /// descriptors of new subscribers, with this object as their data: it must not move any more.
@@ -53,10 +55,19 @@ class RecordedTopic {
   struct Subscription {
     Offer offer;
     DynamicSubscriber subscriber;
+    std::uint64_t discarded = 0;
   };
   struct Source {
     std::size_t channel;
     Offer offer;
+    bool is_guess = false;  ///< a sample came before the publisher was seen
+    /// The numbers of the last samples that were taken while it was a guess. They may come again.
+    std::deque<std::uint64_t> taken{};
+  };
+  struct Loss {
+    std::uint64_t before = 0;  ///< before samples that were taken
+    std::uint64_t known = 0;   ///< by the status of the subscriber, with those behind the last sample
+    bool by_queue = false;
   };
 
   RecordedTopic(std::string topic, const DynamicType& type, std::string text, Selection selection,
@@ -67,6 +78,7 @@ class RecordedTopic {
         selection_(std::move(selection)),
         schema_(std::move(schema)) {}
   std::size_t channel_of(const DomainSnapshot::Endpoint& publisher, SampleWriter& writer);
+  static bool is_known(Source& source, std::uint64_t sequence);
   void take(Subscription& from, SampleWriter& writer, std::optional<std::uint64_t> now_ns);
 
   std::string topic_;
@@ -77,6 +89,8 @@ class RecordedTopic {
   std::deque<Subscription> subscribers_{};
   std::map<std::uint64_t, Source> sources_{};      ///< by the id of the publisher
   std::map<std::string, std::size_t> channels_{};  ///< by node and offer
+  std::map<std::uint64_t, Loss> losses_{};         ///< by the id of the publisher
+  std::uint64_t unwritten_ = 0;                    ///< samples of counts_ that are in no file
   Counts counts_{};
 };
 

@@ -24,7 +24,19 @@ std::string numbered(const std::string& path, std::size_t number) {
   return (whole.parent_path() / name).string();
 }
 
+/// What a sample takes in memory, with what the containers and the allocator add.
+std::uint64_t bytes_in_memory(std::size_t data, std::size_t sample) {
+  constexpr std::uint64_t overhead = 64;
+  return data + sample + overhead;
+}
+
 }  // namespace
+
+std::string SampleWriter::path_of(const Options& options, std::size_t number) {
+  const bool is_numbered =
+      options.split_bytes != 0 || options.split_time.count() != 0 || options.window.count() != 0;
+  return is_numbered ? numbered(options.path, number) : options.path;
+}
 
 SampleWriter::SampleWriter(Options options) : options_(std::move(options)), thread_([this] { run(); }) {}
 
@@ -50,19 +62,34 @@ std::size_t SampleWriter::add_channel(recording::Schema schema, recording::Chann
 }
 
 bool SampleWriter::put(std::size_t channel, const recording::Message& message) {
+  const std::uint64_t bytes = bytes_in_memory(message.data.size(), sizeof(Sample));
   {
     const std::scoped_lock lock(mutex_);
-    if (!status_.fault.empty() || held_bytes_ + message.data.size() > options_.memory_bytes) return false;
-    held_bytes_ += message.data.size();
+    if (!status_.fault.empty() || held_bytes_ + bytes > options_.memory_bytes) return false;
   }
-  auto sample = std::make_shared<Sample>(
-      Sample{channel, message, std::make_unique_for_overwrite<std::byte[]>(message.data.size())});
+  held_bytes_ += bytes;
+  const std::shared_ptr<Sample> sample(
+      new Sample{channel, message, std::make_unique_for_overwrite<std::byte[]>(message.data.size())},
+      [this, bytes](const Sample* unused) {
+        delete unused;
+        held_bytes_ -= bytes;
+      });
   std::ranges::copy(message.data, sample->data.get());
   sample->message.data = {sample->data.get(), message.data.size()};
   const std::scoped_lock lock(mutex_);
-  queue_.push_back(std::move(sample));
+  queue_.push_back(sample);
   changed_.notify_one();
   return true;
+}
+
+std::uint64_t SampleWriter::lost(std::size_t channel) const {
+  const std::scoped_lock lock(mutex_);
+  return channels_[channel].lost;
+}
+
+void SampleWriter::count_lost(std::size_t channel, std::uint64_t samples) {
+  const std::scoped_lock lock(mutex_);
+  channels_[channel].lost += samples;
 }
 
 void SampleWriter::trigger() {
@@ -95,7 +122,7 @@ bool SampleWriter::has_failed() const {
 void SampleWriter::note(const Result<void>& done) {
   const std::scoped_lock lock(mutex_);
   if (!done && status_.fault.empty()) status_.fault = done.error().message;
-  status_.samples = state_.samples;
+  status_.samples = state_.closed_samples + (state_.file ? state_.file->messages() : 0);
   status_.bytes = state_.closed_bytes + (state_.file ? state_.file->bytes() : 0);
 }
 
@@ -111,15 +138,11 @@ void SampleWriter::run() {
       is_over = finishes_ && batch.empty();
     }
     for (Shared& sample : batch) {
-      if (sample == nullptr) {
+      if (sample == nullptr)
         write_window();
-        continue;
-      }
-      const std::uint64_t bytes = sample->message.data.size();
-      take(sample);
+      else
+        take(sample);
       sample.reset();
-      const std::scoped_lock lock(mutex_);
-      held_bytes_ -= bytes;
     }
     if (std::chrono::steady_clock::now() - state_.flushed_at >= flush_period) flush();
   }
@@ -131,22 +154,24 @@ void SampleWriter::run() {
 void SampleWriter::take(const Shared& sample) {
   state_.last_ns = sample->message.log_ns;
   if (options_.window.count() == 0) return write(sample);
-  if (state_.trigger_ns != 0 && state_.last_ns <= state_.trigger_ns + after_trigger_ns) return write(sample);
+  // Simulated time may go back.
+  const std::uint64_t from_trigger_ns =
+      std::max(state_.last_ns, state_.trigger_ns) - std::min(state_.last_ns, state_.trigger_ns);
+  if (state_.trigger_ns != 0 && from_trigger_ns <= after_trigger_ns) return write(sample);
   state_.window.push_back(sample);
-  state_.window_bytes += sample->message.data.size();
   shorten_window();
   const auto window_ns = static_cast<std::uint64_t>(options_.window.count());
-  if (state_.file && state_.last_ns > state_.trigger_ns + std::max(window_ns, after_trigger_ns)) close_file();
+  if (state_.file && from_trigger_ns > std::max(window_ns, after_trigger_ns)) close_file();
 }
 
 /// Removes from the window what is too old, or more than memory is for.
 void SampleWriter::shorten_window() {
   const auto window_ns = static_cast<std::uint64_t>(options_.window.count());
+  const std::uint64_t most = options_.memory_bytes - options_.memory_bytes / 4;  // new ones need room, too
   while (!state_.window.empty()) {
     const Shared& oldest = state_.window.front();
     const bool is_old = oldest->message.log_ns + window_ns < state_.last_ns;
-    if (!is_old && state_.window_bytes <= options_.memory_bytes) return;
-    state_.window_bytes -= oldest->message.data.size();
+    if (!is_old && held_bytes_ <= most) return;
     remember(oldest);
     state_.window.pop_front();
   }
@@ -156,7 +181,6 @@ void SampleWriter::write_window() {
   state_.trigger_ns = std::max<std::uint64_t>(state_.last_ns, 1);
   for (const Shared& sample : state_.window) write(sample);
   state_.window.clear();
-  state_.window_bytes = 0;
 }
 
 /// Keeps the sample as long as it is one of those that its publisher retains.
@@ -175,16 +199,15 @@ void SampleWriter::write(const Shared& sample) {
   if (state_.file && ((options_.split_bytes != 0 && state_.file->bytes() >= options_.split_bytes) ||
                       (split_ns != 0 && log_ns >= state_.begin_ns + split_ns)))
     close_file();
-  if (!state_.file && (has_failed() || !open_file(log_ns))) return;
+  if (!state_.file && (has_failed() || !open_file(log_ns))) return count_lost(sample->channel, 1);
+  ++state_.given[sample->channel].once;
   write_to_file(sample->channel, sample->message);
   remember(sample);
 }
 
 bool SampleWriter::open_file(std::uint64_t log_ns) {
-  const bool is_numbered =
-      options_.split_bytes != 0 || options_.split_time.count() != 0 || options_.window.count() != 0;
   std::unique_lock lock(mutex_);
-  const std::string path = is_numbered ? numbered(options_.path, status_.files.size()) : options_.path;
+  const std::string path = path_of(options_, status_.files.size());
   const std::size_t channels = channels_.size();
   lock.unlock();
   Result<McapWriter> file = McapWriter::create(path, options_.file);
@@ -206,6 +229,7 @@ bool SampleWriter::open_file(std::uint64_t log_ns) {
     for (const Shared& sample : retained) {
       recording::Message message = sample->message;
       message.log_ns = log_ns;  // it belongs to this file; when it was published stays as it was
+      ++state_.given[i].again;
       write_to_file(i, message);
     }
   }
@@ -220,9 +244,7 @@ void SampleWriter::write_to_file(std::size_t channel, recording::Message message
     state_.file->declare(channels_[channel].schema);
     state_.file->declare(channels_[channel].channel);
   }
-  const Result<void> done = state_.file->write(message);
-  if (done) ++state_.samples;
-  note(done);
+  note(state_.file->write(message));
 }
 
 void SampleWriter::write_losses() {
@@ -247,9 +269,15 @@ void SampleWriter::close_file() {
   if (!state_.file) return;
   flush();
   const Result<void> done = state_.file->close();
-  const std::uint64_t bytes = state_.file->bytes();
+  for (const auto& [channel, given] : state_.given) {
+    // Retained ones come first in a file.
+    const std::uint64_t written = state_.file->messages(static_cast<std::uint16_t>(channel + 1));
+    count_lost(channel, std::min(given.once, given.again + given.once - written));
+  }
+  state_.given.clear();
+  state_.closed_bytes += state_.file->bytes();
+  state_.closed_samples += state_.file->messages();
   state_.file.reset();
-  state_.closed_bytes += bytes;
   note(done);
 }
 

@@ -1,5 +1,6 @@
 // Damaged and hostile files of MCAP: errors name record and offset, and what can be read is read.
 #include <lz4frame.h>
+#include <sys/stat.h>
 #include <zstd.h>
 
 #include <random>
@@ -195,6 +196,29 @@ TEST_F(HostileMcap, MessagesWithoutChunksAndIndexesAreRead) {
   EXPECT_EQ(reader->overview().messages, 3U) << "they are counted, since no statistics are there";
   EXPECT_THAT(reader->faults(), IsEmpty());
   EXPECT_FALSE(reader->schemas().contains(0));
+}
+
+TEST_F(HostileMcap, DefinitionsWithinChunksHaveTheSameLimitAsOthers) {
+  McapWriter writer = create();
+  for (std::uint16_t id = 10; id < 60; ++id) {
+    writer.declare(Channel{.id = id, .schema = 1, .topic = "/" + std::string(20, 't')});
+    write(writer, {id, 1, 100, "x"});
+  }
+  EXPECT_TRUE(writer.flush());
+  const auto of_one = read({.text_bytes = 50});
+  (void)all_of(*of_one);
+  EXPECT_TRUE(of_one->schemas().empty());
+  EXPECT_THAT(of_one->faults(), Contains(::testing::ContainsRegex("Schema at offset [0-9]+: .* too many")));
+  const auto of_all = read({.text_bytes = 60});
+  EXPECT_LT(all_of(*of_all).size(), 50U) << "each is small, and all together are too large";
+  EXPECT_THAT(of_all->faults(), Contains(::testing::ContainsRegex("Channel at offset [0-9]+: .* too many")));
+}
+
+TEST_F(HostileMcap, AFifoIsNoRecordingAndIsNotWaitedFor) {
+  ASSERT_EQ(mkfifo(path().c_str(), 0600), 0);
+  const auto opened = open_recording(path());
+  ASSERT_FALSE(opened);
+  EXPECT_THAT(opened.error().message, HasSubstr("run.mcap' cannot be read: it is no file with contents"));
 }
 
 TEST_F(HostileMcap, RandomDamageNeitherCrashesNorHangsAReader) {

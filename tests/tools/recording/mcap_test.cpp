@@ -56,8 +56,34 @@ TEST_F(McapTest, WhatIsWrittenIsReadInTheOrderOfTimeWithEachCompression) {
 
 TEST_F(McapTest, ChunksThatDoNotFitIntoMemoryTogetherAreReadAgain) {
   const std::vector<Kept> written = write_many({.compression = Compression::zstd, .chunk_bytes = 1000});
-  const auto reader = read({.memory_bytes = 1});
-  EXPECT_EQ(by_sequence(all_of(*reader)), by_sequence(written));
+  for (const std::uint64_t memory : {1U, 3000U, 700'000U}) {
+    const auto reader = read({.memory_bytes = memory});
+    const std::vector<Kept> found = all_of(*reader);
+    EXPECT_TRUE(std::ranges::is_sorted(found, {}, &Kept::log_ns));
+    EXPECT_EQ(by_sequence(found), by_sequence(written));
+    EXPECT_THAT(reader->faults(), IsEmpty());
+  }
+}
+
+TEST_F(McapTest, ChunksThatWouldBeReadAgainWithoutEndAreLeftOutAndNamed) {
+  write_many({.chunk_bytes = 1000});
+  const auto reader = read({.memory_bytes = 1, .reread_bytes = 10'000});
+  const std::vector<Kept> found = all_of(*reader);
+  EXPECT_LT(found.size(), 300U);
+  EXPECT_GT(found.size(), 0U);
+  EXPECT_THAT(reader->faults(), ::testing::Contains(HasSubstr("its rest is left out")));
+}
+
+TEST_F(McapTest, WhoeverStopsAReaderIsToldSo) {
+  {
+    McapWriter writer = create({.chunk_bytes = 1});
+    for (std::uint32_t i = 0; i < 10; ++i) write(writer, {1, i, 100 + i, "x"});
+  }  // there is no summary, so that messages are counted
+  const auto reader = read();
+  int places = 0;
+  reader->set_is_stopped([&places] { return ++places > 3; });
+  EXPECT_LT(reader->overview().messages, 10U);
+  EXPECT_THAT(reader->faults(), ::testing::Contains("reading was interrupted"));
 }
 
 TEST_F(McapTest, TheSummaryHasSchemasChannelsCountsAndMetadata) {

@@ -151,6 +151,15 @@ module my_msgs { module msg { struct Part { short number; /* comment */ long oth
   EXPECT_EQ(type->hash(), from_msg("my_msgs/Status", same).value().hash());
 }
 
+TEST(IdlTextTest, AliasesOfAliasesTakeNoMemory) {
+  std::string text = "typedef string<1> a0;\n";
+  for (int i = 0; i < 1000; ++i)
+    text += "typedef a" + std::to_string(i) + " a" + std::to_string(i + 1) + "[1];\n";
+  const auto type = type_of({.name = "m/msg/T", .encoding = "ros2idl", .data = text});
+  ASSERT_FALSE(type);
+  EXPECT_THAT(type.error().message, HasSubstr("a type has more than 512 characters"));
+}
+
 TEST(IdlTextTest, OtherIdlIsNamed) {
   for (const char* const text :
        {"", "module m { module msg { enum E { A }; }; };", "module m {", "struct S { long", "@a(((",

@@ -165,6 +165,17 @@ TEST_F(PlayTest, ALoopBeginsAnewAndTheClockGoesBackOnce) {
   EXPECT_EQ(process.end().code, 0);
 }
 
+TEST_F(PlayTest, ALoopOfASingleMomentIsNotPublishedWithoutAPause) {
+  const std::string file = write({{0, 1}});
+  auto numbers = listen("numbers", {.depth = 1000});
+  ToolProcess process({"play", file, "-w", "--loop"});
+  Heard heard;
+  hear(numbers, 3, heard);
+  EXPECT_GE(heard.times[2] - heard.times[0], 300ms);
+  process.send(SIGINT);
+  EXPECT_EQ(process.end().code, 0);
+}
+
 TEST_F(PlayTest, ATerminalIsReadByKeysAndLeftAsItWas) {
   const std::string file = write({{0, 1}, {20, 2}});
   auto numbers = listen("numbers", {.depth = 1000});
@@ -214,6 +225,42 @@ TEST_F(PlayTest, BagsOfRosbag2ArePlayedWithTheTypesThatAreInstalled) {
   EXPECT_EQ(json["published"], 2091 - 2 * 194);
 }
 
+TEST_F(PlayTest, DamageThatIsFoundWhilePlayingIsNamedAndAnError) {
+  const std::string file = write({{0, 1}, {10, 2}});
+  std::string content;
+  {
+    std::ifstream whole(file, std::ios::binary);
+    content.assign(std::istreambuf_iterator(whole), {});
+  }
+  content[content.find(std::string("\0\1\0\0\1\0\0\0", 8)) + 4] = 7;
+  std::ofstream(file, std::ios::binary) << content;
+  write({{0, 1}, {10, 2}}, "whole.mcap");
+  const Ended ended = run_tool({"play", file, path("whole.mcap"), "--wait", "0"});
+  EXPECT_EQ(ended.code, 2);
+  EXPECT_THAT(ended.err, HasSubstr("run.mcap: Chunk at offset"));
+  EXPECT_THAT(ended.err, HasSubstr("its checksum is wrong; it is left out"));
+}
+
+TEST_F(PlayTest, RetainedSamplesOfOneTimeAndNumberButDifferentContentsAreAllPlayed) {
+  const std::string file = path();
+  {
+    auto writer = recording::McapWriter::create(file, {}).value();
+    writer.declare({.id = 1, .name = "std_msgs/msg/UInt32", .encoding = "ros2msg", .data = "uint32 data\n"});
+    const Qos kept{.reliability = reliable, .durability = transient_local, .history_depth = 2};
+    writer.declare({.id = 1,
+                    .schema = 1,
+                    .topic = "/map",
+                    .metadata = {{"offered_qos_profiles", recording::to_profile(kept)}}});
+    for (const std::uint32_t number : {1U, 2U}) {
+      std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
+      std::memcpy(cdr.data() + 4, &number, 4);
+      EXPECT_TRUE(writer.write({.channel = 1, .log_ns = begin_ns, .publish_ns = begin_ns, .data = cdr}));
+    }
+    EXPECT_TRUE(writer.close());
+  }
+  EXPECT_EQ(Json::parse(run_tool({"play", file, "--wait", "0", "--json"}).out)["published"], 2);
+}
+
 class BagTest : public PlayTest {};
 
 TEST_F(BagTest, InfoShowsTopicsTypesCountsAndQos) {
@@ -226,6 +273,21 @@ TEST_F(BagTest, InfoShowsTopicsTypesCountsAndQos) {
   const Json json = Json::parse(run_tool({"bag", "info", file, "--json"}).out);
   EXPECT_EQ(json["messages"], 3);
   EXPECT_EQ(json["channels"][1]["topic"], "/numbers");
+}
+
+TEST_F(BagTest, ANewFileIsMadeFromOneRecordingOnly) {
+  write({{0, 1}}, "run_0.mcap");
+  write({{0, 1}}, "run_1.mcap");
+  for (const std::vector<std::string>& given :
+       {std::vector<std::string>{"repair", folder.path().string(), "-o", path("new.mcap")},
+        std::vector<std::string>{"estimate", folder.path().string(), "--html", path("page.html")}}) {
+    std::vector<std::string> arguments{"bag"};
+    arguments.insert(arguments.end(), given.begin(), given.end());
+    const Ended ended = run_tool(arguments);
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, HasSubstr("A new file is made from one recording only"));
+  }
+  EXPECT_FALSE(std::filesystem::exists(path("new.mcap")));
 }
 
 TEST_F(BagTest, CheckFindsAFlippedByte) {

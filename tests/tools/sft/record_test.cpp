@@ -252,6 +252,8 @@ TEST_F(RecordTest, AFullDiskIsAnErrorAndTheFileIsWhole) {
   const Ended ended = process.end();
   EXPECT_EQ(ended.code, 2);
   EXPECT_THAT(ended.err, HasSubstr("/run.mcap' cannot be written: No space left on device"));
+  EXPECT_THAT(ended.out, HasSubstr("3 samples written")) << "what the disk refused is not counted";
+  EXPECT_THAT(ended.out, ::testing::ContainsRegex("lost: .* [1-9][0-9]* by the disk"));
   EXPECT_EQ(read(disk + "/run.mcap").size(), 3U);
   umount(disk.c_str());
 }
@@ -293,6 +295,49 @@ TEST_F(RecordTest, APublisherThatComesBackWithAWeakerOfferIsHeard) {
   std::vector<std::uint32_t> found = numbers_of(read(path()));
   std::ranges::sort(found);
   EXPECT_EQ(found, (std::vector<std::uint32_t>{0, 1, 2, 3, 4, 5, 100}));
+}
+
+TEST_F(RecordTest, RetainedSamplesOfPublishersThatBeginAtOnceComeOnce) {
+  const PublisherOptions kept{.reliability = reliable, .durability = transient_local, .history_depth = 2};
+  auto weak = robot.publisher<UInt32>("mixed").value();
+  auto process = record({"mixed"}, weak);
+  publish(weak, 0, 1);
+  ASSERT_TRUE(process->prints("\"samples\":1,"));
+  std::vector<Publisher<UInt32>> late;
+  std::vector<std::uint32_t> expected{0};
+  for (std::uint32_t i = 1; i <= 10; ++i) {
+    late.push_back(robot.publisher<UInt32>("mixed", kept).value());
+    publish(late.back(), 10 * i, 10 * i + 1);
+    ASSERT_TRUE(late.back().wait_for_subscribers(1, hang_timeout));
+    // It comes by the subscriber that is there, mostly before the recorder has seen its publisher.
+    publish(late.back(), 10 * i + 1, 10 * i + 2);
+    expected.insert(expected.end(), {10 * i, 10 * i + 1});
+  }
+  EXPECT_EQ(end(*process, expected.size()).code, 0);
+  std::vector<std::uint32_t> found = numbers_of(read(path()), "/mixed");
+  std::ranges::sort(found);
+  EXPECT_EQ(found, expected);
+}
+
+TEST_F(RecordTest, WhatWasLostOfADepartedPublisherIsStillCounted) {
+  auto brief = std::make_optional(robot.publisher<UInt32>("brief").value());
+  auto process = record({"brief", "numbers"}, *brief, numbers);
+  publish(*brief, 0, 5);
+  ASSERT_TRUE(process->prints("\"samples\":5,"));
+  process->send(SIGSTOP);  // the queues of its subscriber overflow meanwhile
+  publish(*brief, 5, 20'000);
+  process->send(SIGCONT);
+  publish(*brief, 20'000, 20'001);
+  publish(numbers, 0, 1);
+  ASSERT_TRUE(process->prints("\"numbers\":{\"samples\":1"));
+  brief.reset();
+  ASSERT_TRUE(eventually([&] { return robot.domain().publishers.size() == 1; }));
+  publish(numbers, 1, 2);
+  ASSERT_TRUE(process->prints("\"numbers\":{\"samples\":2"));
+  process->send(SIGINT);
+  const Ended ended = process->end();
+  const Json summary = Json::parse(ended.out.substr(ended.out.rfind("{\"files\"")));
+  EXPECT_GT(summary["lost"], 0);
 }
 
 TEST_F(RecordTest, TopicsThatComeLaterAreRecordedFromTheirFirstSample) {
@@ -357,6 +402,14 @@ TEST_F(RecordTest, MistakesAreNamedBeforeAFileIsMade) {
   std::ofstream(path()) << "mine";
   EXPECT_THAT(run_tool({"record", "numbers", "-o", path()}).err,
               HasSubstr("is there already; name another file."));
+  std::ofstream(path("part_0.mcap")) << "mine";
+  const Ended split = run_tool({"record", "numbers", "--split-mb", "1", "-o", path("part.mcap")});
+  EXPECT_EQ(split.code, 2);
+  EXPECT_THAT(split.err, HasSubstr("part_0.mcap' is there already"));
+  const Ended nowhere =
+      run_tool({"record", "numbers", "--last", "3", "--on", "data > 1", "-o", path("none/run.mcap")});
+  EXPECT_EQ(nowhere.code, 2);
+  EXPECT_THAT(nowhere.err, HasSubstr("none/run_0.mcap' cannot be made: No such file or directory"));
 }
 
 }  // namespace
