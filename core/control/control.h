@@ -57,7 +57,7 @@ struct Request {
   friend bool operator==(const Request&, const Request&) = default;
 };
 
-/// How much one writer has sent.
+/// The numbers of samples that one writer has sent.
 struct Progress {
   EndpointId writer = 0;
   std::uint64_t samples = 0;  ///< the number of samples that were sent to the writer's readers so far

@@ -327,8 +327,8 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// The user data of a participant that is new here may be old. So the listener is told that the participant
-/// is new, and ignores `asks` in this case.
+/// The user data of a participant that is new here may be old. So the listener is notified that the
+/// participant is new, and ignores `asks` in this case.
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);

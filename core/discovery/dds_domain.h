@@ -1,5 +1,5 @@
-// What Cyclone DDS has only once in a process, however many nodes use it: its domains, and the destination
-// of its log.
+// The parts of Cyclone DDS that a process has only once, whatever the number of its nodes: the domains, and
+// the destination of the log.
 #pragma once
 
 #include <dds/dds.h>

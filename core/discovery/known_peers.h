@@ -1,5 +1,5 @@
-// What is known of other processes, and which nodes of this process are notified of it. Several of
-// Cyclone's threads report events at the same time. One mutex guards all members. It is released while
+// Keeps the state of all other processes, and the nodes of this process that are notified of changes. Several
+// of Cyclone's threads report events at the same time. One mutex guards all members. It is released while
 // nodes are notified, and no function of Cyclone is called while it is held.
 #pragma once
 
@@ -55,7 +55,7 @@ class KnownPeers final : public ControlLinkListener {
   /// Called when the address of the link is gone.
   void link_retired(LinkId link);
   void link_closed(LinkId link);
-  /// Tells nodes that participants of other releases have come, if there are new ones. It does so at most
+  /// Notifies nodes that participants of other releases have come, if there are new ones. It does so at most
   /// once in Timing::name_releases_every, since an attacker may make up any number of participants.
   void tell_of_other_releases(Time now);
 

@@ -1,5 +1,6 @@
-// How far nodes of ROS 2 look for each other, as its environment variables say. SFT's own discovery has
-// settings of its own; the participant for unmodified nodes has to find those that ROS 2 would find. Pure.
+// The range in which nodes of ROS 2 look for each other, as its environment variables say. SFT's own
+// discovery has settings of its own; the participant for unmodified nodes has to find those that ROS 2 would
+// find. Pure.
 #pragma once
 
 #include <string>
@@ -10,7 +11,7 @@
 namespace sft::core {
 
 struct RosDiscovery {
-  bool is_off = false;               ///< nobody is to be found
+  bool is_off = false;               ///< no other node is to be found
   bool loopback_only = false;        ///< by the interface of the loopback, as nodes of Humble
   bool localhost_only = false;       ///< by asking this host, as nodes of Iron and later
   std::vector<std::string> peers{};  ///< hosts that are asked as well

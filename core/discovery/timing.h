@@ -45,7 +45,8 @@ struct Timing {
   /// The list of interfaces is also read with this period, because netlink drops messages when many come at
   /// once.
   Milliseconds look_at_interfaces{10'000};
-  /// What the system has refused (a link, a list of interfaces, a record) is tried again after this time.
+  /// An operation that the system has refused (a link, a list of interfaces, a record) is tried again after
+  /// this time.
   /// This is soon enough for people, and costs little even if it continues for hours.
   Milliseconds try_again{1'000};
   /// A process that ends waits at most this long until other processes have acknowledged its last records.

@@ -10,7 +10,7 @@ VanillaServing::~VanillaServing() {
   if (outlet_ != nullptr) outlet_->close();
 }
 
-/// What a publisher retains has to be at its DDS writer before a reader comes.
+/// The retained samples of a publisher must be at its DDS writer before a reader comes.
 bool VanillaServing::reconcile(Time now) {
   if (node_.vanilla == nullptr) return false;
   const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();

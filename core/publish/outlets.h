@@ -50,7 +50,7 @@ struct Outlets {
   Outlets with(const Outlets& other) const;
 };
 
-/// What a publisher may use: the ports, and whether it retains samples.
+/// The ports that a publisher may use, and whether it retains samples.
 struct Means {
   std::shared_ptr<LendingWriter> memory;  ///< null while there is no shared memory
   bool network = false;                   ///< the publisher may use the network

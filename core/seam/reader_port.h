@@ -75,7 +75,7 @@ struct Waiting {
   std::chrono::steady_clock::time_point spin_until;
 };
 
-/// How far a late reader has received the retained samples, which are sent to this reader alone.
+/// The progress of a late reader in receiving the retained samples, which are sent to this reader alone.
 enum class HistoryProgress : std::uint8_t {
   awaited,  ///< no retained sample has arrived yet
   coming,

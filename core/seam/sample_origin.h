@@ -31,8 +31,8 @@ struct SampleOrigin {
   EndpointId addressee = 0;   ///< the only reader that the sample is for; 0: it is for all readers
   /// The sequence of the first retained sample that the writer has sent to the reader; 0: unknown.
   std::uint64_t oldest_retained = 0;
-  /// How often the numbering of the writer's samples has begun anew, because earlier sequences were
-  /// implausible.
+  /// The number of times that the numbering of the writer's samples has begun anew, because earlier sequences
+  /// were implausible.
   std::uint32_t numbering = 0;
   bool merged = false;  ///< true: the mask is the union of the masks of several readers
 

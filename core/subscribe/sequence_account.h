@@ -17,7 +17,7 @@
 // the same stamps as the writer's gate, by which the writer decides which readers to wake. Samples that the
 // queue dropped, or that are missing because the rate or the path was changed, cannot be examined any more.
 // The maximum rate entitled the reader to one sample in each period, and one unused sample can be saved.
-// Of the missing samples, those to which the reader was entitled and which could not be saved count as lost.
+// Missing samples to which the reader was entitled count as lost if they could not be saved.
 // The others count as withheld. If the writer paused in between, too many count as lost, but never too few.
 #pragma once
 

@@ -65,8 +65,8 @@ class SubscriberPorts {
   /// there is no lost port afterwards.
   bool release_lost_memory(bool also_if_some_wait);
   void set_network(std::shared_ptr<NetworkReader> port);
-  /// Sets the inlet for samples of unmodified DDS writers. Whoever puts a sample in rings the subscriber's
-  /// doorbell.
+  /// Sets the inlet for samples of unmodified DDS writers. The thread that puts a sample in rings the
+  /// subscriber's doorbell.
   void set_vanilla(std::shared_ptr<VanillaInlet> inlet);
   void hears(const std::vector<Hearing>& hearing);
   /// Sets the request that is in force from now on, and its number. Null: only the number changes.

@@ -61,7 +61,7 @@ class VanillaInlet {
     std::uint64_t arrivals = 0;
     std::uint64_t discarded = 0;  ///< before the first sample was taken
     bool was_taken = false;
-    /// Samples that are missing between those that arrived. Nobody knows if the gate had let them pass, so
+    /// Samples that are missing between those that arrived. It is not known if the gate had let them pass, so
     /// they count as lost: the ordinals of the gate go on by as many.
     std::uint32_t missing = 0;
   };

@@ -25,7 +25,7 @@ struct RawTopic {
   dds_entity_t entity = 0;
   const ddsi_sertype* type = nullptr;
 };
-/// What is needed to receive samples.
+/// The type and the memory for samples that are received.
 struct RawReading {
   const TypeSupport* type = nullptr;         ///< null: samples are only sent
   std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null if it is static
@@ -39,7 +39,7 @@ RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std:
 /// has all fields, and `slots` is that of its TypeSupport.
 ddsi_serdata* raw_sample(const ddsi_sertype* type, const SampleHandle& sample, std::size_t slots);
 
-/// Why a received sample cannot be read.
+/// The reason why a received sample cannot be read.
 enum class RawFault : std::uint8_t {
   none,
   malformed,

@@ -128,7 +128,7 @@ VanillaReader::Writer VanillaReader::look_up(dds_entity_t reader, dds_instance_h
           .is_heard = !is_ours && why_not_heard(type_name_, type_hash_, requested, endpoint).empty()};
 }
 
-/// A sample can arrive before the listener was told that its writer matches.
+/// A sample can arrive before the listener was called for the match of its writer.
 VanillaReader::Writer VanillaReader::writer_of(dds_entity_t reader, dds_instance_handle_t writer) {
   {
     const Lock lock(mutex_);

@@ -8,7 +8,7 @@ namespace sft::python {
 
 namespace {
 
-/// How numpy names the kinds, in the order of the enumeration.
+/// The names of the kinds in numpy, in the order of the enumeration.
 constexpr std::string_view names_in_numpy[] = {"b1", "u1", "S1", "i1", "u1", "i2", "u2",
                                                "i4", "u4", "i8", "u8", "f4", "f8"};
 

@@ -28,7 +28,7 @@ py::capsule keep(std::shared_ptr<T> owner) {
   return py::capsule(kept, [](void* owned) { delete static_cast<Owner*>(owned); });
 }
 
-/// Returns an array over this memory, which `owner` keeps alive. Nobody can make a read-only array writable,
+/// Returns an array over this memory, which `owner` keeps alive. A read-only array cannot be made writable,
 /// because its owner offers no writable buffer.
 py::array array_over(const void* data, const py::dtype& type, std::vector<py::ssize_t> shape,
                      std::vector<py::ssize_t> strides, const py::object& owner, bool is_writable = false);

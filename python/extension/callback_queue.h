@@ -22,7 +22,7 @@ struct QueuedCall {
 
 class CallbackQueue {
  public:
-  /// Leaves the call out if nobody takes them.
+  /// Discards the call if no thread takes calls.
   void put(QueuedCall call) {
     constexpr std::size_t most = 10'000;
     const std::lock_guard lock(mutex_);

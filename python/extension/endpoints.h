@@ -28,7 +28,7 @@ struct LockedPublisher {
   LockedPublisher(LockedPublisher&& other) noexcept : publisher(std::move(other.publisher)) {}
 
   DynamicPublisher publisher;
-  std::mutex mutex;  ///< nobody waits for it with the GIL
+  std::mutex mutex;  ///< no thread waits for it while it holds the GIL
 };
 
 /// A message that is filled in its memory.

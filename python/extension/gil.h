@@ -29,7 +29,7 @@ inline std::atomic<int> threads_without_gil{0};
 /// True in a process that was forked from one with open nodes. Locks may be held there for ever, and waits
 /// return at once, so that nothing of SFT is used.
 inline std::atomic<bool> is_forked{false};
-/// What errors about forks say in addition in Python.
+/// The text that is added in Python to errors about forks.
 inline constexpr const char* instead_of_fork = "; of multiprocessing, use the start method 'spawn'";
 /// Copies of more bytes are made without the GIL.
 constexpr std::size_t large_bytes = 64 * 1024;

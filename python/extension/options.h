@@ -51,7 +51,7 @@ class Keywords {
     if (is_true) to = if_true;
   }
   void take_transport(TransportChoice& to);
-  /// Throws a TypeError that names the arguments that nobody has taken.
+  /// Throws a TypeError that names the arguments that were not taken.
   void refuse_others(const char* function) const;
 
  private:

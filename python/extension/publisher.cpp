@@ -105,7 +105,7 @@ bool PyLoan::publish() {
   const std::shared_ptr<DynamicPublisher::Loan> memory = std::exchange(memory_, nullptr);
   was_copied_ = memory.use_count() > 1;
   if (!was_copied_) return send(*publisher_, std::move(*memory));
-  // What an array of Python can still write must not become a sample.
+  // An array of Python can still write to the memory of this loan. So a copy becomes the sample.
   DynamicPublisher::Loan copy = lend(*publisher_, memory->body().size());
   {
     const WithoutGil without(copy.body().size() > large_bytes);

@@ -437,7 +437,7 @@ class Subscriber(_Endpoint):
             sample = self.wait_for_sample()
             if sample is not None:
                 yield sample
-            del sample  # whoever wants to hold it does
+            del sample  # the program keeps the sample alive if it needs it
 
     async def __aiter__(self):
         """Yields samples in an event loop of asyncio, until the subscriber is closed or its node is interrupted."""
@@ -453,7 +453,7 @@ class Subscriber(_Endpoint):
                 sample = self.wait_for_sample(0)
                 if sample is not None:
                     yield sample
-                    del sample  # whoever wants to hold it does
+                    del sample  # the program keeps the sample alive if it needs it
                 else:
                     await self._readable(loop, fd)
         finally:
@@ -463,7 +463,7 @@ class Subscriber(_Endpoint):
         """Waits until the file descriptor is readable, or the subscriber is closed."""
         readable = loop.create_future()
         self._readers.add(readable)
-        if self._opened.is_over():  # another thread may have closed it before it was told of `readable`
+        if self._opened.is_over():  # another thread may have closed it before `readable` was added
             readable.set_result(None)
         loop.add_reader(fd, lambda: readable.done() or readable.set_result(None))
         try:
@@ -481,7 +481,7 @@ class Subscriber(_Endpoint):
             return True
         try:
             result = self._callback(sample)
-            del sample  # whoever wants to hold it does
+            del sample  # the program keeps the sample alive if it needs it
             if self._loop is not None:
                 self._finish(asyncio.run_coroutine_threadsafe(self._run(result), self._loop))
         except BaseException:  # SystemExit, too, would end the thread without a word

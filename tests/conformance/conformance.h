@@ -44,7 +44,7 @@ struct ReaderOptions {
   /// The selections that the reader accepts. It requests the first of them.
   std::vector<std::string> masks{"*"};
   std::uint32_t depth = 250;
-  /// Whether the reader is best-effort even if the medium's readers are usually reliable.
+  /// True if the reader is best-effort even if the medium's readers are usually reliable.
   bool best_effort = false;
   const TypeSupport* type = &udp::test::type_support<Image>();
 };

@@ -16,7 +16,7 @@ namespace sft::conformance {
 /// The differences between transports that tests have to allow for (conformance.md gives the reasons).
 struct Traits {
   bool projects = true;  ///< whether a reader gets only its fields; if false, it gets the whole sample
-  /// Whether the transport counts samples that were displaced before the reader took its first sample.
+  /// True if the transport counts samples that were displaced before the reader took its first sample.
   bool counts_before_first_taken = true;
   bool reliable = false;  ///< whether readers request reliable delivery
 };

@@ -37,7 +37,7 @@ struct Outcome {
   std::optional<Ms> command_line{};
 };
 
-/// Which honest programs have certificates of DDS Security (tools/security).
+/// The honest programs that have certificates of DDS Security (tools/security).
 enum class Certificates : std::uint8_t { none, all };
 
 /// A publisher with a subscriber in shared memory, and with two subscribers by UDP on another host: a

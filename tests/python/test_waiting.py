@@ -8,6 +8,7 @@ import subprocess
 import sys
 import threading
 import time
+from pathlib import Path
 
 import pytest
 
@@ -65,14 +66,20 @@ def test_loops_end_if_another_thread_closes_the_subscriber_at_any_step(node, fin
     assert asyncio.run(asyncio.wait_for(reading, HANG_S)) == []
 
 
+async def has_reader(subscriber):
+    """Returns once an event loop waits for samples of the subscriber."""
+    while not subscriber._readers:
+        await asyncio.sleep(0)
+
+
 def test_a_closed_event_loop_does_not_keep_a_node_from_closing(node):
     async def read(subscriber):
         async for _ in subscriber:
             pass
 
-    loop, others = asyncio.new_event_loop(), []
-    reading = loop.create_task(read(node.subscriber("t", CLOCK)))
-    loop.run_until_complete(asyncio.sleep(0.05))
+    loop, others, subscriber = asyncio.new_event_loop(), [], node.subscriber("t", CLOCK)
+    reading = loop.create_task(read(subscriber))
+    loop.run_until_complete(asyncio.wait_for(has_reader(subscriber), HANG_S))
     others.append(node.publisher("t", CLOCK))
     loop.close()
     node.close()
@@ -101,7 +108,7 @@ except KeyboardInterrupt:
     print("interrupted")
 """], stdout=subprocess.PIPE, text=True)
     assert child.stdout.readline() == "ready\n"
-    time.sleep(0.3)  # until it waits; Ctrl-C before that ends it, too
+    assert eventually(lambda: Path(f"/proc/{child.pid}/stat").read_text().rsplit(")", 1)[1].split()[0] == "S")
     child.send_signal(signal.SIGINT)
     before = time.monotonic()
     out, _ = child.communicate(timeout=30)
@@ -130,9 +137,9 @@ def test_async_for_gets_all_samples_and_idles_without_processor_time(pair):
 
     async def main():
         reading = asyncio.create_task(read())
-        await asyncio.sleep(0.1)
+        await asyncio.wait_for(has_reader(subscriber), HANG_S)
         before = resource.getrusage(resource.RUSAGE_SELF)
-        await asyncio.sleep(2)
+        assert not (await asyncio.wait({reading}, timeout=2))[0], "there is no sample yet"
         after = resource.getrusage(resource.RUSAGE_SELF)
         idle_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         for i in range(20):
@@ -151,12 +158,12 @@ def test_async_loops_end_when_they_are_cancelled_or_the_subscriber_closes(node):
     async def main():
         subscriber = node.subscriber("t", CLOCK)
         cancelled = asyncio.create_task(read(subscriber))
-        await asyncio.sleep(0.05)
+        await asyncio.wait_for(has_reader(subscriber), HANG_S)
         cancelled.cancel()
         with pytest.raises(asyncio.CancelledError):
             await cancelled
         closed = asyncio.create_task(read(subscriber))
-        await asyncio.sleep(0.05)
+        await asyncio.wait_for(has_reader(subscriber), HANG_S)
         subscriber.close()
         await asyncio.wait_for(closed, HANG_S)
 

@@ -9,6 +9,7 @@
 #include <deque>
 #include <set>
 
+#include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
 #include "tests/system/node_process.h"
 #include "tests/system/vanilla_fixture.h"
@@ -331,13 +332,13 @@ TEST_F(VanillaHearingTest, TheLogAndTheStatusSayWhyAWriterIsNotHeard) {
 TEST_F(VanillaHearingTest, ANodeThatHearsThemNeverMatchesNoWriter) {
   Node never = open(Way::udp, VanillaDds::never);
   Node hearing = open(Way::udp);
-  auto deaf = never.subscriber<PointCloud2>("never").value();
+  auto of_never_node = never.subscriber<PointCloud2>("never").value();
   auto sub = hearing.subscriber<PointCloud2>("points").value();
   VanillaWriter of_never(network_.host(1), {.topic = "rt/never"});
   VanillaWriter writer(network_.host(1), {});
   ASSERT_TRUE(writer.matches(1) && hears(sub, 1));
   EXPECT_EQ(of_never.matched(), 0U);
-  EXPECT_THAT(deaf.status().writers, IsEmpty());
+  EXPECT_THAT(of_never_node.status().writers, IsEmpty());
 }
 
 // Else each pair of a publisher and a subscriber would match in DDS as well.
@@ -424,13 +425,14 @@ struct Published {
 NodeProcessWith<Published>::Role publishes() {
   return [](Node& node, Published& published) {
     auto pub = node.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+    test::Pace sensor(std::chrono::milliseconds(5));
     for (std::uint32_t number = 1;; ++number) {
       PointCloud2 cloud;
       cloud.height = number;
       pub.publish(cloud);
       published.number = number;
       published.vanilla_readers = pub.status().vanilla_readers;
-      std::this_thread::sleep_for(std::chrono::milliseconds(5));  // the pace of a sensor
+      sensor.await_turn();
     }
   };
 }

@@ -26,8 +26,8 @@ struct Criterion {
 /// possible there.
 Result<std::vector<Criterion>> parse_criteria(std::string_view text);
 
-/// Returns a sentence for each condition that holds. A value that is not known also fails a run, since nobody
-/// can tell that it is good.
+/// Returns a sentence for each condition that holds. A condition on a value that is not known
+/// counts as one that holds, since the value may be bad.
 std::vector<std::string> failures(const std::vector<Criterion>& criteria, const Values& values);
 
 }  // namespace sft::perf

@@ -49,7 +49,8 @@ void prepare(int socket, Socket kind) {
   }
 }
 
-/// A message that was cut off is the last one of its stream: nobody could tell where the next one begins.
+/// A message that was cut off is the last one of its stream: the receiver would not find the beginning of the
+/// next one.
 bool write_all(int socket, const char* data, std::size_t bytes) {
   for (const std::size_t whole = bytes; bytes > 0;) {
     const ssize_t sent = ::send(socket, data, bytes, MSG_NOSIGNAL);

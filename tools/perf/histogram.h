@@ -18,7 +18,7 @@ class Histogram {
   std::optional<double> min() const;
   std::optional<double> max() const;
   std::optional<double> mean() const;
-  /// Returns the value below which so many percent of the values are, by nearest rank. Nothing if there are
+  /// Returns the value below which `percent` percent of the values are, by nearest rank. Nothing if there are
   /// too few values to tell: a p99.99 needs 10,000 of them.
   std::optional<double> percentile(double percent) const;
 

@@ -346,7 +346,7 @@ class Ping {
   Result<void> open_socket(Socket kind, const char* name) {
     const Report& report = sides_.begin()->second;
     const auto port = static_cast<std::uint16_t>(kind == Socket::udp ? report.udp_port : report.tcp_port);
-    Result<void> result = fail(Errc::unavailable, "the other host has told no address");
+    Result<void> result = fail(Errc::unavailable, "the other host has sent no address");
     for (const std::string& host : addresses()) {
       Track& track = *tracks_.emplace_back(std::make_unique<Track>());
       track.lane.name = track.lane.path = name;
@@ -376,7 +376,7 @@ class Ping {
     return found;
   }
 
-  /// Sends so many samples, or for so long, waits for the answers and evaluates them.
+  /// Sends that number of samples, or for that time, waits for the answers and evaluates them.
   void slice(Track& track, double for_s, std::uint64_t count) {
     const Usage here = usage_now(), far = far_usage();
     const std::int64_t begin = now_ns();
@@ -434,7 +434,7 @@ class Ping {
     if (plan_.answers) track.sent.pop_back();
   }
 
-  /// Waits until so many answers have come in all, or no more seem to come.
+  /// Waits until that number of answers has come in all, or no more seem to come.
   void settle(Track& track, std::size_t expected) const {
     constexpr std::int64_t least_ns = 50'000'000;
     const auto longest = static_cast<std::int64_t>(track.lane.latency.max().value_or(grace_ns));

@@ -1,4 +1,4 @@
-// What the two sides of a run tell each other: JSON in samples of std_msgs/String. The side that sends
+// The messages between the sides of a run: JSON in samples of std_msgs/String. The side that sends
 // publishes an offer, again for each mark, which the other sides answer with a report.
 #pragma once
 
@@ -41,7 +41,7 @@ struct Report {
   };
   std::uint32_t version = 1;
   std::uint64_t session = 0;
-  std::uint64_t side = 0;  ///< a random number that tells the sides apart
+  std::uint64_t side = 0;  ///< a random number that identifies the side
   std::uint64_t mark = 0;
   std::string error{};
   HostClock clock{};
@@ -69,7 +69,7 @@ std::optional<std::string> take_text(DynamicSubscriber& subscriber);
 /// Reliable, with the last sample for sides that come later.
 PublisherOptions retained();
 
-/// Returns a number other than 0 that nobody can guess.
+/// Returns a number other than 0 that cannot be guessed.
 std::uint64_t random_number();
 
 }  // namespace sft::perf

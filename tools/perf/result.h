@@ -1,4 +1,4 @@
-// What a run has measured, as values, text, JSON and a picture.
+// The results of a run, as values, text, JSON and a picture.
 #pragma once
 
 #include <cstdint>
@@ -57,8 +57,8 @@ struct Outcome {
   std::vector<std::string> remarks{};
 };
 
-/// Returns why a run tells nothing about one-way times; empty if it does. A time less than 0 proves that the
-/// clocks differ, whatever their hosts say.
+/// Returns the reason why a run has no one-way times; empty if it has them. A time less than 0 proves that
+/// the clocks differ, whatever their hosts say.
 std::string why_no_one_way(const Outcome& run);
 
 nlohmann::ordered_json json_of(const Outcome& run, const std::vector<std::string>& failed);

@@ -1,4 +1,4 @@
-// What a process and its host use, and how well the clock of the host is kept.
+// The resources that a process and its host use, and the error of the clock of the host.
 #pragma once
 
 #include <cstdint>
@@ -28,8 +28,8 @@ struct HostClock {
 };
 HostClock host_clock();
 
-/// Returns how two hosts' clocks agree, as words and as the most by which they differ. No number: nobody
-/// knows.
+/// The agreement of two hosts' clocks, in words, and the maximum difference. Without a number, the difference
+/// is not known.
 struct Agreement {
   std::string words;
   std::optional<double> within_s;

@@ -11,7 +11,7 @@
 
 namespace sft::recording {
 
-/// Where a chunk is, or a run of records that are in no chunk.
+/// The place of a chunk, or of a run of records that are in no chunk.
 struct Place {
   std::uint64_t offset = 0;       ///< of the record of the chunk, or of the first record of the run
   std::uint64_t data_offset = 0;  ///< of the bytes with the records
@@ -26,7 +26,7 @@ struct Place {
   std::set<std::uint16_t> channels{};  ///< of which it has messages; empty: not known
 };
 
-/// What a walk through records meets. A fault ends the walk.
+/// The functions that a walk through records calls. A fault ends the walk.
 struct RecordVisitor {
   std::function<void(Opcode, std::span<const std::byte>, std::uint64_t offset)> record;
   std::function<void(std::uint64_t offset, const std::string& what)> fault;

@@ -11,7 +11,8 @@ namespace sft::recording {
 namespace {
 
 /// The name of the file as a URI. What was written last is in a file beside it as long as rosbag2 writes.
-/// Without that file SQLite is told that nothing changes, since it would otherwise make files itself.
+/// Without that file SQLite is opened with the promise that nothing changes, since it would otherwise make
+/// files itself.
 std::string uri_of(const std::string& path) {
   std::string uri = "file:";
   for (const char c : path) {

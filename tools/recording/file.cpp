@@ -32,7 +32,7 @@ std::size_t read_at(int descriptor, std::uint64_t offset, std::span<std::byte> t
 }  // namespace
 
 Result<File> File::open(const std::string& path) {
-  // Without O_NONBLOCK, the open of a FIFO waits for somebody who writes. For files it changes nothing.
+  // Without O_NONBLOCK, the open of a FIFO waits for a writer. For files it changes nothing.
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK);
   struct stat about {};
   if (descriptor < 0 || fstat(descriptor, &about) != 0 || !S_ISREG(about.st_mode)) {

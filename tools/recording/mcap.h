@@ -1,5 +1,5 @@
-// What a recording consists of, in the words of MCAP (https://mcap.dev/spec). All structs are values, except
-// that the data of a message belong to whoever made it.
+// The parts of a recording, in the words of MCAP (https://mcap.dev/spec). All structs are values, except
+// that the data of a message belong to the object that made it.
 #pragma once
 
 #include <cstdint>

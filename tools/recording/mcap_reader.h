@@ -19,7 +19,7 @@ namespace sft::recording {
 
 class McapReader final : public Recording {
  public:
-  /// What the reader never exceeds.
+  /// The limits that the reader never exceeds.
   struct Limits {
     std::uint64_t chunk_bytes = std::uint64_t{1} << 30;  ///< the largest chunk when it is not compressed
     /// For the messages of all chunks that overlap. The chunk that is being read comes on top.
@@ -51,7 +51,7 @@ class McapReader final : public Recording {
     std::uint64_t summary = 0;
     std::uint32_t crc = 0;
   };
-  /// What the walk over the file found.
+  /// The records that the walk over the file found.
   struct Found {
     std::string profile{}, library{};
     std::vector<Place> places{};               ///< by their first time once the walk is over

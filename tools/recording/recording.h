@@ -16,7 +16,7 @@
 
 namespace sft::recording {
 
-/// What a recording contains, as its summary says or as its messages were counted.
+/// The contents of a recording in numbers, as its summary says or as its messages were counted.
 struct Overview {
   std::uint64_t messages = 0;
   std::uint64_t first_ns = 0;  ///< the log time of the first message; 0: there is none
@@ -45,12 +45,14 @@ class Recording {
   virtual void read_attachments(const std::function<void(const Bytes&)>& each) { (void)each; }
   /// Reads everything, and compares it with what the file says of it.
   virtual void check() = 0;
-  /// What reads for long asks this now and then, and ends early once it returns true; faults() says so.
+  /// Sets a function that long operations call from time to time. They end early once it returns true, and
+  /// faults() then says so.
   void set_is_stopped(std::function<bool()> is_stopped) { is_stopped_ = std::move(is_stopped); }
 
   const std::map<std::uint16_t, Schema>& schemas() const { return schemas_; }
   const std::map<std::uint16_t, Channel>& channels() const { return channels_; }
-  /// What was wrong so far, each once: "Chunk at offset 4711: its checksum is wrong; it is left out".
+  /// Returns the faults that were found so far, each once: "Chunk at offset 4711: its checksum is wrong; it
+  /// is left out".
   const std::vector<std::string>& faults() const { return faults_; }
 
  protected:

@@ -1,4 +1,4 @@
-// What the samples of a selection are in a recording: a type, and its definition.
+// The type that the samples of a selection have in a recording, and its definition.
 //
 // Samples with all fields have the type of the topic, also if they have parts of fields only. Samples without
 // some fields have the type of just the fields that they have. That type has a name of its own, such as

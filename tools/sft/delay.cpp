@@ -61,7 +61,7 @@ Arrivals::Request request(const std::string& field, Unusable& unusable) {
     const bool is_there = sec && nanosec;
     const double age =
         is_there ? since(Stamp(std::chrono::seconds(*sec) + std::chrono::nanoseconds(*nanosec)), sample) : 0;
-    constexpr double decades_s = 1e9;  // a stamp that nobody has set is near the year 1970
+    constexpr double decades_s = 1e9;  // a stamp that was never set is near the year 1970
     if (!is_there || age > decades_s) {
       ++(is_there ? unusable.not_set : unusable.absent);
       return std::nullopt;

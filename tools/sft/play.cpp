@@ -32,7 +32,7 @@ constexpr auto late_most = 20ms;    // what is later than this is not made up fo
 constexpr auto last_pause = 200ms;  // time for the last sample to be received before the node closes
 constexpr double ns_of_s = 1e9;
 constexpr double most_ns = 1e17;         // three years: later messages are not waited for
-constexpr double enough_of_rate = 0.98;  // what is slower is told
+constexpr double enough_of_rate = 0.98;  // a lower share is reported
 
 /// A publisher of the recording, and its publisher now.
 struct PlayedChannel {
@@ -45,10 +45,10 @@ struct PlayedChannel {
   std::deque<std::tuple<std::uint64_t, std::uint32_t, std::size_t>> published{};
 };
 
-/// A file whose faults are told while it is played.
+/// A file whose faults are reported while it is played.
 struct ToldFile {
   std::string path;
-  std::size_t faults;  ///< the number of faults that were told
+  std::size_t faults;  ///< the number of faults that were reported
 };
 
 /// Replays files on their topics.

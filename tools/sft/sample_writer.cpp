@@ -24,7 +24,7 @@ std::string numbered(const std::string& path, std::size_t number) {
   return (whole.parent_path() / name).string();
 }
 
-/// What a sample takes in memory, with what the containers and the allocator add.
+/// Returns the memory that a sample takes, with the overhead of the containers and the allocator.
 std::uint64_t bytes_in_memory(std::size_t data, std::size_t sample) {
   constexpr std::uint64_t overhead = 64;
   return data + sample + overhead;

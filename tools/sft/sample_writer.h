@@ -66,7 +66,7 @@ class SampleWriter {
   void trigger();
   /// Says what was lost of each topic so far, for the metadata of the files.
   void set_losses(recording::Texts losses);
-  /// Writes everything and closes the file. Returns at once; Status::is_over tells when it is done.
+  /// Writes everything and closes the file. Returns at once; Status::is_over is true when it is done.
   void finish();
   Status status() const;
 
@@ -89,7 +89,7 @@ class SampleWriter {
     std::uint64_t again = 0;  ///< retained ones, which an earlier file has, too
     std::uint64_t once = 0;
   };
-  /// What only the thread uses.
+  /// The state that only the thread uses.
   struct State {
     std::optional<recording::McapWriter> file{};
     std::uint64_t closed_bytes = 0;  ///< the size of the files before this one

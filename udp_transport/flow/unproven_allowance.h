@@ -1,6 +1,6 @@
-// What may be sent to a receiver before its first report: a few small datagrams and flow marks (requests for
-// a report), and no more than the rest of its host's budget. So a forged announcement cannot make this host
-// flood another one.
+// Limits the datagrams that may be sent to a receiver before its first report: a few small datagrams and flow
+// marks (requests for a report), and no more than the rest of its host's budget. So a forged announcement
+// cannot make this host flood another one.
 #pragma once
 
 #include <algorithm>

@@ -52,7 +52,7 @@ class GroupKeeper {
   // The following functions are called in this order when routes are made anew:
 
   /// Merges the bundles of each group's members into one bundle. A destination that is new, or has changed
-  /// its request, gets its own copies until it counts as calm (SettlingTimes). Readers of one process may
+  /// its request, gets its own copies until it counts as settled (SettlingTimes). Readers of one process may
   /// share a copy, too.
   void merge(std::vector<RouteBundle>& routes, Time now);
   /// Returns the group that is at `place` in the plan with these members. Makes it if it does not exist.

@@ -28,9 +28,9 @@ class SettlingTimes {
   };
 
   /// Requests to a new destination within this time do not count as changes, because the requests of its
-  /// readers come one after another. After this time the destination counts as calm.
+  /// readers come one after another. After this time the destination counts as settled.
   static constexpr Duration gathering{10};
-  /// A known destination counts as calm after this time without a change.
+  /// A known destination counts as settled after this time without a change.
   static constexpr Duration settled_after{100};
   /// If more than `changes_in_a_row` changes follow each other within `row_pause`, each further change
   /// doubles the time `settled_after`, up to `settled_after_longest`.
@@ -44,7 +44,7 @@ class SettlingTimes {
   /// for `row_pause`, because a return counts as a change.
   void end_look(Time now);
 
-  /// Returns the time from which the destination counts as calm if its request does not change before.
+  /// Returns the time from which the destination counts as settled if its request does not change before.
   /// REQUIRES: note() was called for the destination.
   Time settled_at(const SocketAddress& to) const { return known_.at(to).settled_at; }
 

@@ -76,8 +76,8 @@ struct DomainSnapshot {
   std::vector<Pair> pairs;            ///< in the order of the publishers, then of the subscribers
 };
 
-/// How much a publisher has sent so far. Its node announces it from time to time while the publisher has
-/// readers.
+/// The number of samples that a publisher has sent so far. Its node announces it from time to time while the
+/// publisher has readers.
 struct DomainSnapshot::Progress {
   std::uint64_t samples = 0;  ///< samples that were sent to readers of the publisher
   /// Bytes of bodies that were sent over the network; a body counts once for each reader.
@@ -107,8 +107,8 @@ struct DomainSnapshot::Endpoint {
   // The members of publishers only.
   std::uint64_t max_sample_bytes = 0;  ///< the maximum size of a body in bytes
   bool waits = false;                  ///< true: publish() waits for reliable readers that do not keep up
-  /// How much was sent. Nodes report this while the program calls Node::domain() from time to time. Empty
-  /// until the publisher's node has reported it.
+  /// The number of samples that were sent. Nodes report this while the program calls Node::domain() from time
+  /// to time. Empty until the publisher's node has reported it.
   std::optional<Progress> progress{};
 
   // The members of subscribers only.

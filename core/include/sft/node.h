@@ -109,7 +109,7 @@ class [[nodiscard]] Node {
   ///
   /// By default a node is notified only of publishers and subscribers that may match its own. After the
   /// first call of topics(), domain() or ask_accounts() it is notified of all publishers and subscribers.
-  /// Those that were not known at the time of that call are known soon after it.
+  /// Topics that were not known at the time of that call are known soon after it.
   std::vector<TopicInfo> topics() const;
   /// Returns all publishers and subscribers that are known at present, including those of this node, and the
   /// state of each pair (domain.h).

@@ -224,7 +224,7 @@ struct SubscriberStatus {
 struct NodeStatus {
   /// The number of the DDS domain of the node. Nodes of other domains are not found.
   std::uint32_t domain = 0;
-  /// How nodes are found, and which settings of the user have no effect, with the reasons.
+  /// The way in which nodes are found, and the settings of the user that have no effect, with the reasons.
   std::string discovery;
   /// The parts of `discovery` that are warnings: settings of the user that have no effect, and the like.
   std::vector<std::string> discovery_warnings{};

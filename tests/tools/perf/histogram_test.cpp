@@ -1,4 +1,4 @@
-// The log-linear histogram tells percentiles within its bounds, and none that it cannot know.
+// The log-linear histogram returns percentiles within its error bounds, and none of too few samples.
 #include "tools/perf/histogram.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What the sides of a run tell each other arrives as it was, and hostile text is nothing.
+// Messages between the sides of a run arrive unchanged, and hostile text is no message.
 #include "tools/perf/protocol.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// What a run tells, and what it does not claim to know.
+// The results of a run, and the figures that it leaves out because it cannot know them.
 #include "tools/perf/result.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Which sample an answer belongs to, and what a stall of the sender does to the figures.
+// Finds the sample of each answer, and keeps stalls of the sender out of the figures.
 #include "tools/perf/sequence.h"
 
 #include <gmock/gmock.h>

@@ -1,4 +1,4 @@
-// Where points and cells lie in memory, for readers that learn the types of channels from the cloud.
+// The places of points and cells in memory, for readers that learn the types of channels from the cloud.
 #include "sft/strides.h"
 
 #include <array>

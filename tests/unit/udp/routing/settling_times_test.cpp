@@ -1,4 +1,5 @@
-// How long a destination counts as unsettled; settled_readers_test.cpp checks what follows for groups.
+// The time for which a destination counts as unsettled; settled_readers_test.cpp checks what follows for
+// groups.
 #include "udp_transport/routing/settling_times.h"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
-// Where the points of a cloud and the cells of a field lie in memory, for programs that do not know the types
-// when they are compiled, such as bindings of other languages. Nothing is copied. The values are those that
-// points_of() (points.h) and cells_of() (cells.h) read, with the same errors, and reads are recorded in the
-// same way.
+// The places of the points of a cloud and of the cells of a field in memory, for programs that do not know
+// the types when they are compiled, such as bindings of other languages. Nothing is copied. The values are
+// those that points_of() (points.h) and cells_of() (cells.h) read, with the same errors, and reads are
+// recorded in the same way.
 //
 // All pointers are valid as long as the sample. Any thread may call these functions.
 #pragma once
@@ -34,7 +34,8 @@ struct Strides {
   std::size_t row_step = 0;          ///< bytes from one row to the next
   std::size_t column_step = 0;       ///< bytes from one cell of a row to the next
   bool is_swapped = false;           ///< true if the values have the other byte order than this host
-  /// Of point_strides_of(): the channels in the order in which they were asked for.
+  /// The channels in the order in which they were asked for; empty unless point_strides_of() has returned
+  /// this object.
   std::vector<Channel> channels{};
 };
 
