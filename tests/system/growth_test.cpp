@@ -23,6 +23,7 @@
 #include "tests/support/isolated_host.h"
 #include "tests/support/pace.h"
 #include "tests/support/test_seed.h"
+#include "tests/system/daemon_status.h"
 #include "tests/system/fixture.h"
 #include "tests/system/node_process.h"
 #include "tools/hosts/network.h"
@@ -53,13 +54,6 @@ struct Holdings {
             entries_of("/proc/self/task")};
   }
 };
-
-/// Returns the last status that the daemon has written.
-nlohmann::json daemon_status() {
-  const std::string command = program_directory() + "/sftd status --json";
-  const std::unique_ptr<FILE, int (*)(FILE*)> output(popen(command.c_str(), "r"), &pclose);
-  return nlohmann::json::parse(output.get());
-}
 
 /// Returns the resources that the daemon holds. Only memory that it shares with no other process counts.
 Holdings holdings_of_daemon(pid_t pid) {

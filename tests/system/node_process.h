@@ -60,6 +60,7 @@ class NodeProcessWith {
   void hold_up() const { kill(process_, SIGSTOP); }
   void let_go() const { kill(process_, SIGCONT); }
   Report& report() const { return *report_; }
+  pid_t id() const { return process_; }
 
  private:
   [[noreturn]] void run(const hosts::NetworkNamespace& host, const NodeOptions& options, const Role& role) {
