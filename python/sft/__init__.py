@@ -21,8 +21,8 @@ except ImportError as _error:
     _built = [_os.path.basename(_file) for _file in _glob.glob(_os.path.join(_os.path.dirname(__file__), "_sft.*"))]
     if any(_name == f"_sft{_suffix}" for _name in _built for _suffix in _machinery.EXTENSION_SUFFIXES):
         raise  # The package was built for this Python, and the error names what the package needs.
-    raise ImportError(f"{_error}; this is {_sys.implementation.cache_tag} ({_sys.executable}), and the package was built "
-                      f"as {_built or 'nothing'}: use that Python, or build the package with this one") from None
+    raise ImportError(f"{_error}; this is {_sys.implementation.cache_tag} ({_sys.executable}), and the package was "
+                      f"built as {_built or 'nothing'}: use that Python, or build the package with this one") from None
 import numpy as _numpy
 if not _sft.knows_numpy_2 and int(_numpy.__version__.partition(".")[0]) >= 2:
     raise ImportError(f"this sft was built with a pybind11 before 2.12, which works with numpy 1 only, and this is "
