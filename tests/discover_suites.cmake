@@ -1,7 +1,7 @@
 # cmake -D PROGRAM=file -D LABELS=label [-D LEFT_OUT=file] -D OUTPUT=file -P discover_suites.cmake
 # Writes, for CTest, one test for each suite of a GoogleTest program, because most tests take less time than the start
-# of a process. A skipped test fails its suite, because a suite cannot report that the test was skipped. Each line of
-# LEFT_OUT that is no comment names a test that the suites omit.
+# of a process. A suite counts as skipped if some of its tests were skipped and none has failed: then the output ends
+# with their names. Each line of LEFT_OUT that is no comment names a test that the suites omit.
 cmake_minimum_required(VERSION 3.22)
 execute_process(COMMAND ${PROGRAM} --gtest_list_tests OUTPUT_VARIABLE listed COMMAND_ERROR_IS_FATAL ANY)
 string(REGEX MATCHALL "(^|\n)[^ \n]+\\.( |\n)" suites "${listed}") # the tests of a suite are indented
@@ -23,6 +23,6 @@ foreach(suite IN LISTS suites)
   endforeach()
   string(APPEND tests "add_test([[${suite}]] [[${PROGRAM}]] [[--gtest_filter=${filter}]])\n"
                       "set_tests_properties([[${suite}]] PROPERTIES LABELS ${LABELS} "
-                      "FAIL_REGULAR_EXPRESSION [=[\\[  SKIPPED \\]]=])\n")
+                      "SKIP_REGULAR_EXPRESSION [=[\\[  SKIPPED \\] [^ \n]+[ \n]*$]=])\n")
 endforeach()
 file(WRITE ${OUTPUT} "${tests}")
