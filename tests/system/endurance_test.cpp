@@ -185,8 +185,8 @@ class Endurance : public RandomTest {
     EXPECT_TRUE(has_closed || is_killed) << "a visitor does not end";
     visits_heard_ += visitor->report().samples > 0 ? 1 : 0;
   }
-  void look(std::int64_t Peaks::*peak) {
-    for (Peaks& peaks : peaks_) peaks.*peak = std::max(peaks.*peak, private_bytes(peaks.process));
+  void look(Memory::Range Memory::*when) {
+    for (Memory& memory : memories_) (memory.*when).note(private_bytes(memory.process));
   }
 
   std::unique_ptr<LossyCable> cable_;
