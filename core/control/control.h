@@ -36,10 +36,6 @@ enum class Role : std::uint8_t { writer, reader };
 
 constexpr Role other(Role role) { return role == Role::writer ? Role::reader : Role::writer; }
 
-/// The process that has announced an endpoint, or, for an endpoint of this process, the number of the node
-/// that has announced it; 0: unknown.
-using AnnouncerId = std::uint64_t;
-
 /// A selective transmission request (STR).
 struct Request {
   EndpointId reader = 0;
@@ -128,7 +124,6 @@ struct NodeReport {
 };
 
 /// A publisher or subscriber, of this node or of another one. The fields are those of sft_control.idl.
-/// Larger than usual: the struct has everything that a node announces about an endpoint.
 struct Endpoint {
   EndpointId id = 0;
   Role role{};
@@ -153,7 +148,6 @@ struct Endpoint {
   bool waits = false;
   Qos qos;
   Request request;
-  AnnouncerId announcer = 0;  ///< the participant that wrote the record; not transmitted
   friend bool operator==(const Endpoint&, const Endpoint&) = default;
 };
 

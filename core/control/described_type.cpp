@@ -24,8 +24,8 @@ Result<DynamicType> described_type(const Endpoint& endpoint) {
         Errc::unavailable,
         whose + "the fields of " + endpoint.type_name +
             " are not known here: its description is not announced, because it is too large or too deep "
-            "(docs/limits.md), or because this node has no room for more of them; open the topic with a "
-            "type that is made of the definition ('sft ... -I DIRECTORY', find_msg())");
+            "(docs/limits.md); open the topic with a type that is made of the definition ('sft ... -I "
+            "DIRECTORY', find_msg())");
   }
   Result<DynamicType> type = DynamicType::parse(endpoint.type_description, limits);
   if (!type) return fail(type.error().code, whose + type.error().message);

@@ -22,7 +22,7 @@ inline constexpr std::size_t report_bytes_max = 16'384;
 
 /// These functions encode a record or report. Texts and lists that exceed the bounds in control.h are cut.
 /// They are left out if they would be meaningless when cut. The request of a subscriber is a separate
-/// record. The announcer of an endpoint is not encoded.
+/// record.
 std::vector<std::byte> to_bytes(const Endpoint& endpoint);
 std::vector<std::byte> to_bytes(const Request& request);
 std::vector<std::byte> to_bytes(const Inquiry& inquiry);

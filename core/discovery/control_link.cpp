@@ -8,6 +8,7 @@
 
 #include "core/control/record_body.h"
 #include "core/discovery/dds_domain.h"
+#include "core/discovery/known_peers.h"
 #include "sft_control.h"
 
 namespace sft::core {
@@ -122,9 +123,9 @@ tl::unexpected<Error> refused(const char* what, dds_return_t status) {
 
 }  // namespace
 
-ControlLink::ControlLink(const Place& place, ControlLinkListener& listener)
+ControlLink::ControlLink(const Place& place, KnownPeers& known)
     : place_(place),
-      listener_(listener),
+      peers_(known),
       data_{.process = place.process, .is_secured = place.is_secured},
       topics_{{.link = this, .role = Role::writer}, {.link = this, .role = Role::reader}} {}
 
@@ -132,8 +133,8 @@ ControlLink::~ControlLink() {
   if (participant_ > 0) dds_delete(participant_);  // Cyclone waits until running listeners have returned
 }
 
-Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, ControlLinkListener& listener) {
-  std::unique_ptr<ControlLink> link(new ControlLink(place, listener));
+Result<std::unique_ptr<ControlLink>> ControlLink::open(const Place& place, KnownPeers& known) {
+  std::unique_ptr<ControlLink> link(new ControlLink(place, known));
   if (Result<void> opened = link->open(); !opened) return tl::unexpected(opened.error());
   return link;
 }
@@ -233,6 +234,14 @@ void ControlLink::give_heartbeat(const PerRole<std::uint64_t>& digests) {
   dds_write(heartbeat_writer_, &sample);
 }
 
+void ControlLink::take_heartbeats(Time now) {
+  if (socket_) {
+    socket_->take([&](const Heartbeat& heartbeat, Time::duration age, const IpAddress& from) {
+      peers_.heartbeat_came(place_.link, heartbeat, now, age, from);
+    });
+  }
+}
+
 Result<void> ControlLink::use_topic() {
   wants_topic_ = true;
   if (heartbeat_writer_ != 0) return {};
@@ -327,40 +336,38 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// The user data of a participant that is new here may be old. So the listener is notified that the
-/// participant is new, and ignores `asks` in this case.
+/// The user data of a participant that is new here may be old. So KnownPeers is notified that the participant
+/// is new, and ignores `asks` in this case.
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);
   if (guid == guid_) return;
   if (info.instance_state != DDS_IST_ALIVE) {
     known_.erase(guid);
-    for (auto* const writers :
-         {&topics_.writer.participants, &topics_.reader.participants, &heartbeat_writers_, &report_writers_})
-      std::erase_if(*writers, [&](const auto& item) { return item.second == guid; });
-    listener_.participant_gone(here(guid));
+    std::erase_if(writers_, [&](const auto& item) { return item.second == guid; });
+    peers_.participant_gone(here(guid));
     return;
   }
   const std::string user_data = info.valid_data ? user_data_of(sample.qos) : "";
-  if (const auto version = other_release(user_data)) listener_.other_release_seen(here(guid), *version);
-  if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) listener_.vanilla_came(here(guid));
+  if (const auto version = other_release(user_data)) peers_.other_release_seen(place_.link, *version);
+  if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) peers_.vanilla_came(here(guid));
   const auto data = parse_participant_data(user_data);
   if (!data || data->is_secured != place_.is_secured) return;
-  listener_.participant_came(here(guid), *data, known_.insert(guid).second);
+  peers_.participant_came(here(guid), *data, known_.insert(guid).second);
 }
 
 /// Returns the participant that the writer belongs to; nothing if the writer is gone and no sample of it was
 /// taken before.
-std::optional<ParticipantGuid> ControlLink::participant_of(
-    dds_entity_t reader, dds_instance_handle_t writer,
-    std::map<dds_instance_handle_t, ParticipantGuid>& known) {
-  if (const auto found = known.find(writer); found != known.end()) return found->second;
+std::optional<ParticipantGuid> ControlLink::participant_of(dds_entity_t reader,
+                                                           dds_instance_handle_t writer) {
+  if (const auto found = writers_.find(writer); found != writers_.end()) return found->second;
   dds_builtintopic_endpoint_t* const matched = dds_get_matched_publication_data(reader, writer);
   if (matched == nullptr) return std::nullopt;
   const ParticipantGuid guid = guid_of(matched->participant_key);
   dds_builtintopic_free_endpoint(matched);
-  if (known.size() >= writers_remembered) known.clear();  // writers that still exist are looked up again
-  known.emplace(writer, guid);
+  if (writers_.size() >= writers_remembered)
+    writers_.clear();  // writers that still exist are looked up again
+  writers_.emplace(writer, guid);
   return guid;
 }
 
@@ -368,21 +375,22 @@ std::optional<ParticipantGuid> ControlLink::participant_of(
 /// are used.
 void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
   const Lock lock(taking_);
-  take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample, const dds_sample_info_t& info) {
+  take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample,
+                                           const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
     if (!info.valid_data) return;
-    const auto by = participant_of(reader, info.publication_handle, topic.participants);
+    const auto by = participant_of(reader, info.publication_handle);
     if (!by) return;
     if (!std::ranges::equal(sample.participant, *by))
-      return listener_.sample_refused("a control record in the name of another participant");
+      return peers_.sample_refused("a control record in the name of another participant");
     if (sample.version != control_protocol_version() ||
         sample.kind > static_cast<std::uint8_t>(RecordKind::inquiry))
-      return listener_.sample_refused("a control record of an unknown kind or version");
+      return peers_.sample_refused("a control record of an unknown kind or version");
     Record record{.revision = sample.revision};
     const auto* const first = reinterpret_cast<const std::byte*>(sample.body._buffer);
     if (sample.body._length > 0)
       record.body = std::make_shared<const std::vector<std::byte>>(first, first + sample.body._length);
-    listener_.record_came(here(*by), topic.role, {sample.slot, static_cast<RecordKind>(sample.kind)},
-                          std::move(record));
+    peers_.record_came(here(*by), topic.role, {sample.slot, static_cast<RecordKind>(sample.kind)},
+                       std::move(record));
   });
 }
 
@@ -393,9 +401,9 @@ void ControlLink::take_heartbeat_samples(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS {
                     if (!info.valid_data) return;
                     const auto heartbeat = decode_heartbeat(std::as_bytes(std::span(sample.datagram)));
-                    const auto by = participant_of(reader, info.publication_handle, heartbeat_writers_);
+                    const auto by = participant_of(reader, info.publication_handle);
                     if (heartbeat && by == heartbeat->participant)
-                      listener_.heartbeat_came(place_.link, *heartbeat);
+                      peers_.heartbeat_came(place_.link, *heartbeat, std::chrono::steady_clock::now());
                   });
 }
 
@@ -404,13 +412,13 @@ void ControlLink::take_reports(dds_entity_t reader) {
   take_all<sft_control_Report>(reader, [&](const sft_control_Report& sample,
                                            const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
     if (!info.valid_data) return;
-    const auto by = participant_of(reader, info.publication_handle, report_writers_);
+    const auto by = participant_of(reader, info.publication_handle);
     if (!by) return;
     if (sample.version != control_protocol_version())
-      return listener_.sample_refused("a report of an unknown version");
+      return peers_.sample_refused("a report of an unknown version");
     Result<NodeReport> report = report_in(std::as_bytes(std::span(sample.body._buffer, sample.body._length)));
-    if (!report) return listener_.sample_refused(report.error().message);
-    listener_.report_came(here(*by), std::move(*report));
+    if (!report) return peers_.sample_refused(report.error().message);
+    peers_.report_came(here(*by), std::move(*report));
   });
 }
 

@@ -23,27 +23,7 @@
 namespace sft::core {
 
 class CycloneDomain;
-
-/// Is notified of what other participants announce on the links. Several of Cyclone's threads call the
-/// listener at the same time. They hold locks of Cyclone, so a listener must not create, delete or await
-/// anything of Cyclone.
-class ControlLinkListener {
- public:
-  /// Cyclone has found a participant of a process of this release, or its user data have changed.
-  virtual void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) = 0;
-  virtual void participant_gone(const RemoteParticipant& id) = 0;
-  virtual void other_release_seen(const RemoteParticipant& id, std::uint32_t version) = 0;
-  /// A participant that does not belong to SFT was found on a link without DDS Security. Called again if
-  /// its user data have changed.
-  virtual void vanilla_came(const RemoteParticipant& id) = 0;
-  virtual void record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) = 0;
-  virtual void heartbeat_came(LinkId link, const Heartbeat& heartbeat) = 0;
-  virtual void report_came(const RemoteParticipant& by, NodeReport report) = 0;
-  virtual void sample_refused(std::string why) = 0;
-
- protected:
-  ~ControlLinkListener() = default;
-};
+class KnownPeers;
 
 class ControlLink {
  public:
@@ -55,9 +35,10 @@ class ControlLink {
     /// The address of the heartbeat socket. Empty if heartbeats are sent through Cyclone only.
     std::optional<HeartbeatSocket::Place> heartbeats{};
   };
-  /// `listener` must outlive the link.
-  static Result<std::unique_ptr<ControlLink>> open(const Place& place, ControlLinkListener& listener);
-  /// Waits until no call of a listener is running.
+  /// `known` must outlive the link. It is notified of what other participants announce. Several of Cyclone's
+  /// threads call it at the same time, and hold locks of Cyclone.
+  static Result<std::unique_ptr<ControlLink>> open(const Place& place, KnownPeers& known);
+  /// Waits until no such call is running.
   ~ControlLink();
   ControlLink(const ControlLink&) = delete;
   ControlLink& operator=(const ControlLink&) = delete;
@@ -76,11 +57,8 @@ class ControlLink {
   Result<void> use_reports(bool reads, bool writes);
   /// Sends a report, which may get lost. It is dropped if no writer of reports is open.
   void give_report(std::span<const std::byte> body);
-  /// Calls hear(heartbeat, age, from) for each heartbeat that has come by UDP since the last call.
-  template <class Hear>
-  void take_heartbeats(Hear hear) {
-    if (socket_) socket_->take(hear);
-  }
+  /// Passes on the heartbeats that have come by UDP since the last call.
+  void take_heartbeats(Time now);
   /// Starts to send and receive heartbeats by the topic as well, and announces this. If it fails,
   /// write_again() tries again.
   Result<void> use_topic();
@@ -98,11 +76,9 @@ class ControlLink {
     ControlLink* link = nullptr;
     Role role{};
     dds_entity_t writer = 0, reader = 0;
-    std::map<dds_instance_handle_t, ParticipantGuid> participants{};  ///< the participant of each DDS writer;
-                                                                      ///< guarded by `taking_`
   };
 
-  ControlLink(const Place& place, ControlLinkListener& listener);
+  ControlLink(const Place& place, KnownPeers& known);
   Result<void> open();
   Result<dds_entity_t> writer_of(Topic& topic);
   Result<void> try_to_write(Role role, const RecordKey& key, const Record& record);
@@ -114,13 +90,12 @@ class ControlLink {
   void take_heartbeat_samples(dds_entity_t reader);
   void take_reports(dds_entity_t reader);
   dds_entity_t open_report_reader();
-  static std::optional<ParticipantGuid> participant_of(
-      dds_entity_t reader, dds_instance_handle_t writer,
-      std::map<dds_instance_handle_t, ParticipantGuid>& known);
+  std::optional<ParticipantGuid> participant_of(dds_entity_t reader, dds_instance_handle_t writer)
+      SFT_REQUIRES(taking_);
   RemoteParticipant here(const ParticipantGuid& guid) const { return {place_.link, guid}; }
 
   const Place place_;
-  ControlLinkListener& listener_;
+  KnownPeers& peers_;
   ParticipantData data_;
   dds_entity_t participant_ = 0;
   ParticipantGuid guid_{};
@@ -130,12 +105,11 @@ class ControlLink {
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
   bool wants_topic_ = false;  ///< heartbeats should be sent by the topic as well
 
-  /// Held while samples are taken and passed to the listener, so that the listener gets the samples in
-  /// order.
+  /// Held while samples are taken and passed on, so that they are passed on in order.
   Mutex taking_;
   std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
-  std::map<dds_instance_handle_t, ParticipantGuid> heartbeat_writers_ SFT_GUARDED_BY(taking_), report_writers_
-      SFT_GUARDED_BY(taking_);
+  /// The participant of each DDS writer.
+  std::map<dds_instance_handle_t, ParticipantGuid> writers_ SFT_GUARDED_BY(taking_);
 };
 
 }  // namespace sft::core

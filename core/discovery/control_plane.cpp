@@ -13,15 +13,13 @@ namespace sft::core {
 namespace {
 
 using Names = std::vector<std::string>;
-using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names,
-                            std::vector<unsigned>, ThreadSettings::Policy, int, std::string>;
+using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, ThreadSettings>;
 
 /// Returns all values that must be equal for nodes to share discovery. The text of the configuration
 /// contains neither the user's interfaces nor the user's domain number, so these are added.
 PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
-  const ThreadSettings& threads = options.threads;
-  return {options.domain,    config.text,  config.domain_on_wire, config.interfaces, config.peers,
-          config.user_peers, threads.cpus, threads.policy,        threads.priority,  threads.name_prefix};
+  return {options.domain, config.text,       config.domain_on_wire, config.interfaces,
+          config.peers,   config.user_peers, options.threads};
 }
 
 /// Holds the control planes of this process, as long as any node uses them.
@@ -35,24 +33,17 @@ constexpr const char* sockets_closed_by_the_program =
     "the program has closed the sockets of its node (closefrom() or close() in a loop): the node finds no "
     "other nodes any more, and receives nothing by UDP; close descriptors before the first node opens";
 
+constexpr const char* way_through_firewalls =
+    "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all UDP "
+    "of "
+    "it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls)";
+
 /// Returns the peers that Cyclone gets as numeric addresses. This process looks up their names.
 Names peers_in_numbers(const DdsConfig& config) {
   Names peers = config.peers;
   if (!config.text_has_user_peers)
     peers.insert(peers.end(), config.user_peers.begin(), config.user_peers.end());
   return peers;
-}
-
-/// Returns advice for people for the case that multicast heartbeats come from that address, but no unicast
-/// datagrams do. Returns an empty text for an address of this host.
-std::string way_through_firewalls(const IpAddress& from, const DdsConfig& config) {
-  if (from.is_any() || in_one_network(from, loopback_ipv4, 8) || !config.heartbeat_port) return "";
-  constexpr unsigned first = 6, last = 47;  // the offsets, from the heartbeats' port, of the ports at which
-                                            // processes are searched as peers
-  const auto port = [&](unsigned offset) { return std::to_string(*config.heartbeat_port + offset); };
-  return "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all "
-         "UDP of it, or name both hosts as DiscoverySettings::peers of each other and let in the ports " +
-         port(first) + " to " + port(last) + " (docs/operations.md, Firewalls)";
 }
 
 /// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
@@ -64,45 +55,48 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
   return interfaces;
 }
 
-/// The Discovery of one node, which uses the shared control plane.
-class SharedPlane final : public Discovery {
+}  // namespace
+
+/// Its functions lock the mutex of the control plane, which nodes share.
+class ControlPlane::OfNode final : public Discovery {
  public:
-  SharedPlane(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
+  OfNode(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
       : plane_(std::move(plane)),
-        node_(plane_->ask([&](Peers&, Directory& directory) { return directory.join(listener); })) {}
-  ~SharedPlane() override { plane_->leave(node_); }
+        node_(plane_->ask([&](Directory& directory) { return directory.join(listener); })) {}
+  ~OfNode() override;
 
   Configuration configuration() const override { return plane_->configuration(); }
-  Result<void> hear(Role role) override { return plane_->hear(node_, role); }
+  void hear(Role role) override;
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
-    return plane_->ask([&](Peers&, Directory& directory) { return directory.publishers_of(type_name); });
+    return plane_->ask([&](Directory& directory) { return directory.publishers_of(type_name); });
   }
-  void announce(const Endpoint& endpoint) override { plane_->announce(node_, endpoint); }
-  void withdraw(EndpointId id) override { plane_->withdraw(id); }
-  void send(const Request& request) override { plane_->send(request); }
-  void inquire(const std::set<Inquiry>& inquiries) override { plane_->inquire(node_, inquiries); }
+  void announce(const Endpoint& endpoint) override;
+  void withdraw(EndpointId id) override;
+  void send(const Request& request) override;
+  void inquire(const std::set<Inquiry>& inquiries) override;
   Inquiries inquiries() const override {
-    return plane_->ask([](Peers&, Directory& directory) { return directory.inquiries(); });
+    return plane_->ask([](Directory& directory) { return directory.inquiries(); });
   }
-  void report(const NodeReport& report) override { plane_->give_report(node_, report); }
+  void report(const NodeReport& report) override;
   Time newcomer_at() const override {
-    return plane_->ask([](Peers& peers, Directory&) { return peers.newcomer_at(); });
+    return plane_->known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
   }
-  Vanilla vanilla() const override { return plane_->vanilla(); }
-  Time look_after(Time now) override { return plane_->look_after(now); }
+  Vanilla vanilla() const override { return plane_->known_.vanilla(); }
+  Time look_after(Time now) override {
+    const Lock lock(plane_->mutex_);
+    return plane_->look(now);
+  }
 
  private:
   const std::shared_ptr<ControlPlane> plane_;  ///< destroyed with the last node that uses it
   const std::shared_ptr<ListeningNode> node_;
 };
 
-}  // namespace
-
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
                                                    DiscoveryListener& listener) {
   Result<std::shared_ptr<ControlPlane>> plane = ControlPlane::of(options);
   if (!plane) return tl::unexpected(plane.error());
-  return std::make_unique<SharedPlane>(std::move(*plane), listener);
+  return std::make_unique<ControlPlane::OfNode>(std::move(*plane), listener);
 }
 
 Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& options) {
@@ -142,17 +136,14 @@ Result<void> ControlPlane::open() {
   return fail(Errc::unavailable, "no network interface is up, not even the loopback (ip link set lo up)");
 }
 
-void ControlPlane::leave(const Node& node) {
-  {
-    const Lock lock(mutex_);
-    const Time now = std::chrono::steady_clock::now();
-    const auto own = known_.with([&](Peers&, Directory& directory) { return directory.endpoints_of(node); });
-    for (const EndpointId id : own) withdraw_records(id, now);
-    known_.with([&](Peers&, Directory& directory) { directory.leave(node); });
-    write_inquiries(now);
-  }
-  known_.pass_on();
-  node->close();
+/// Withdraws what the node has announced.
+ControlPlane::OfNode::~OfNode() {
+  const Lock lock(plane_->mutex_);
+  const Time now = std::chrono::steady_clock::now();
+  for (const EndpointId id : plane_->ask([&](Directory& directory) { return directory.endpoints_of(node_); }))
+    plane_->withdraw_records(id, now);
+  plane_->ask([&](Directory& directory) { directory.leave(node_); });
+  plane_->write_inquiries(now);
 }
 
 Discovery::Configuration ControlPlane::configuration() const {
@@ -160,99 +151,82 @@ Discovery::Configuration ControlPlane::configuration() const {
   return configuration_;
 }
 
-Result<void> ControlPlane::hear(const Node& node, Role role) {
-  Result<void> heard;
-  {
-    const Lock lock(mutex_);
-    known_.with([&](Peers& peers, Directory& directory) {
-      peers.listen(role, std::chrono::steady_clock::now());
-      directory.hear_all(node, role);
-    });
-    heard = links_.hear(role);
-  }
-  known_.pass_on();
-  return heard;
+/// If the topic cannot be read yet, try_again() warns and tries it again.
+void ControlPlane::OfNode::hear(Role role) {
+  const Lock lock(plane_->mutex_);
+  plane_->known_.with([&](Peers& peers, Directory& directory) {
+    peers.listen(role, std::chrono::steady_clock::now());
+    directory.hear_all(node_, role);
+  });
+  (void)plane_->links_.hear(role);
 }
 
 /// The request is written first, because other processes use the announcement of a subscriber only together
 /// with its request. If reading of the topic cannot begin yet, try_again() tries it again.
-void ControlPlane::announce(const Node& node, const Endpoint& endpoint) {
-  {
-    const Lock lock(mutex_);
-    const Time now = std::chrono::steady_clock::now();
-    known_.with([&](Peers& peers, Directory& directory) {
-      peers.listen(other(endpoint.role), now);
-      directory.announced(node, endpoint);
-    });
-    roles_[endpoint.id] = endpoint.role;
-    (void)links_.hear(other(endpoint.role));
-    if (endpoint.role == Role::reader)
-      put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
-    put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
-    give_heartbeats(now);
-  }
-  known_.pass_on();
+void ControlPlane::OfNode::announce(const Endpoint& endpoint) {
+  const Lock lock(plane_->mutex_);
+  const Time now = std::chrono::steady_clock::now();
+  plane_->known_.with([&](Peers& peers, Directory& directory) {
+    peers.listen(other(endpoint.role), now);
+    directory.announced(node_, endpoint);
+  });
+  (void)plane_->links_.hear(other(endpoint.role));
+  if (endpoint.role == Role::reader)
+    plane_->put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
+  plane_->put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
+  plane_->give_heartbeats(now);
 }
 
-void ControlPlane::send(const Request& request) {
-  {
-    const Lock lock(mutex_);
-    const Time now = std::chrono::steady_clock::now();
-    known_.with([&](Peers&, Directory& directory) { directory.requested(request); });
-    if (roles_.contains(request.reader))
-      put(Role::reader, request.reader, RecordKind::request, to_bytes(request), now);
-    give_heartbeats(now);
-  }
-  known_.pass_on();
+void ControlPlane::OfNode::send(const Request& request) {
+  const Lock lock(plane_->mutex_);
+  const Time now = std::chrono::steady_clock::now();
+  if (plane_->ask([&](Directory& directory) { return directory.requested(request); }))
+    plane_->put(Role::reader, request.reader, RecordKind::request, to_bytes(request), now);
+  plane_->give_heartbeats(now);
 }
 
-void ControlPlane::withdraw(EndpointId id) {
-  {
-    const Lock lock(mutex_);
-    const Time now = std::chrono::steady_clock::now();
-    withdraw_records(id, now);
-    give_heartbeats(now);
-  }
-  known_.pass_on();
+void ControlPlane::OfNode::withdraw(EndpointId id) {
+  const Lock lock(plane_->mutex_);
+  const Time now = std::chrono::steady_clock::now();
+  plane_->withdraw_records(id, now);
+  plane_->give_heartbeats(now);
 }
 
 void ControlPlane::put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now) {
   const auto change = own_.put(role, owner, kind, std::move(body), now);
   if (!change) return;
-  links_.each([&](LinkId, ControlLink& link) { link.write(role, *change); });
+  links_.each([&](ControlLink& link) { link.write(role, *change); });
 }
 
 void ControlPlane::withdraw_records(EndpointId id, Time now) {
-  const auto role = roles_.extract(id);
-  if (!role) return;
-  withdraw_owned(role.mapped(), id, now);
-  known_.with([&](Peers&, Directory& directory) { directory.withdrawn(id); });
+  const auto role = ask([&](Directory& directory) { return directory.withdrawn(id); });
+  if (role) withdraw_owned(*role, id, now);
 }
 
 void ControlPlane::withdraw_owned(Role role, std::uint64_t owner, Time now) {
   for (const OwnRecords::Change& change : own_.withdraw(role, owner, now))
-    links_.each([&](LinkId, ControlLink& link) { link.write(role, change); });
+    links_.each([&](ControlLink& link) { link.write(role, change); });
 }
 
 void ControlPlane::give_heartbeats(Time now) {
   if (!own_.is_heartbeat_due(now)) return;
   own_.heartbeat_given(now);
-  links_.each([digests = own_.digests()](LinkId, ControlLink& link) { link.give_heartbeat(digests); });
+  links_.each([digests = own_.digests()](ControlLink& link) { link.give_heartbeat(digests); });
 }
 
-void ControlPlane::inquire(const Node& node, const std::set<Inquiry>& inquiries) {
-  const Lock lock(mutex_);
+void ControlPlane::OfNode::inquire(const std::set<Inquiry>& inquiries) {
+  const Lock lock(plane_->mutex_);
   const Time now = std::chrono::steady_clock::now();
-  known_.with([&](Peers&, Directory& directory) { directory.inquires(node, inquiries); });
-  write_inquiries(now);
-  give_heartbeats(now);
+  plane_->ask([&](Directory& directory) { directory.inquires(node_, inquiries); });
+  plane_->write_inquiries(now);
+  plane_->give_heartbeats(now);
 }
 
 /// Every inquiry is written to the topic of subscribers' records, which processes with publishers read.
 /// Inquiries about accounts are for subscribers, too. So these are also written to the topic of publishers'
 /// records, which processes with subscribers read.
 void ControlPlane::write_inquiries(Time now) {
-  const auto wanted = known_.with([](Peers&, Directory& directory) { return directory.own_inquiries(); });
+  const auto wanted = ask([](Directory& directory) { return directory.own_inquiries(); });
   use_reports();  // called first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
@@ -273,31 +247,18 @@ void ControlPlane::write_inquiries(Time now) {
 /// Opens and closes readers and writers of reports as inquiries require. Returns true if other processes
 /// inquire. If a reader or writer cannot be opened, try_again() tries it again.
 bool ControlPlane::use_reports() {
-  const auto [reads, writes] = known_.with([](Peers&, Directory& directory) {
+  const auto [reads, writes] = ask([](Directory& directory) {
     return std::pair(!directory.own_inquiries().empty(), directory.do_others_inquire());
   });
   (void)links_.use_reports(reads, writes);
   return writes;
 }
 
-void ControlPlane::give_report(const Node& node, const NodeReport& report) {
-  {
-    const Lock lock(mutex_);
-    known_.with([&](Peers&, Directory& directory) { directory.reported(node, report); });
-    if (use_reports())
-      links_.each([body = to_bytes(report)](LinkId, ControlLink& link) { link.give_report(body); });
-  }
-  known_.pass_on();
-}
-
-Time ControlPlane::look_after(Time now) {
-  Time next{};
-  {
-    const Lock lock(mutex_);
-    next = look(now);
-  }
-  known_.pass_on();
-  return next;
+void ControlPlane::OfNode::report(const NodeReport& report) {
+  const Lock lock(plane_->mutex_);
+  plane_->ask([&](Directory& directory) { directory.reported(node_, report); });
+  if (plane_->use_reports())
+    plane_->links_.each([body = to_bytes(report)](ControlLink& link) { link.give_report(body); });
 }
 
 /// Returns the time by which look() must be called again.
@@ -305,18 +266,12 @@ Time ControlPlane::look(Time now) {
   Time next = Time::max();
   if (monitors_ && (monitor_.changed() || now >= look_at_interfaces_at_)) look_at_interfaces(now);
   if (monitors_) next = std::min(look_at_interfaces_at_, look_at_peers_by_name(now));
-  std::vector<KnownPeers::HeartbeatTaken> heartbeats;
-  links_.each([&](LinkId id, ControlLink& link) {
-    link.take_heartbeats([&, id](const Heartbeat& one, Time::duration age, const IpAddress& from) {
-      heartbeats.push_back({.link = id, .heartbeat = one, .age = age, .from = from});
-    });
-  });
-  const KnownPeers::Todo todo = known_.look(heartbeats, now);
+  links_.each([&](ControlLink& link) { link.take_heartbeats(now); });
+  const KnownPeers::Todo todo = known_.look(now);
   for (const PeerAction& action : todo.of_links) act(action, now);
   use_reports();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
-  known_.tell_of_other_releases(now);
   return std::min({next, todo.next, own_.heartbeat_due()});
 }
 
@@ -326,17 +281,20 @@ void ControlPlane::try_again(Time now) {
   const Result<void> tried = links_.try_again();
   const std::string failure = tried ? "" : tried.error().message;
   if (std::exchange(failure_, failure) != failure && !tried)
-    tell(&DiscoveryListener::warned, failure + "; it is tried again until it succeeds");
+    log_news(News::warning, failure + "; it is tried again until it succeeds");
 }
 
 void ControlPlane::act(const PeerAction& action, Time now) {
   if (const auto* const renewal = std::get_if<RenewLink>(&action)) {
-    const std::string at = renewal->from.is_any() ? "" : " at " + format(renewal->from);
-    const auto renewed = links_.renew(
-        renewal->link, "something is missing of what a process" + at + " has that heartbeats count");
-    if (renewed && !renewed->text.empty())
-      tell(renewed->is_made ? &DiscoveryListener::link_was_renewed : &DiscoveryListener::warned,
-           renewed->text + way_through_firewalls(renewal->from, config_));
+    const std::string missing = "something is missing of what a process" +
+                                (renewal->from.is_any() ? "" : " at " + format(renewal->from)) +
+                                " has that heartbeats count; ";
+    if (const Result<LinkSpec> made = links_.renew(renewal->link)) {
+      log_news(News::link_renewed, "on " + made->interface + " " + missing + "the link is made anew" +
+                                       (made->loopback ? "" : way_through_firewalls));
+    } else {
+      log_news(News::warning, missing + made.error().message);
+    }
     give_heartbeats(now);
   }
   if (const auto* const end = std::get_if<EndLink>(&action)) links_.close(end->link);
@@ -369,7 +327,7 @@ Time ControlPlane::look_at_peers_by_name(Time now) {
   PeerAddresses::Look look = peers_by_name_.look_after(now);
   if (look.addresses_changed || look.warnings_changed)
     (void)use_interfaces(desired_links(interfaces_, config_.rules(), links_.specs()));
-  for (std::string& text : look.news) tell(&DiscoveryListener::warned, std::move(text));
+  for (const std::string& text : look.news) log_news(News::warning, text);
   return look.next;
 }
 
@@ -379,7 +337,7 @@ Result<void> ControlPlane::use_interfaces(const DesiredLinks& desired) {
   Result<void> used = links_.use(desired.links, peers_by_name_.known());
   describe(desired);
   if (const std::string after = configuration().summary; after != before && !before.empty())
-    tell(&DiscoveryListener::links_changed, after);
+    log_news(News::links_changed, after);
   return used;
 }
 
@@ -410,14 +368,13 @@ void ControlPlane::describe(const DesiredLinks& desired) {
 void ControlPlane::give_up() {
   monitors_ = false;
   if (has_no_open_files()) links_.close_all();
-  tell(&DiscoveryListener::warned, sockets_closed_by_the_program);
+  log_news(News::warning, sockets_closed_by_the_program);
   const Lock lock(configuration_mutex_);
   configuration_ = {.summary = sockets_closed_by_the_program, .warnings = {sockets_closed_by_the_program}};
 }
 
-/// Passes a text for people to that function of each node of the process.
-void ControlPlane::tell(void (DiscoveryListener::*function)(std::string), std::string text) {
-  known_.with([&](Peers&, Directory& directory) { directory.tell(function, std::move(text)); });
+void ControlPlane::log_news(News news, const std::string& text) {
+  ask([&](Directory& directory) { directory.log_news(news, text); });
 }
 
 }  // namespace sft::core

@@ -36,30 +36,15 @@ class ControlPlane {
   Result<void> open();
   ControlPlane(const ControlPlane&) = delete;
   ControlPlane& operator=(const ControlPlane&) = delete;
-
-  using Node = std::shared_ptr<ListeningNode>;
-  /// Withdraws what the node has announced. After it has returned, the node's listener is not called any
-  /// more.
-  void leave(const Node& node);
-
-  // These functions do what the functions of Discovery with the same names do.
-  Discovery::Configuration configuration() const;
-  Result<void> hear(const Node& node, Role role);
-  void announce(const Node& node, const Endpoint& endpoint);
-  void send(const Request& request);
-  void withdraw(EndpointId id);
-  void inquire(const Node& node, const std::set<Inquiry>& inquiries);
-  void give_report(const Node& node, const NodeReport& report);
-  Time look_after(Time now);
-
-  /// Calls question(peers, directory), and returns the answer.
-  template <class Question>
-  auto ask(Question question) {
-    return known_.with(question);
-  }
-  Discovery::Vanilla vanilla() { return known_.vanilla(); }
+  class OfNode;  ///< the Discovery of one node
 
  private:
+  /// Calls question(directory), and returns the answer.
+  template <class Question>
+  auto ask(Question question) {
+    return known_.with([&](Peers&, Directory& directory) { return question(directory); });
+  }
+  Discovery::Configuration configuration() const;
   void put(Role role, EndpointId owner, RecordKind kind, std::vector<std::byte> body, Time now)
       SFT_REQUIRES(mutex_);
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
@@ -74,7 +59,8 @@ class ControlPlane {
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
   Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   void give_up() SFT_REQUIRES(mutex_);
-  void tell(void (DiscoveryListener::*function)(std::string), std::string text);
+  using News = DiscoveryListener::News;
+  void log_news(News news, const std::string& text);
   void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
 
   const DdsConfig config_;
@@ -94,7 +80,6 @@ class ControlPlane {
   std::string failure_ SFT_GUARDED_BY(mutex_);  ///< the error of the last try_again(); empty if it succeeded
   std::vector<HostInterface> interfaces_ SFT_GUARDED_BY(mutex_);
   PeerAddresses peers_by_name_ SFT_GUARDED_BY(mutex_);
-  std::map<EndpointId, Role> roles_ SFT_GUARDED_BY(mutex_);            ///< the roles of our own endpoints
   std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< our inquiries, and the owner
                                                                        ///< number of each one's record
   OwnRecords own_ SFT_GUARDED_BY(mutex_);

@@ -1,13 +1,10 @@
 #include "core/discovery/dds_config.h"
 
-#include <fnmatch.h>
-
 #include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
 #include <chrono>
-#include <cmath>
 #include <iterator>
 #include <ranges>
 #include <string_view>
@@ -21,41 +18,14 @@ namespace sft::core {
 namespace {
 
 constexpr Timing usual_times;
-constexpr std::array control_topics{"sft_writer", "sft_reader", "sft_heartbeat", "sft_report"};
 
-/// A setting that SFT requires. It replaces the user's value if that value is not acceptable.
-struct Demand {
-  std::string_view path;
-  std::string_view value;
-  std::string_view why;
-  std::array<std::string_view, 2> refused{};  ///< the user's value is replaced if it is one of these
-  double bytes_min = 0;                       ///< the user's size is replaced if it is smaller
-};
-
-constexpr std::array demands{
-    Demand{"SharedMemory/Enable",
-           "false",
-           "Cyclone DDS and SFT cannot both use the one iceoryx runtime of a process",
-           {"true"}},
-    Demand{
-        "General/EnableMulticastLoopback", "true", "nodes of one host would not find each other", {"false"}},
-    Demand{"General/FragmentSize",
-           "1100 B",
-           "announcements would not get through, or in hundreds of datagrams",
-           {},
-           128},
-    Demand{"Internal/MaxSampleSize",
-           "2147483647 B",
-           "announcements with the description of a type may have 128 kB",
-           {},
-           131'072},
-    Demand{"Compatibility/ManySocketsMode", "single", "nodes could not be reached", {"none", "false"}},
-};
-constexpr Demand predictable_port{
-    "Discovery/ParticipantIndex",
-    "auto",
-    "without multicast, nodes are looked for at the ports that DDS derives from the index",
-    {"none"}};
+/// The settings that SFT requires, whatever the user's configuration says. Cyclone and SFT cannot both use
+/// the one iceoryx runtime of a process. Nodes of one host find each other by multicast loopback. Each
+/// participant needs a pair of sockets.
+constexpr std::string_view required = R"(<SharedMemory><Enable>false</></><General>
+<EnableMulticastLoopback>true</></><Compatibility><ManySocketsMode>single</></>)";
+/// Without multicast, nodes are searched at the ports that DDS derives from the index.
+constexpr std::string_view predictable_port = "<Discovery><ParticipantIndex>auto</></>";
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
@@ -104,39 +74,6 @@ std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   for (const auto part : std::views::split(text, ',')) parts.emplace_back(part.begin(), part.end());
   return parts;
-}
-
-/// Returns the number of bytes in a size that is written in Cyclone's form, such as "8 kB". Cyclone itself
-/// refuses malformed sizes.
-double bytes_of(std::string_view text) {
-  double number = 0;
-  const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), number);
-  if (error != std::errc{}) return HUGE_VAL;
-  std::string_view unit(end, text.data() + text.size());
-  unit.remove_prefix(std::min(unit.find_first_not_of(' '), unit.size()));
-  constexpr std::string_view units = "bkmg";
-  const char first =
-      unit.empty() ? 'b' : static_cast<char>(std::tolower(static_cast<unsigned char>(unit[0])));
-  const std::size_t power = units.find(first);
-  return power == std::string_view::npos ? number : std::ldexp(number, 10 * static_cast<int>(power));
-}
-
-bool is_refused(const Demand& demand, const std::string& value) {
-  const auto is_value = [&](std::string_view one) { return !one.empty() && equals(one, value); };
-  return std::ranges::any_of(demand.refused, is_value) || bytes_of(value) < demand.bytes_min;
-}
-
-/// Returns the setting as XML. This is also done if no value of the user was found, because Cyclone might
-/// still find one. Returns an empty text if the user's value is acceptable.
-std::string insist_on(const Demand& demand, const CycloneSettings& user, std::vector<std::string>& warnings) {
-  const auto value = user.value(demand.path);
-  if (value && !is_refused(demand, *value)) return "";
-  if (value) {
-    warnings.push_back(std::string(demand.path) + " is '" + std::string(demand.value) + "', not '" + *value +
-                       "' as CYCLONEDDS_URI says: " + std::string(demand.why));
-  }
-  const std::size_t slash = demand.path.find('/');
-  return element(demand.path.substr(0, slash), element(demand.path.substr(slash + 1), demand.value));
 }
 
 std::string loopback_ports(bool finds_by_unicast) {
@@ -192,10 +129,10 @@ constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
-/// Messages fit into packets of 1280 bytes, as fragments of samples do (General/FragmentSize, above). The
+/// Messages, and fragments of samples, fit into packets of 1280 bytes. The
 /// kernel would divide a longer message into packets of the size that this host's interface allows. Some
 /// tunnels drop such packets without an error, and then nodes would not find each other.
-constexpr std::string_view message_max = "1232 B";
+constexpr std::string_view message_max = "1232 B", fragment_max = "1100 B";
 
 /// Returns SFT's own settings. A peer is asked at every port that a node on its host may have, each time.
 /// So peers are asked rarely, and at few ports.
@@ -205,20 +142,22 @@ std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
       element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
   if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
   const std::string general = element("AllowMulticast", multicast) + element("MaxMessageSize", message_max) +
-                              element("MaxRexmitMessageSize", message_max);
+                              element("MaxRexmitMessageSize", message_max) +
+                              element("FragmentSize", fragment_max);
   return document(element("General", general) + element("Discovery", discovery) +
                   std::string(settings_of_all_links));
 }
 
-std::optional<std::uint16_t> heartbeat_port_of(const DdsConfig& config, const CycloneSettings& user) {
+/// `multicast`: the value of General/AllowMulticast.
+std::optional<std::uint16_t> heartbeat_port_of(const DdsConfig& config, const CycloneSettings& user,
+                                               std::string_view multicast) {
   const auto is_set = [&](std::string_view path) { return user.sets(path); };
   unsigned number = 0;
   const std::string& domain = config.domain_on_wire;
   const auto read = std::from_chars(domain.data(), domain.data() + domain.size(), number);
   const bool has_ports = read.ec == std::errc{} && number <= NodeOptions::domain_max;
-  const bool has_multicast =
-      config.multicast && !equals(user.value("General/AllowMulticast").value_or(""), "ssm");
-  if (!has_ports || !has_multicast || config.is_secured || std::ranges::any_of(changes_of_multicasts, is_set))
+  const bool has_none = equals(multicast, "false") || equals(multicast, "spdp") || equals(multicast, "ssm");
+  if (!has_ports || has_none || config.is_secured || std::ranges::any_of(changes_of_multicasts, is_set))
     return std::nullopt;
   return static_cast<std::uint16_t>(first_port + ports_of_domain * number + heartbeat_offset);
 }
@@ -255,20 +194,6 @@ Result<void> check_names(const std::vector<std::string>& names, const char* what
   return {};
 }
 
-/// SFT cannot remove a partition from the user's list of ignored ones, so a list that matches the partition
-/// of SFT's control topics is an error.
-Result<void> check_partitions(const CycloneSettings& user) {
-  for (const std::string& pattern :
-       user.values("Partitioning/IgnoredPartitions/IgnoredPartition/@DCPSPartitionTopic")) {
-    for (const char* topic : control_topics) {
-      if (fnmatch(pattern.c_str(), (std::string(".") + topic).c_str(), 0) != 0) continue;
-      return fail(Errc::invalid_argument, "CYCLONEDDS_URI: the ignored partition '" + pattern +
-                                              "' holds SFT's control topic " + topic + ": take it out");
-    }
-  }
-  return {};
-}
-
 /// Returns the names of the interfaces that the user's configuration or the settings choose. An empty list
 /// excludes no interface; it is returned if the configuration lets Cyclone choose.
 std::vector<std::string> chosen_interfaces(const CycloneSettings& user, const DiscoverySettings& settings) {
@@ -291,7 +216,6 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   if (const auto ok = check_names(settings.interfaces, "interfaces"); !ok) return tl::unexpected(ok.error());
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
-  if (const auto ok = check_partitions(*user); !ok) return tl::unexpected(ok.error());
   const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
   // With configured peers, multicast serves discovery only: multicast might not reach those peers, so all
   // other data are sent to them by unicast.
@@ -302,21 +226,19 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   config.domain_on_wire = user->value(own_domain_number).value_or("default");
   if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
   config.found_by_multicast = !equals(multicast, "false");
-  config.multicast = config.found_by_multicast && !equals(multicast, "spdp");
   config.is_secured = user->sets("Security");
-  config.heartbeat_port = heartbeat_port_of(config, *user);
+  config.heartbeat_port = heartbeat_port_of(config, *user, multicast);
   config.peers = settings.peers;
   config.user_peers = peers_of(*user);
   config.text_has_user_peers = !has_name(config.user_peers);
   config.interfaces = chosen_interfaces(*user, settings);
-  std::string insisted;
-  for (const Demand& demand : demands) insisted += insist_on(demand, *user, config.warnings);
-  if (!config.found_by_multicast) insisted += insist_on(predictable_port, *user, config.warnings);
-  std::ranges::move(remarks_on(config, settings, *user, has_peers), std::back_inserter(config.warnings));
+  const bool has_no_port = equals(user->value("Discovery/ParticipantIndex").value_or(""), "none");
+  const std::string insisted(has_no_port && !config.found_by_multicast ? predictable_port : "");
+  config.warnings = remarks_on(config, settings, *user, has_peers);
   // A later setting overrides an earlier one.
   const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
   config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
-                (users.empty() ? "" : users + ",") + document(insisted);
+                (users.empty() ? "" : users + ",") + document(std::string(required) + insisted);
   return config;
 }
 

@@ -20,8 +20,7 @@ namespace sft::core {
 struct DdsConfig {
   std::string text;  ///< the settings that all links have in common
   std::string
-      domain_on_wire;     ///< the DDS domain of all links on the network; in this process each has another
-  bool multicast = true;  ///< multicast is also used between nodes that have found each other
+      domain_on_wire;  ///< the DDS domain of all links on the network; in this process each has another
   bool found_by_multicast = true;  ///< true: nodes on other hosts are found by multicast; false: only by
                                    ///< peers
   bool is_secured = false;         ///< the user's configuration has DDS Security

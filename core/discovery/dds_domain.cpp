@@ -2,16 +2,14 @@
 
 #include <dds/ddsrt/log.h>
 
-#include <algorithm>
 #include <array>
-#include <map>
+#include <atomic>
 #include <string_view>
 #include <thread>
 #include <utility>
 
 #include "core/platform/process_limits.h"
 #include "core/platform/thread.h"
-#include "core/sync/mutex.h"
 
 namespace sft::core {
 
@@ -32,13 +30,7 @@ constexpr const char* name_of_maker = "sft-domain";
 constexpr std::array<std::string_view, 10> names_of_cyclone{"gc",  "tev",  "recv",      "dq.",    "lease",
                                                             "fsm", "xmit", "threadmon", "debmon", "ws"};
 
-/// The domains of this process. They are global, as they are in Cyclone.
-struct OpenDomains {
-  Mutex mutex;
-  std::map<DomainPlan, std::weak_ptr<const CycloneDomain>> by_plan SFT_GUARDED_BY(mutex);
-  std::uint32_t made SFT_GUARDED_BY(mutex) = 0;
-};
-OpenDomains open_domains;
+std::atomic<std::uint32_t> domains_made{0};  // in this process
 
 /// Creates the domain under the greatest free number, because programs use small numbers for their own
 /// domains.
@@ -50,10 +42,10 @@ std::pair<std::uint32_t, dds_entity_t> make_secured_domain(const std::string& co
   return {0, DDS_RETCODE_OUT_OF_RESOURCES};
 }
 
-/// `free_id`: the number of the new domain in this process; not used if the domain is secured.
-std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan, std::uint32_t free_id) {
+std::pair<std::uint32_t, dds_entity_t> make_domain(const DomainPlan& plan) {
   if (plan.is_secured) return make_secured_domain(plan.config);
-  return {free_id, dds_create_domain(free_id, plan.config.c_str())};
+  const std::uint32_t id = first_domain + domains_made.fetch_add(1);
+  return {id, dds_create_domain(id, plan.config.c_str())};
 }
 
 struct MadeDomain {
@@ -63,22 +55,22 @@ struct MadeDomain {
   std::vector<std::string> errors{};
 };
 
-MadeDomain make(const DomainPlan& plan, std::uint32_t free_id) {
+MadeDomain make(const DomainPlan& plan) {
   const CycloneMessages messages;
   const std::string& prefix = plan.threads.name_prefix;
   const ThreadNames before = prefix.empty() ? ThreadNames() : thread_names();
-  const auto [id, entity] = make_domain(plan, free_id);
+  const auto [id, entity] = make_domain(plan);
   if (entity >= 0 && !prefix.empty()) prefix_threads_since(before, prefix, names_of_cyclone);
   return {id, entity, messages.text(), messages.errors()};
 }
 
 /// Cyclone's threads inherit CPUs and policy from the thread that creates the domain. So a thread with the
 /// configured CPUs and policy is started to create it.
-Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan, std::uint32_t free_id) {
+Result<MadeDomain> make_in_a_thread_with(const DomainPlan& plan) {
   MadeDomain made;
   ThreadSpec maker(name_of_maker);
   maker.settings = plan.threads;
-  Result<std::thread> thread = start_thread(maker, [&] { made = make(plan, free_id); });
+  Result<std::thread> thread = start_thread(maker, [&] { made = make(plan); });
   if (!thread) return tl::unexpected(thread.error());
   thread->join();
   return made;
@@ -110,26 +102,19 @@ std::string CycloneMessages::text() const {
 }
 
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
-                                                            const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints) {
-  const Lock lock(open_domains.mutex);  // so that two nodes do not create the same domain twice
-  std::erase_if(open_domains.by_plan, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<const CycloneDomain>& known = open_domains.by_plan[plan];
-  if (auto domain = known.lock(); domain != nullptr && domain.get() != instead_of) return domain;
   // Cyclone would crash if descriptors or threads ran out while it creates a domain.
   if (Result<void> enough = check_room_for(descriptors_of_a_domain, threads_of_a_domain); !enough)
     return tl::unexpected(enough.error());
   if (Result<void> enough = check_room_for_select(descriptors_of_a_domain); !enough)
     return tl::unexpected(enough.error());
-  Result<MadeDomain> made = make_in_a_thread_with(plan, first_domain + open_domains.made++);
+  Result<MadeDomain> made = make_in_a_thread_with(plan);
   if (!made) return tl::unexpected(made.error());
   if (made->entity < 0)
     return fail(Errc::invalid_argument, "Cyclone DDS refuses its configuration (" + made->messages +
                                             "); check CYCLONEDDS_URI or NodeOptions::cyclonedds_config");
   complaints.insert(complaints.end(), made->errors.begin(), made->errors.end());
-  auto domain = std::make_shared<const CycloneDomain>(made->id, made->entity);
-  known = domain;
-  return domain;
+  return std::make_shared<const CycloneDomain>(made->id, made->entity);
 }
 
 /// Tries to create the domain with an invalid configuration. Cyclone checks whether the domain exists

@@ -1,5 +1,4 @@
-// The parts of Cyclone DDS that a process has only once, whatever the number of its nodes: the domains, and
-// the destination of the log.
+// Domains of Cyclone DDS, and the destination of its log, of which a process has only one.
 #pragma once
 
 #include <dds/dds.h>
@@ -7,7 +6,6 @@
 #include <cstdint>
 #include <memory>
 #include <string>
-#include <tuple>
 #include <vector>
 
 #include "sft/options.h"
@@ -37,10 +35,10 @@ class CycloneMessages {
   std::vector<std::string> warnings_;
 };
 
-/// A Cyclone domain for one link, with a domain number that nothing else in this process uses. The domain
-/// is deleted when its last owner releases it. The release waits for Cyclone's threads. So an owner must
-/// delete its own participant first, and must not release the domain in a listener, or while it holds a
-/// lock that listeners take.
+/// A Cyclone domain for one participant, with a domain number that nothing else in this process uses. The
+/// domain is deleted when its owner releases it. The release waits for Cyclone's threads. So the owner must
+/// delete the participant first, and must not release the domain in a listener, or while it holds a lock that
+/// listeners take.
 class CycloneDomain {
  public:
   CycloneDomain(std::uint32_t id, dds_entity_t entity) : id_(id), entity_(entity) {}
@@ -60,22 +58,10 @@ struct DomainPlan {
   bool is_secured = false;  ///< the configuration has DDS Security, which restricts the domain numbers to a
                             ///< few
   ThreadSettings threads{};
-  /// The index of the interface. When an interface is removed, sockets lose the multicast groups that they
-  /// joined there. An interface that comes back with the same name and address has another index.
-  unsigned index = 0;
-  friend bool operator<(const DomainPlan& a, const DomainPlan& b) {
-    const auto key = [](const DomainPlan& plan) {
-      const ThreadSettings& t = plan.threads;
-      return std::tie(plan.config, plan.is_secured, t.cpus, t.policy, t.priority, t.name_prefix, plan.index);
-    };
-    return key(a) < key(b);
-  }
 };
 
-/// Returns a domain for the plan. Callers in this process with equal plans share a domain. Errors that
-/// Cyclone logs are added to `complaints`. `instead_of`: a domain that must not be returned again, or null.
+/// Returns a new domain for the plan. Errors that Cyclone logs are added to `complaints`.
 Result<std::shared_ptr<const CycloneDomain>> cyclone_domain(const DomainPlan& plan,
-                                                            const CycloneDomain* instead_of,
                                                             std::vector<std::string>& complaints);
 
 /// Returns true if the program itself uses that domain in this process.

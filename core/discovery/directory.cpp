@@ -9,21 +9,23 @@
 namespace sft::core {
 
 std::shared_ptr<ListeningNode> Directory::join(DiscoveryListener& listener) {
-  const auto node = std::make_shared<ListeningNode>(listener);
-  node->number = ++last_number_;
-  return nodes_.emplace_back(node);
+  return nodes_.emplace_back(std::make_shared<ListeningNode>(ListeningNode{listener}));
 }
 
 bool Directory::concerns(const ListeningNode& node, const Endpoint& endpoint) {
   return node.hears_all[endpoint.role] || node.topics[other(endpoint.role)].contains(endpoint.topic);
 }
 
-ListeningNodes Directory::concerned_by(const Entry& entry) const {
-  ListeningNodes concerned;
+/// Calls call(listener) for each node that the entry concerns.
+template <class Call>
+void Directory::notify(const Entry& entry, Call call) const {
   for (const auto& node : nodes_) {
-    if (node != entry.node && concerns(*node, *entry.endpoint)) concerned.push_back(node);
+    if (node != entry.node && concerns(*node, entry.endpoint)) call(node->listener);
   }
-  return concerned;
+}
+
+void Directory::notify_seen(const Entry& entry) const {
+  notify(entry, [&](DiscoveryListener& to) { to.endpoint_seen(entry.endpoint); });
 }
 
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
@@ -33,52 +35,52 @@ void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) 
 }
 
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
-  endpoint.announcer = node->number;
   const auto known = entries_.find(endpoint.id);
   if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
-    notify_departed(concerned_by(known->second), endpoint.id);
+    notify(known->second, [&](DiscoveryListener& to) { to.endpoint_departed(endpoint.id); });
+    give_back_share(known->second);
     entries_.erase(known);
   }
-  const bool is_new = !entries_.contains(endpoint.id);
-  Entry& entry = entries_[endpoint.id];
-  if (entry.request && entry.request->sequence <= endpoint.request.sequence) entry.request.reset();
+  const auto [place, is_new] = entries_.try_emplace(endpoint.id);
+  Entry& entry = place->second;
+  if (entry.endpoint.request.sequence > endpoint.request.sequence) endpoint.request = entry.endpoint.request;
   entry.node = node;
-  entry.place.reset();
-  entry.endpoint = std::make_shared<const Endpoint>(std::move(endpoint));
-  notify_seen(concerned_by(entry), entry);
+  entry.endpoint = std::move(endpoint);
+  notify_seen(entry);
   if (!is_new) return;
-  const Endpoint& own = *entry.endpoint;
+  const Endpoint& own = entry.endpoint;
   notify_of_all(node, [&](const Endpoint& one) {
     return one.role == other(own.role) && one.topic == own.topic && !concerns(*node, one);
   });
   ++node->topics[own.role][own.topic];
 }
 
-void Directory::requested(const Request& request) {
+bool Directory::requested(const Request& request) {
   const auto found = entries_.find(request.reader);
-  if (found == entries_.end() || found->second.node == nullptr) return;
-  Entry& entry = found->second;
-  entry.request = request;
-  notify(concerned_by(entry), [copy = *entry.request](DiscoveryListener& to) { to.request_received(copy); });
+  if (found == entries_.end() || found->second.node == nullptr) return false;
+  found->second.endpoint.request = request;
+  notify(found->second, [&](DiscoveryListener& to) { to.request_received(request); });
+  return true;
 }
 
 /// A node without endpoints on a topic is not notified of changes to other nodes' endpoints on this topic.
 /// So it must not keep these endpoints, and is notified that they have departed.
-void Directory::withdrawn(EndpointId id) {
+std::optional<Role> Directory::withdrawn(EndpointId id) {
   const auto found = entries_.find(id);
-  if (found == entries_.end() || found->second.node == nullptr) return;
+  if (found == entries_.end() || found->second.node == nullptr) return std::nullopt;
   const std::shared_ptr<ListeningNode> node = found->second.node;
-  const std::shared_ptr<const Endpoint> endpoint = found->second.endpoint;
-  end(id, End::withdrawn);
-  auto& topics = node->topics[endpoint->role];
-  const auto topic = topics.find(endpoint->topic);
-  if (--topic->second > 0) return;
-  topics.erase(topic);
+  const Role role = found->second.endpoint.role;
+  auto& topics = node->topics[role];
+  const auto topic = topics.find(found->second.endpoint.topic);
+  end(id, &DiscoveryListener::endpoint_departed);
+  if (--topic->second > 0) return role;
+  const std::string name = topics.extract(topic).key();
   for (const auto& [other_id, entry] : entries_) {
-    const Endpoint& one = *entry.endpoint;
-    const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
-    if (was_told && entry.node != node && !concerns(*node, one)) notify_departed({node}, other_id);
+    const Endpoint& one = entry.endpoint;
+    const bool was_told = one.role == other(role) && one.topic == name;
+    if (was_told && entry.node != node && !concerns(*node, one)) node->listener.endpoint_departed(other_id);
   }
+  return role;
 }
 
 std::vector<EndpointId> Directory::endpoints_of(const std::shared_ptr<ListeningNode>& node) const {
@@ -102,9 +104,9 @@ void Directory::take_announcement(const Place& place, const Record& record) {
   std::optional<Endpoint> endpoint;
   if (!record.is_withdrawn()) {
     if (Result<Endpoint> read = endpoint_in(*record.body); !read) {
-      refuse(read.error().message);
+      log_news(News::malformed, read.error().message);
     } else if (read->role != std::get<Role>(place)) {
-      refuse("an endpoint on the topic of the other role");
+      log_news(News::malformed, "an endpoint on the topic of the other role");
     } else {
       endpoint = std::move(*read);
     }
@@ -115,7 +117,8 @@ void Directory::take_announcement(const Place& place, const Record& record) {
       before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
   if (before && !is_same) {
     const auto shown = entries_.find(before->id);
-    if (shown != entries_.end() && shown->second.place == place) end(before->id, End::withdrawn);
+    if (shown != entries_.end() && shown->second.place == place)
+      end(before->id, &DiscoveryListener::endpoint_departed);
   }
   show(place);
 }
@@ -126,20 +129,19 @@ void Directory::take_request(const Place& place, const Record& record) {
   slot.request.reset();
   if (record.is_withdrawn()) return;
   Result<Request> read = request_in(*record.body);
-  if (!read) return refuse(read.error().message);
+  if (!read) return log_news(News::malformed, read.error().message);
   slot.request = std::move(*read);
   const auto shown = entries_.find(slot.request->reader);
   if (shown == entries_.end() || shown->second.place != place) return show(place);
-  shown->second.request = slot.request;
-  notify(concerned_by(shown->second),
-         [copy = *slot.request](DiscoveryListener& to) { to.request_received(copy); });
+  shown->second.endpoint.request = *slot.request;
+  notify(shown->second, [&](DiscoveryListener& to) { to.request_received(*slot.request); });
 }
 
 void Directory::take_inquiry(const Place& place, const Record& record) {
   inquiries_.erase(place);
   if (record.is_withdrawn()) return;
   Result<Inquiry> read = inquiry_in(*record.body);
-  if (!read) return refuse(read.error().message);
+  if (!read) return log_news(News::malformed, read.error().message);
   inquiries_.emplace(place, std::move(*read));
   ++inquiries_made_;
 }
@@ -154,34 +156,41 @@ void Directory::show(const Place& place) {
   if (!is_whole) return;
   const auto known = entries_.find(endpoint->id);
   if (known != entries_.end() && known->second.place != place)
-    return refuse("an endpoint under the id of another process's, which lives");
+    return log_news(News::malformed, "an endpoint under the id of another process's, which lives");
+  if (known == entries_.end()) {
+    std::size_t& share = shares_[{std::get<ProcessId>(place), endpoint->role, endpoint->topic}];
+    if (share >= topic_share)
+      return log_news(News::too_much, "endpoints of a process that has as many on one topic as it may");
+    ++share;
+  }
   Endpoint shown = *endpoint;
-  shown.announcer = std::get<ProcessId>(place);
   if (request) shown.request = *request;
   if (!shown.type_description.empty()) {
     if (const auto type = described_type(shown); !type) {
-      refuse(type.error().message);
+      log_news(News::malformed, type.error().message);
       shown.type_description.clear();  // programs that were compiled with the type do not need the
                                        // description
     }
   }
-  leave_out_what_is_cut(shown.announcer, shown.addresses);
+  leave_out_what_is_cut(std::get<ProcessId>(place), shown.addresses);
   Entry& entry = entries_[shown.id];
   entry.place = place;
-  entry.request.reset();
-  entry.endpoint = std::make_shared<const Endpoint>(std::move(shown));
-  notify_seen(concerned_by(entry), entry);
+  entry.endpoint = std::move(shown);
+  notify_seen(entry);
+}
+
+void Directory::give_back_share(const Entry& entry) {
+  if (!entry.place) return;
+  const Endpoint& endpoint = entry.endpoint;
+  const auto share = shares_.find({std::get<ProcessId>(*entry.place), endpoint.role, endpoint.topic});
+  if (--share->second == 0) shares_.erase(share);
 }
 
 void Directory::end(EndpointId id, End how) {
   const auto ended = entries_.extract(id);
   if (!ended) return;
-  ListeningNodes to = concerned_by(ended.mapped());
-  if (how == End::lost) {
-    notify(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_lost(id); });
-  } else {
-    notify_departed(std::move(to), id);
-  }
+  give_back_share(ended.mapped());
+  notify(ended.mapped(), [&](DiscoveryListener& to) { (to.*how)(id); });
   show_next(id);
 }
 
@@ -205,7 +214,7 @@ void Directory::peer_lost(ProcessId process) {
     if (entry != entries_.end() && entry->second.place == last->first) lost.push_back(entry->first);
   }
   slots_.erase(first, last);
-  for (const EndpointId id : lost) end(id, End::lost);
+  for (const EndpointId id : lost) end(id, &DiscoveryListener::endpoint_lost);
 }
 
 void Directory::paths_cut(const PathsCut& cut) {
@@ -231,18 +240,6 @@ void Directory::leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>
   if (!std::ranges::all_of(addresses, is_cut)) std::erase_if(addresses, is_cut);
 }
 
-void Directory::notify(ListeningNodes to, std::function<void(DiscoveryListener&)> call) {
-  if (!to.empty()) notices_.push_back({std::move(to), std::move(call)});
-}
-
-void Directory::notify_seen(ListeningNodes to, const Entry& entry) {
-  notify(std::move(to), [endpoint = entry.endpoint, request = entry.request](DiscoveryListener& listener) {
-    Endpoint seen = *endpoint;
-    if (request) seen.request = *request;
-    listener.endpoint_seen(std::move(seen));
-  });
-}
-
 template <class IsOf>
 void Directory::notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of) {
   const auto is_foreign = [&](EndpointId id) {
@@ -255,11 +252,9 @@ void Directory::notify_report(NodeReport report, const std::shared_ptr<Listening
     return is_foreign(one.id.said_by == Role::writer ? one.id.pair.writer : one.id.pair.reader);
   });
   if (report.empty()) return;
-  ListeningNodes to;
   for (const auto& node : nodes_) {
-    if (node != by && !node->inquiries.empty()) to.push_back(node);
+    if (node != by && !node->inquiries.empty()) node->listener.report_received(report);
   }
-  notify(std::move(to), [told = std::move(report)](DiscoveryListener& node) { node.report_received(told); });
 }
 
 void Directory::report_came(ProcessId process, NodeReport report) {
@@ -289,31 +284,25 @@ Discovery::Inquiries Directory::inquiries() const {
   return inquiries;
 }
 
-void Directory::notify_departed(ListeningNodes to, EndpointId id) {
-  notify(std::move(to), [id](DiscoveryListener& listener) { listener.endpoint_departed(id); });
-}
-
 template <class Which>
 void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
   for (const auto& [id, entry] : entries_) {
-    if (entry.node != node && which(*entry.endpoint)) notify_seen({node}, entry);
+    if (entry.node != node && which(entry.endpoint)) node->listener.endpoint_seen(entry.endpoint);
   }
 }
 
-void Directory::refuse(std::string why) { tell(&DiscoveryListener::control_malformed, std::move(why)); }
-
-void Directory::tell(void (DiscoveryListener::*function)(std::string), std::string text) {
-  notify(nodes_, [function, text = std::move(text)](DiscoveryListener& to) { (to.*function)(text); });
+void Directory::log_news(News news, const std::string& text) const {
+  for (const auto& node : nodes_) node->listener.log_news(news, text);
 }
 
 void Directory::vanilla_changed() {
-  notify(nodes_, [](DiscoveryListener& to) { to.vanilla_changed(); });
+  for (const auto& node : nodes_) node->listener.vanilla_changed();
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {
   std::vector<Discovery::KnownPublisher> publishers;
   for (const auto& [id, entry] : entries_) {
-    const Endpoint& one = *entry.endpoint;
+    const Endpoint& one = entry.endpoint;
     if (one.role == Role::writer && one.type_name == type_name) publishers.push_back({one.topic, one.node});
   }
   return publishers;

@@ -25,8 +25,8 @@ struct DiscoveryOptions {
 };
 
 /// A listener is notified of what other nodes announce: once of each item, even if several links bring it.
-/// Cyclone's threads and agents of this process call the listener, one at a time. A listener must not hold
-/// these threads up, so it should only post a task.
+/// Cyclone's threads and agents of this process call the listener, one at a time, while they hold a lock of
+/// discovery. So a listener must only post a task, and must not call Discovery.
 class DiscoveryListener {
  public:
   virtual void endpoint_seen(Endpoint endpoint) = 0;
@@ -37,18 +37,17 @@ class DiscoveryListener {
   virtual void request_received(Request request) = 0;
   /// A node has reported on its own endpoints. Called only for nodes that have called inquire().
   virtual void report_received(NodeReport report) = 0;
-  /// A control sample, or the type description in one, was refused.
-  virtual void control_malformed(std::string why) = 0;
   /// The result of Discovery::vanilla() has changed.
   virtual void vanilla_changed() {}
-  /// The interfaces in use have changed.
-  virtual void links_changed(std::string /*summary*/) {}
-  /// A record of another process was missing on one link, so this process has replaced its link by a new
-  /// one.
-  virtual void link_was_renewed(std::string /*what*/) {}
-  /// Called with a warning for the user: that a participant has another release, that the name of a peer
-  /// has no address, or that the program has closed the sockets.
-  virtual void warned(std::string /*what*/) {}
+  enum class News : std::uint8_t {
+    malformed,     ///< a control sample, or the type description in one, was malformed or forged, and refused
+    too_much,      ///< a record was refused, because a process has announced more than one may
+    link_renewed,  ///< a record of another process was missing on one link, which was replaced by a new one
+    links_changed,  ///< the interfaces in use have changed; the text is the summary of the configuration
+    warning         ///< for example, a participant has another release, or a peer's name has no address
+  };
+  /// Called with a text for the log.
+  virtual void log_news(News news, std::string text) = 0;
 
  protected:
   ~DiscoveryListener() = default;
@@ -76,7 +75,7 @@ class Discovery {
   /// Reports from now on all endpoints of that role that other nodes announce, and the requests of readers.
   /// Endpoints that were announced earlier are reported soon, too. Without this call, a node is notified
   /// only of endpoints that may match its own: those with the other role and the same topic.
-  virtual Result<void> hear(Role role) = 0;
+  virtual void hear(Role role) = 0;
   /// A publisher that this process knows of, whatever its topic is.
   struct KnownPublisher {
     std::string topic;

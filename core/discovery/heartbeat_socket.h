@@ -33,9 +33,9 @@ class HeartbeatSocket {
   /// The maximum number of datagrams that one call of take() reads, so that a flood at the port does not
   /// hold the caller up.
   static constexpr std::size_t taken_at_once_max = 2048;
-  /// Calls hear(heartbeat, age, from) for each heartbeat that has come since the last call, `age` is the
-  /// time for which the heartbeat has waited in the socket, `from` the address of its sender. Other
-  /// datagrams are dropped.
+  /// Calls hear(heartbeat, age, from) for each heartbeat that has come since the last call. `age` is the time
+  /// for which the heartbeat has waited in the socket, `from` the address of its sender. Other datagrams are
+  /// dropped.
   template <class Hear>
   void take(Hear hear) {
     for (std::size_t taken = 0; taken < taken_at_once_max;) {

@@ -10,10 +10,9 @@ KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
       directory_([this](LinkId link, const IpAddress& address) SFT_NO_THREAD_SAFETY_ANALYSIS {
         const auto spec = specs_.find(link);
         return spec != specs_.end() && leads_to(spec->second, address);
-      }),
-      timing_(timing) {}
+      }) {}
 
-/// Actions that concern links are kept until an agent calls look().
+/// Notifies nodes of what has changed. Actions that concern links are kept until an agent calls look().
 void KnownPeers::take_actions() {
   for (PeerAction& action : peers_.take_actions()) {
     if (const auto* const changed = std::get_if<RecordChanged>(&action)) {
@@ -28,32 +27,12 @@ void KnownPeers::take_actions() {
   }
 }
 
-/// The lock is released while nodes are notified, and is held again when the function returns. If another
-/// thread is notifying nodes, that thread passes these notices on, too.
-void KnownPeers::pass_on_notices(Lock& lock) {
-  take_actions();
-  if (std::exchange(notifies_, true)) return;
-  for (auto batch = directory_.take_notices(); !batch.empty(); batch = directory_.take_notices()) {
-    lock.unlock();
-    for (const Directory::Notice& notice : batch) {
-      for (const std::shared_ptr<ListeningNode>& node : notice.to) node->notify(notice.call);
-    }
-    lock.lock();
-  }
-  notifies_ = false;
-}
-
-void KnownPeers::pass_on() {
-  Lock lock(mutex_);
-  pass_on_notices(lock);
-}
-
-KnownPeers::Todo KnownPeers::look(const std::vector<HeartbeatTaken>& heartbeats, Time now) {
+KnownPeers::Todo KnownPeers::look(Time now) {
   const Lock lock(mutex_);
-  for (const auto& [link, heartbeat, age, from] : heartbeats)
-    peers_.heartbeat_came(link, heartbeat, now, age, from);
   peers_.look(now);
   take_actions();
+  for (const std::string& text : std::exchange(warnings_, {}))
+    directory_.log_news(Directory::News::warning, text);
   return {std::exchange(of_links_, {}), peers_.next()};
 }
 
@@ -63,23 +42,13 @@ void KnownPeers::link_made(LinkId link, const LinkSpec& spec) {
   specs_[link] = spec;
 }
 
-void KnownPeers::link_replaced(LinkId link, LinkId by) {
-  const Lock lock(mutex_);
-  peers_.link_replaced(link, by, std::chrono::steady_clock::now());
-}
-
-void KnownPeers::link_retired(LinkId link) {
-  const Lock lock(mutex_);
-  peers_.link_retired(link, std::chrono::steady_clock::now());
-}
-
 void KnownPeers::link_closed(LinkId link) {
   const Lock lock(mutex_);
   peers_.link_gone(link);
   specs_.erase(link);
-  const auto is_there = [link](const RemoteParticipant& one) { return one.link == link; };
-  std::erase_if(other_releases_, is_there);
-  if (std::erase_if(vanilla_, is_there) > 0) note_vanilla_gone();
+  if (std::erase_if(vanilla_, [link](const RemoteParticipant& one) { return one.link == link; }) > 0)
+    note_vanilla_gone();
+  take_actions();
 }
 
 Discovery::Vanilla KnownPeers::vanilla() {
@@ -92,79 +61,62 @@ void KnownPeers::note_vanilla_gone() {
   if (vanilla_.empty()) directory_.vanilla_changed();
 }
 
-void KnownPeers::tell_of_other_releases(Time now) {
-  const Lock lock(mutex_);
-  if (other_release_.empty() || now < releases_not_before_) return;
-  releases_not_before_ = now + timing_.name_releases_every;
-  std::string text = std::exchange(other_release_, "");
-  if (const std::uint64_t further = std::exchange(further_releases_, 0); further > 0)
-    text += " (" + std::to_string(further) + " more with another protocol have come)";
-  directory_.tell(&DiscoveryListener::warned, std::move(text));
-}
-
 void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   peers_.participant_found(id, data.process, std::chrono::steady_clock::now());
   if (data.asks && !is_new) peers_.participant_asks(id);
   if (data.uses_topic) of_links_.emplace_back(HeartbeatsMissing{id.link});
-  pass_on_notices(lock);
+  take_actions();
 }
 
 void KnownPeers::participant_gone(const RemoteParticipant& id) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   peers_.participant_gone(id);
-  other_releases_.erase(id);
   if (vanilla_.erase(id) > 0) note_vanilla_gone();
-  pass_on_notices(lock);
+  take_actions();
 }
 
 void KnownPeers::vanilla_came(const RemoteParticipant& id) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   if (vanilla_.size() >= vanilla_known_max || !vanilla_.insert(id).second) return;
   ++vanilla_came_;
   directory_.vanilla_changed();
-  pass_on_notices(lock);
 }
 
-/// Notes a participant of another release, unless it was noted before.
-void KnownPeers::other_release_seen(const RemoteParticipant& id, std::uint32_t version) {
+void KnownPeers::other_release_seen(LinkId link, std::uint32_t version) {
   const Lock lock(mutex_);
-  if (other_releases_.size() >= other_releases_max || !other_releases_.insert(id).second) return;
-  if (!other_release_.empty()) {
-    ++further_releases_;
-    return;
-  }
-  const auto spec = specs_.find(id.link);
-  other_release_ = "a participant with control protocol " + std::to_string(version) + " is on " +
-                   (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
-                   std::to_string(control_protocol_version()) +
-                   "; they do not see each other: use the same release";
+  if (releases_.size() >= releases_max || !releases_.insert(version).second) return;
+  const auto spec = specs_.find(link);
+  warnings_.push_back("a participant with control protocol " + std::to_string(version) + " is on " +
+                      (spec == specs_.end() ? "the network" : spec->second.interface) + "; this node has " +
+                      std::to_string(control_protocol_version()) +
+                      "; they do not see each other: use the same release");
 }
 
 void KnownPeers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   if (!peers_.record_came(by, role, key, std::move(record), std::chrono::steady_clock::now()))
-    directory_.refuse("a record of a participant that has as many as one may have");
-  pass_on_notices(lock);
+    directory_.log_news(Directory::News::too_much,
+                        "a record of a participant that has as many as one may have");
+  take_actions();
 }
 
-void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat) {
-  Lock lock(mutex_);
-  peers_.heartbeat_came(link, heartbeat, std::chrono::steady_clock::now());
-  pass_on_notices(lock);
+void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age,
+                                const IpAddress& from) {
+  const Lock lock(mutex_);
+  peers_.heartbeat_came(link, heartbeat, now, age, from);
+  take_actions();
 }
 
 void KnownPeers::report_came(const RemoteParticipant& by, NodeReport report) {
-  Lock lock(mutex_);
+  const Lock lock(mutex_);
   if (const std::optional<ProcessId> process = peers_.process_of(by))
     directory_.report_came(*process, std::move(report));
-  pass_on_notices(lock);
 }
 
-void KnownPeers::sample_refused(std::string why) {
-  Lock lock(mutex_);
-  directory_.refuse(std::move(why));
-  pass_on_notices(lock);
+void KnownPeers::sample_refused(const std::string& why) {
+  const Lock lock(mutex_);
+  directory_.log_news(Directory::News::malformed, why);
 }
 
 }  // namespace sft::core

@@ -6,23 +6,18 @@
 namespace sft::core {
 
 void LinkCare::made(LinkId id, Time now) {
-  links_.insert_or_assign(id, Link{.made_at = now, .stirred_at = now, .pause = timing_.lease});
+  links_.insert_or_assign(id, Link{.stirred_at = now, .renewed_at = now});
 }
 
-/// The pause grows while renewals do not help the processes for which they are made.
+/// The new link takes over the pause, which grows while renewals do not help.
 void LinkCare::replaced(LinkId id, LinkId by, Time now) {
-  const Link& old = links_.at(id);
-  Link& link = links_.at(by);
-  if (!old.made_for.empty()) link.pause = std::min(2 * old.pause, timing_.renew_pause_max);
-  link.made_for = old.misses;
+  links_.at(by).pause = links_.at(id).pause;
   retire(id, now);
 }
 
 void LinkCare::retire(LinkId id, Time now) {
   const auto link = links_.find(id);
-  if (link == links_.end() || link->second.retired_at) return;
-  link->second.retired_at = now;
-  link->second.look_again_at = now + timing_.retire_after;
+  if (link != links_.end() && !link->second.retired_at) link->second.retired_at = now;
 }
 
 void LinkCare::joined(LinkId id, Time now) {
@@ -56,11 +51,15 @@ void LinkCare::network_changed(Time now) {
   }
 }
 
-void LinkCare::misses(const std::map<LinkId, std::set<ProcessId>>& processes) {
+void LinkCare::misses(const std::map<LinkId, bool>& links) {
   for (auto& [id, link] : links_) {
-    const auto missed = processes.find(id);
-    link.misses = missed == processes.end() ? std::set<ProcessId>{} : missed->second;
+    const auto missed = links.find(id);
+    link.misses = missed == links.end() ? std::nullopt : std::optional(missed->second);
   }
+}
+
+Time LinkCare::renewal_due(const Link& link) const {
+  return link.renewed_at + (*link.misses ? timing_.lease : std::max(link.pause, timing_.lease));
 }
 
 Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) const {
@@ -72,31 +71,24 @@ Time LinkCare::missed_from(LinkId id, Time behind_since, bool was_complete) cons
   return begin + (was_complete ? timeout : 2 * timeout);
 }
 
-LinkCare::Due LinkCare::look(const std::function<bool(ProcessId, LinkId)>& is_complete,
-                             const std::function<bool(LinkId)>& is_covered, Time now) {
+LinkCare::Due LinkCare::look(Time now) {
   Due due;
   for (auto& [id, link] : links_) {
     if (link.retired_at) {
-      if (may_end(id, link, is_covered, now)) due.ends.push_back(id);
+      if (now >= *link.retired_at + timing_.lease) due.ends.push_back(id);
       continue;
     }
-    std::erase_if(link.made_for, [&, link_id = id](ProcessId one) { return is_complete(one, link_id); });
-    if (link.made_for.empty()) link.pause = timing_.lease;
-    if (link.misses.empty()) link.retry_pause = {};
-    if (!link.misses.empty() && now >= renewal_due(link)) {
-      due.renewals.push_back({.link = id, .because_of = *link.misses.begin()});
-      link.retry_pause = std::clamp(2 * link.retry_pause, timing_.try_again, timing_.renew_pause_max);
-      link.renew_at = now + link.retry_pause;
+    if (link.misses && now >= renewal_due(link)) {
+      due.renewals.push_back(id);
+      const auto longer = *link.misses ? timing_.lease : 2 * link.pause;
+      link.pause = std::clamp(longer, timing_.lease, timing_.renew_pause_max);
+      link.renewed_at = now;
+    } else if (!link.misses && now >= link.renewed_at + 2 * std::max(link.pause, timing_.lease)) {
+      link.pause = {};
     }
     if (const auto announced = announcement(id, link, now)) due.announcements.push_back(*announced);
   }
   return due;
-}
-
-bool LinkCare::may_end(LinkId id, Link& link, const std::function<bool(LinkId)>& is_covered, Time now) const {
-  if (now < link.look_again_at) return false;
-  link.look_again_at = now + timing_.retire_after / 4;
-  return now >= *link.retired_at + timing_.lease || is_covered(id);
 }
 
 /// Returns the announcement that is due on the link. Requests of other participants are answered no more
@@ -116,9 +108,9 @@ Time LinkCare::next() const {
   Time next = Time::max();
   for (const auto& [id, link] : links_) {
     if (link.retired_at) {
-      next = std::min(next, link.look_again_at);
+      next = std::min(next, *link.retired_at + timing_.lease);
     } else {
-      if (!link.misses.empty()) next = std::min(next, renewal_due(link));
+      if (link.misses) next = std::min(next, renewal_due(link));
       if (link.has_unknown || link.was_asked) next = std::min(next, link.announce_at);
     }
   }

@@ -3,19 +3,14 @@
 // used by only one thread at a time.
 #pragma once
 
-#include <algorithm>
 #include <cstddef>
-#include <functional>
 #include <map>
 #include <optional>
-#include <set>
-#include <utility>
 #include <vector>
 
 #include "core/discovery/records.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
-#include "core/platform/ip_address.h"
 
 namespace sft::core {
 
@@ -45,9 +40,10 @@ class LinkCare {
   void was_asked(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now);
-  /// Sets, for each link, the processes with records that did not come by that link, even if other links have
-  /// brought these records.
-  void misses(const std::map<LinkId, std::set<ProcessId>>& processes);
+  /// Sets the links on which records of some participants are missing, even if other links have brought these
+  /// records. The value is true if the link has brought all records of one of these participants before. Then
+  /// a renewal will probably help. If a participant was made up, renewals never help.
+  void misses(const std::map<LinkId, bool>& links);
 
   // Questions about the state.
 
@@ -58,44 +54,31 @@ class LinkCare {
   /// process that crashes again and again, and is a newcomer each time, would postpone it for ever.
   Time missed_from(LinkId link, Time behind_since, bool was_complete) const;
 
-  struct Renewal {
-    LinkId link = 0;
-    ProcessId because_of = 0;
-    IpAddress from{};  ///< the address of that process, if Peers knows it; otherwise the address "any"
-  };
   struct Announcement {
     LinkId link = 0;
     bool asks = false;  ///< asks all receivers to announce themselves, too
   };
   struct Due {
-    std::vector<Renewal> renewals{};  ///< the links that have to be replaced by new ones
-    std::vector<LinkId> ends{};       ///< the retired links that have to be closed
+    std::vector<LinkId> renewals{};  ///< the links that have to be replaced by new ones
+    std::vector<LinkId> ends{};      ///< the retired links that have to be closed
     std::vector<Announcement> announcements{};
   };
-  /// Returns what is due now. A renewal that has failed is due again after a pause, which doubles each
-  /// time. `is_complete(process, link)`: true if all records of that process have come on the link, or if
-  /// the process is gone. `is_covered(link)`: true if all records of the processes whose heartbeats come on
-  /// the link have come on other links, too.
-  Due look(const std::function<bool(ProcessId, LinkId)>& is_complete,
-           const std::function<bool(LinkId)>& is_covered, Time now);
+  /// Returns what is due now. A link is renewed at most once in a lease. The pause doubles while renewals do
+  /// not help, and also while they fail.
+  Due look(Time now);
   /// Returns the time by which look() must be called again; Time::max() if no call is needed.
   Time next() const;
 
  private:
   struct Link {
-    Time made_at{};
     Time stirred_at{};  ///< when a participant, or a record of a participant with an incomplete table, last
                         ///< came
     std::size_t participants = 0;
-    std::chrono::milliseconds pause{};  ///< the pause after `made_at` until the link may be made anew
-    std::set<ProcessId> misses{};
-    std::set<ProcessId> made_for{};  ///< the processes for which the link was made anew, and whose records
-                                     ///< have not all come yet
-    Time renew_at{};                 ///< the earliest time of the next attempt, if the last attempt to make
-                                     ///< the link anew has failed
-    std::chrono::milliseconds retry_pause{};  ///< the pause after the last attempt to make the link anew
+    std::optional<bool> misses{};  ///< the value of the last call of misses(); empty: nothing is missing
+    Time renewed_at{};             ///< when the link was made, or could not be renewed
+    std::chrono::milliseconds
+        pause{};  ///< the least time between that and the next renewal, beside the lease
     std::optional<Time> retired_at{};
-    Time look_again_at{};  ///< when to check again whether the retired link may be closed
     std::optional<Time>
         unknown_at{};  ///< when the first heartbeat of an unknown participant came after the last question
     bool has_unknown = false, was_asked = false;
@@ -106,8 +89,7 @@ class LinkCare {
   /// participants do not extend them, since an attacker may make them up.
   static constexpr std::size_t participants_counted_max = 100;
 
-  static Time renewal_due(const Link& link) { return std::max(link.made_at + link.pause, link.renew_at); }
-  bool may_end(LinkId id, Link& link, const std::function<bool(LinkId)>& is_covered, Time now) const;
+  Time renewal_due(const Link& link) const;
   std::optional<Announcement> announcement(LinkId id, Link& link, Time now) const;
 
   const ProcessId self_;

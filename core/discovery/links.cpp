@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/platform/hold_up_monitor.h"
-
 namespace sft::core {
 
 namespace {
@@ -43,17 +41,16 @@ Result<void> Links::use(const std::vector<LinkSpec>& wanted, const KnownHosts& h
     const bool is_wanted = std::ranges::find(wanted, one.spec) != wanted.end();
     if (is_wanted || one.is_retired) continue;
     one.is_retired = true;
-    known_.link_retired(one.id);
+    known_.with(
+        [&](Peers& peers, Directory&) { peers.link_retired(one.id, std::chrono::steady_clock::now()); });
   }
   return result;
 }
 
 /// The new link is opened before the old link is retired, so that the process always has a participant.
 Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
-  next_piece_of_work();
-  OpenLink link{.id = ++links_made_, .spec = spec};
-  if (const auto made = open_domain(link, instead_of == nullptr ? nullptr : instead_of->domain.get()); !made)
-    return made;
+  OpenLink link{
+      .id = ++links_made_, .spec = spec, .config = settings_.config.text_for(spec, hosts_), .link = {}};
   if (const Result<void> opened = open_link(link); !opened) {
     link.link.reset();
     known_.link_closed(link.id);
@@ -61,33 +58,32 @@ Result<void> Links::open(const LinkSpec& spec, OpenLink* instead_of) {
   }
   if (instead_of != nullptr) {
     instead_of->is_retired = true;
-    known_.link_replaced(instead_of->id, link.id);
+    known_.with([&](Peers& peers, Directory&) {
+      peers.link_replaced(instead_of->id, link.id, std::chrono::steady_clock::now());
+    });
   }
   links_.push_back(std::move(link));
   return {};
 }
 
-Result<void> Links::open_domain(OpenLink& link, const CycloneDomain* instead_of) {
-  link.config = settings_.config.text_for(link.spec, hosts_);
+Result<std::shared_ptr<const CycloneDomain>> Links::open_domain(const OpenLink& link) {
   std::vector<std::string> complaints;
-  auto domain = cyclone_domain({.config = link.config,
-                                .is_secured = settings_.config.is_secured,
-                                .threads = settings_.threads,
-                                .index = link.spec.index},
-                               instead_of, complaints);
-  if (!domain) return tl::unexpected(domain.error());
-  link.domain = std::move(*domain);
+  auto domain = cyclone_domain(
+      {.config = link.config, .is_secured = settings_.config.is_secured, .threads = settings_.threads},
+      complaints);
   for (std::string& complaint : complaints) {
     if (!holds_text(settings_.config.warnings, complaint) && !holds_text(warnings_, complaint))
       warnings_.push_back(std::move(complaint));
   }
-  return {};
+  return domain;
 }
 
 Result<void> Links::open_link(OpenLink& link) {
+  auto domain = open_domain(link);
+  if (!domain) return tl::unexpected(domain.error());
   known_.link_made(link.id, link.spec);
   auto opened = ControlLink::open({.link = link.id,
-                                   .domain = link.domain,
+                                   .domain = std::move(*domain),
                                    .process = own_.process(),
                                    .is_secured = settings_.config.is_secured,
                                    .heartbeats = heartbeats_on(link.spec, settings_.config)},
@@ -112,19 +108,15 @@ Links::OpenLink* Links::present(const LinkSpec& spec) {
   return link == links_.end() ? nullptr : &*link;
 }
 
-std::optional<Links::Renewal> Links::renew(LinkId id, const std::string& why) {
+Result<LinkSpec> Links::renew(LinkId id) {
   const auto link = std::ranges::find(links_, id, &OpenLink::id);
-  if (link == links_.end() || link->is_retired) return std::nullopt;
-  const std::string what = "on " + link->spec.interface + " " + why;
-  const Result<void> opened = open(LinkSpec(link->spec), &*link);
-  if (opened) return Renewal{.is_made = true, .text = what + "; the link is made anew"};
-  const std::string& failure = opened.error().message;
-  if (std::exchange(link->failure, failure) == failure) return Renewal{};
-  return Renewal{.text = what + "; the link cannot be made anew, which is tried again: " + failure};
+  const LinkSpec spec = link->spec;
+  return open(spec, &*link).map([&] { return spec; }).map_error([&](const Error& error) {
+    return Error{error.code, "the link on " + spec.interface + " cannot be made anew: " + error.message};
+  });
 }
 
 void Links::close(LinkId id) {
-  next_piece_of_work();
   if (std::erase_if(links_, [&](const OpenLink& one) { return one.id == id; }) > 0) known_.link_closed(id);
 }
 

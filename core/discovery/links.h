@@ -41,12 +41,8 @@ class Links {
   /// could not be opened. The next call tries such links again. If the addresses of a link's peers in
   /// `hosts` have changed, the link is replaced by a new one.
   Result<void> use(const std::vector<LinkSpec>& wanted, const KnownHosts& hosts);
-  struct Renewal {
-    bool is_made = false;
-    std::string text{};  ///< for people; empty if the attempt failed for the same reason as the previous one
-  };
-  /// Replaces a link by a new one. Returns nothing if the link does not exist, or has retired.
-  std::optional<Renewal> renew(LinkId link, const std::string& why);
+  /// Replaces a link, which must not have retired, by a new one with the same spec, and returns that spec.
+  Result<LinkSpec> renew(LinkId link);
   void close(LinkId link);
   void close_all();
   /// Starts to read, on all links, what other participants announce for that role. Links that are opened
@@ -67,25 +63,23 @@ class Links {
   /// Returns Cyclone's complaints about the configuration.
   const std::vector<std::string>& warnings() const { return warnings_; }
 
-  /// Calls use(id, link) for each link.
+  /// Calls use(link) for each link.
   template <class Use>
   void each(Use use) const {
-    for (const OpenLink& one : links_) use(one.id, *one.link);
+    for (const OpenLink& one : links_) use(*one.link);
   }
 
  private:
   struct OpenLink {
     LinkId id = 0;
     LinkSpec spec{};
-    std::string config{};  ///< the configuration with which `domain` was made
-    std::shared_ptr<const CycloneDomain> domain{};
+    std::string config{};  ///< the configuration with which its domain was made
     std::unique_ptr<ControlLink> link{};
     bool is_retired = false;
-    std::string failure{};  ///< why the last attempt to make the link anew has failed
   };
 
   Result<void> open(const LinkSpec& spec, OpenLink* instead_of);
-  Result<void> open_domain(OpenLink& link, const CycloneDomain* instead_of);
+  Result<std::shared_ptr<const CycloneDomain>> open_domain(const OpenLink& link);
   Result<void> open_link(OpenLink& link);
   OpenLink* present(const LinkSpec& spec);
 

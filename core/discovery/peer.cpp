@@ -64,17 +64,6 @@ void Peer::suspect(Participant& participant) {
   refresh_all();
 }
 
-bool Peer::is_complete_on(LinkId link) const {
-  return std::ranges::any_of(members_, [&](const Member& one) {
-    return one.id.link == link && !one.participant->is_suspect && is_complete(*one.participant);
-  });
-}
-
-bool Peer::is_complete_beside(LinkId link) const {
-  return std::ranges::any_of(
-      members_, [&](const Member& one) { return one.id.link != link && is_complete(*one.participant); });
-}
-
 void Peer::link_replaced(LinkId link, LinkId by) {
   if (links_.contains(link)) links_.insert(by);
 }

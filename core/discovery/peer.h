@@ -90,10 +90,6 @@ class Peer {
   std::size_t participants() const { return members_.size(); }
   /// Returns the records of that role that are in force, including withdrawn ones.
   const Records& records(Role role) const { return records_[role]; }
-  /// Returns true if all records that the digests of the last heartbeat cover have come by that link.
-  bool is_complete_on(LinkId link) const;
-  /// Returns true if all these records have come by links other than that one.
-  bool is_complete_beside(LinkId link) const;
   /// The links by which the process was found and from which no heartbeats come any more, and the links by
   /// which heartbeats come. Both are empty if either kind is missing. A cut link counts as cut until a
   /// heartbeat comes by it again, however long that takes.

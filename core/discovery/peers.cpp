@@ -13,6 +13,15 @@ bool is_heard(const Participant& participant) {
   return participant.process && !is_ignored(participant) && !participant.is_silent;
 }
 
+struct Held {
+  std::size_t records = 0, bytes = 0;
+};
+Held held_by(const Participant& participant) {
+  const Records &writers = participant.tables.writer.records(),
+                &readers = participant.tables.reader.records();
+  return {writers.all().size() + readers.all().size(), writers.bytes() + readers.bytes()};
+}
+
 Time silent_at(const Participant& participant, const Timing& timing) {
   return participant.heard_at.value_or(participant.found_at) + timing.lease;
 }
@@ -74,11 +83,8 @@ void Peers::participant_gone(const RemoteParticipant& id) {
 }
 
 void Peers::forget_tables(Participant& participant) {
-  for (RemoteTable* const table : {&participant.tables.writer, &participant.tables.reader}) {
-    records_ -= table->records().all().size();
-    bytes_ -= table->records().bytes();
-    *table = {};
-  }
+  bytes_ -= held_by(participant).bytes;
+  participant.tables = {};
   participant.has_agreed = false;
 }
 
@@ -94,7 +100,6 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
     return false;
   }
   RemoteTable& table = participant.tables[role];
-  records_ += table.records().find(key) == nullptr ? 1 : 0;
   bytes_ -= table.records().bytes();
   table.put(key, std::move(record));
   bytes_ += table.records().bytes();
@@ -105,20 +110,11 @@ bool Peers::record_came(const RemoteParticipant& by, Role role, const RecordKey&
 }
 
 bool Peers::has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const {
-  if (!limits_.are_reached(records_, bytes_)) return true;
-  if (!is_heard(of)) return false;
   const Record* const before = of.tables[role].records().find(key);
-  const auto bytes_of_body = [](const Record& one) { return one.is_withdrawn() ? 0 : one.body->size(); };
-  std::size_t records = before == nullptr ? 1 : 0;
-  std::size_t bytes = bytes_of_body(record);
-  for (const Role each : both_roles) {
-    records += of.tables[each].records().all().size();
-    bytes += of.tables[each].records().bytes();
-  }
-  if (before != nullptr) bytes -= bytes_of_body(*before);
-  const bool adds_none = before != nullptr && bytes_of_body(record) <= bytes_of_body(*before);
-  return records <= limits_.records && bytes <= limits_.bytes &&
-         (adds_none || bytes_ < limits_.bytes_of_all());
+  if (before != nullptr && record.bytes() <= before->bytes()) return true;
+  const Held held = held_by(of);
+  return (before != nullptr || held.records < limits_.records) &&
+         held.bytes + record.bytes() <= limits_.bytes && bytes_ + record.bytes() <= limits_.bytes_of_all;
 }
 
 /// A heartbeat that names another process than that of its participant is forged, and ignored. Heartbeats
@@ -146,8 +142,6 @@ void Peers::join(const RemoteParticipant& id, Participant& participant) {
   const auto changed = [this, process](Role role, const RecordKey& key, const Record& record) {
     actions_.emplace_back(RecordChanged{process, role, key, record});
   };
-  participant.is_cropped = false;  // the limits may have been reached only because the participant was not
-                                   // heard
   peers_.try_emplace(process, timing_, listened_, changed).first->second.join(id, participant);
 }
 
@@ -196,20 +190,23 @@ void Peers::look(Time now) {
 }
 
 /// Participants that are silent, and those that Cyclone does not find, have mostly ended. So when the
-/// limits are reached, their tables are removed. If such a participant is still alive, a renewal of the
-/// link brings its records again. A renewal also brings records that were dropped because of the limits,
-/// once the limits allow it.
+/// limit for all is nearly reached, their tables are removed. If such a participant is still alive, a renewal
+/// of the link brings its records again. A renewal also brings records that were refused, once there is room
+/// for them.
 void Peers::look_at_room(Time now) {
-  const bool is_full = limits_.are_reached(records_, bytes_);
+  const bool is_crowded = bytes_ > limits_.bytes_of_all / 4 * 3;
   for (auto next = participants_.begin(); next != participants_.end();) {
     const auto one = next++;
     Participant& participant = one->second;
-    if (is_full && participant.process && !is_heard(participant)) forget_tables(participant);
-    if (!participant.process && now >= participant.found_at + timing_.lease)
+    if (!participant.process && now >= participant.found_at + timing_.lease) {
       participant_gone(RemoteParticipant(one->first));
+      continue;
+    }
+    if (is_crowded && participant.process && !is_heard(participant)) forget_tables(participant);
+    const Held held = held_by(participant);
+    const bool has_few = held.records < limits_.records && held.bytes <= limits_.bytes / 4 * 3;
+    if (!is_crowded && has_few) participant.is_cropped = false;
   }
-  if (!limits_.are_far(records_, bytes_)) return;
-  for (auto& [id, participant] : participants_) participant.is_cropped = false;
 }
 
 void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time now) {
@@ -236,33 +233,18 @@ void Peers::look_at_paths(Time now) {
 }
 
 void Peers::look_at_links(Time now) {
-  std::map<LinkId, std::set<ProcessId>> misses;
+  std::map<LinkId, bool> misses;
+  std::map<LinkId, IpAddress> missed;
   for (const auto& [id, participant] : participants_) {
-    if (is_heard(participant) && participant.is_suspect) misses[id.link].insert(*participant.process);
+    if (!is_heard(participant) || !participant.is_suspect) continue;
+    misses[id.link] |= participant.has_agreed;
+    missed[id.link] = participant.address;
   }
   care_.misses(misses);
-  const auto is_complete = [this](ProcessId process, LinkId link) {
-    const Peer* const peer = find(process);
-    return peer == nullptr || peer->is_complete_on(link);
-  };
-  const LinkCare::Due due = care_.look(
-      is_complete, [this](LinkId link) { return is_covered(link); }, now);
-  for (RenewLink renewal : due.renewals) {
-    for (const auto& [id, participant] : participants_)
-      if (id.link == renewal.link && participant.process == renewal.because_of)
-        renewal.from = participant.address;
-    actions_.emplace_back(renewal);
-  }
+  const LinkCare::Due due = care_.look(now);
+  for (const LinkId link : due.renewals) actions_.emplace_back(RenewLink{link, missed[link]});
   for (const LinkId link : due.ends) actions_.emplace_back(EndLink{link});
   for (const Announce& announcement : due.announcements) actions_.emplace_back(announcement);
-}
-
-bool Peers::is_covered(LinkId link) const {
-  for (auto one = participants_.lower_bound({link, {}});
-       one != participants_.end() && one->first.link == link; ++one) {
-    if (is_heard(one->second) && !peers_.at(*one->second.process).is_complete_beside(link)) return false;
-  }
-  return true;
 }
 
 Time Peers::next() const {

@@ -51,26 +51,21 @@ struct HeartbeatsMissing {
 struct EndLink {
   LinkId link = 0;
 };
-using RenewLink = LinkCare::Renewal;
+/// Records are missing on the link, which has to be replaced by a new one.
+struct RenewLink {
+  LinkId link = 0;
+  IpAddress from{};  ///< the address of a process whose records are missing; "any" if it is not known
+};
 using Announce = LinkCare::Announcement;
 using PeerAction =
     std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, Announce, EndLink>;
 
+/// These limits bound what attackers can make this process store. Further records are refused, counted and
+/// logged.
 struct PeerLimits {
-  /// While all participants together have fewer than `full` records with fewer than `full_bytes` bytes,
-  /// each of them may have any number of records. Above that, a participant whose heartbeats come may have
-  /// `records` records with `bytes` bytes, as long as all together have fewer bytes than bytes_of_all().
-  std::size_t records = 2'048;
-  std::size_t bytes = std::size_t{4} << 20;
-  std::size_t full = 16'384;
-  std::size_t full_bytes = std::size_t{64} << 20;
-  std::size_t bytes_of_all() const { return 4 * full_bytes; }
-  bool are_reached(std::size_t all_records, std::size_t all_bytes) const {
-    return all_records >= full || all_bytes >= full_bytes;
-  }
-  bool are_far(std::size_t all_records, std::size_t all_bytes) const {
-    return all_records < full / 4 * 3 && all_bytes < full_bytes / 4 * 3;
-  }
+  std::size_t records = 4'096;                        ///< of one participant
+  std::size_t bytes = std::size_t{16} << 20;          ///< the bytes of these records
+  std::size_t bytes_of_all = std::size_t{256} << 20;  ///< the bytes of the records of all participants
   /// The maximum number of participants of one process: one on each link, and a second one on a link that
   /// is being replaced.
   std::size_t participants = 32;
@@ -136,7 +131,6 @@ class Peers {
   void forget_tables(Participant& participant);
   void look_at_paths(Time now);
   void look_at_links(Time now);
-  bool is_covered(LinkId link) const;
 
   const ProcessId self_;
   const Timing timing_;
@@ -147,8 +141,7 @@ class Peers {
   std::map<ProcessId, Peer> peers_;
   std::map<ProcessId, Peer::Paths> cut_;  ///< the cut paths of each process as last reported by PathsCut
   std::set<LinkId> unheard_;              ///< links for which HeartbeatsMissing was reported
-  std::size_t records_ = 0;               ///< the number of records of all participants
-  std::size_t bytes_ = 0;                 ///< the size of these records in bytes
+  std::size_t bytes_ = 0;                 ///< the bytes of the records of all participants
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

@@ -15,8 +15,6 @@ constexpr std::uint64_t spread(std::uint64_t number) {
   return number ^ (number >> 31);
 }
 
-std::size_t bytes_of(const Record& record) { return record.is_withdrawn() ? 0 : record.body->size(); }
-
 /// Returns what one record adds to the digest, where the digest is the sum over all records.
 std::uint64_t digest_of(const RecordKey& key, const Record& record) {
   std::uint64_t digest = spread((std::uint64_t{key.slot} << 8) + static_cast<std::uint64_t>(key.kind) + 1);
@@ -41,7 +39,7 @@ bool operator==(const Record& a, const Record& b) {
 void Records::put(const RecordKey& key, Record record) {
   erase(key);
   digest_ += digest_of(key, record);
-  bytes_ += bytes_of(record);
+  bytes_ += record.bytes();
   all_.emplace(key, std::move(record));
 }
 
@@ -49,7 +47,7 @@ void Records::erase(const RecordKey& key) {
   const auto found = all_.find(key);
   if (found == all_.end()) return;
   digest_ -= digest_of(key, found->second);
-  bytes_ -= bytes_of(found->second);
+  bytes_ -= found->second.bytes();
   all_.erase(found);
 }
 

@@ -63,6 +63,7 @@ struct Record {
                                ///< greater revision is in force
   RecordBody body{};           ///< null: the record was withdrawn
   bool is_withdrawn() const { return body == nullptr; }
+  std::size_t bytes() const { return is_withdrawn() ? 0 : body->size(); }
   friend bool operator==(const Record& a, const Record& b);
 };
 

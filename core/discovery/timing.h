@@ -1,5 +1,5 @@
 // All times of the control plane, each with its reason. All other waiting times of the control plane are
-// multiples or fractions of these. There are 15 of them. A new one should replace one of these.
+// multiples or fractions of these. There are 13 of them. A new one should replace one of these.
 #pragma once
 
 #include <chrono>
@@ -31,9 +31,6 @@ struct Timing {
   /// The pause between two renewals of a link begins with `lease`, and doubles up to this value while
   /// renewals do not help. So a participant that an attacker makes up causes few renewals.
   Milliseconds renew_pause_max{60'000};
-  /// A replaced link stays at least this long, since participants answer on the new link within one
-  /// heartbeat.
-  Milliseconds retire_after{1'000};
 
   /// Cyclone drops a participant from which no announcement comes for this time, and repeats our
   /// announcements after three quarters of it. The time may be long, because heartbeats show which

@@ -10,51 +10,26 @@ void EndpointTable::add_ours(const Endpoint& endpoint, const TypeSupport& type) 
   index(entry->second);
 }
 
-TableShares::Admission EndpointTable::admit(const Endpoint& newcomer) {
-  const TableShares::Admission admission = shares_.admit(newcomer.announcer, newcomer.topic);
-  if (!admission.granted) {
-    refuse(newcomer);
-  } else if (admission.instead_of) {
-    refuse(entries_.at(*admission.instead_of).endpoint);
-  }
-  return admission;
-}
-
-void EndpointTable::refuse(const Endpoint& endpoint) {
-  ++refused_;
-  ++refusals_[endpoint.node];
-}
-
-std::optional<Endpoint> EndpointTable::enter(const Endpoint& endpoint) {
+void EndpointTable::enter(const Endpoint& endpoint) {
   const auto [at, is_new] = entries_.try_emplace(endpoint.id);
   TableEntry& entry = at->second;
   if (is_new) {
     entry.arrival = ++arrivals_;
   } else {
     unindex(entry);
-    descriptions_.leave(entry.endpoint);
   }
-  std::optional<Endpoint> before;
-  Endpoint known = std::exchange(entry.endpoint, endpoint);
-  if (!is_new) before = std::move(known);
-  descriptions_.enter(entry.endpoint);
+  entry.endpoint = endpoint;
   entry.lost_since.reset();
   lost_.erase(endpoint.id);
   index(entry);
-  const AnnouncerId* const entered_by = shares_.announcer_of(endpoint.id);
-  if (entered_by == nullptr || *entered_by != endpoint.announcer)
-    shares_.enter(endpoint.id, endpoint.announcer, endpoint.topic);
-  return before;
 }
 
 bool EndpointTable::erase(EndpointId id) {
   const auto gone = entries_.find(id);
   if (gone == entries_.end()) return false;
   unindex(gone->second);
-  if (!gone->second.is_ours()) descriptions_.leave(gone->second.endpoint);
   lost_.erase(id);
   entries_.erase(gone);
-  shares_.remove(id);
   return true;
 }
 

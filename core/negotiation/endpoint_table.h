@@ -1,6 +1,5 @@
 // The table of endpoints, ours and those of other nodes, by their ids and by their topics. It knows which
-// endpoints are lost, and admits endpoints of other nodes while the limits allow it. Uses no clock, thread
-// or I/O.
+// endpoints are lost. Discovery limits what other processes can announce. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -11,12 +10,9 @@
 #include <set>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/control/control.h"
-#include "core/negotiation/description_room.h"
-#include "core/negotiation/table_shares.h"
 #include "core/platform/clock.h"
 #include "sft/type_support.h"
 
@@ -36,16 +32,10 @@ struct TableEntry {
 
 class EndpointTable {
  public:
-  explicit EndpointTable(const TableShares::Limits& limits) : shares_(limits) {}
-
   /// Adds an endpoint of ours. Its id must not be in the table. `type` outlives the entry.
   void add_ours(const Endpoint& endpoint, const TypeSupport& type);
-  /// Decides whether a new endpoint of another node is admitted, and counts the endpoint that is refused or
-  /// removed for this. The caller must erase the entry that the result names.
-  TableShares::Admission admit(const Endpoint& newcomer);
-  /// Adds or updates an endpoint of another node, which then does not count as lost. Returns the earlier
-  /// endpoint with the same id, if there is one.
-  std::optional<Endpoint> enter(const Endpoint& endpoint);
+  /// Adds or updates an endpoint of another node, which then does not count as lost.
+  void enter(const Endpoint& endpoint);
   /// Removes an entry. Returns false if it was not in the table.
   bool erase(EndpointId id);
 
@@ -78,12 +68,6 @@ class EndpointTable {
   /// Returns true if some endpoint is lost.
   bool misses_peer() const { return !lost_.empty(); }
 
-  /// Returns how many announcements were refused, and entries removed, because the table was full.
-  std::uint64_t refused() const { return refused_; }
-  /// Returns this count for each node whose announcements were refused or removed, by its name, since the
-  /// last call.
-  std::map<std::string, std::uint64_t> take_refusals() { return std::exchange(refusals_, {}); }
-
  private:
   struct Topic {
     std::set<EndpointId> endpoints;
@@ -91,18 +75,13 @@ class EndpointTable {
   };
   void index(const TableEntry& entry);
   void unindex(const TableEntry& entry);
-  void refuse(const Endpoint& endpoint);
 
   // Because of these maps, the cost of an event of one endpoint does not depend on the number of other
   // endpoints.
   std::map<EndpointId, TableEntry> entries_;
   std::map<std::string, Topic, std::less<>> topics_;  ///< the topics of all entries
   std::set<EndpointId> lost_;                         ///< the entries that are lost
-  TableShares shares_;                                ///< the shares of the entries of other nodes
-  DescriptionRoom descriptions_;                      ///< limits the descriptions of endpoints of other nodes
   std::uint64_t arrivals_ = 0;
-  std::uint64_t refused_ = 0;
-  std::map<std::string, std::uint64_t> refusals_;
 };
 
 }  // namespace sft::core

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "core/negotiation/id_list.h"
-#include "core/negotiation/pair_evaluator.h"
+#include "core/negotiation/pair.h"
 
 namespace sft::core {
 
@@ -54,9 +54,13 @@ void hear_no_more_than_possible(std::vector<Hearing>& hearing, const EndpointTab
 std::vector<Hearing> hearing_of(const TableEntry& reader, const KnownFacts& facts,
                                 TypeComparisons& comparisons) {
   std::vector<Hearing> result;
-  PairEvaluator evaluator(facts.host.self(), comparisons);
-  for (const TableEntry* writer : facts.table.counterparts(reader))
-    result.push_back(hear(*writer, reader.endpoint, evaluator.evaluate(*writer, reader), facts));
+  for (const TableEntry* writer : facts.table.counterparts(reader)) {
+    const bool we_write = writer->is_ours();
+    const Verdict verdict =
+        evaluate({writer->endpoint, reader.endpoint, we_write}, we_write ? *writer->type : *reader.type,
+                 facts.host.self(), &comparisons);
+    result.push_back(hear(*writer, reader.endpoint, verdict, facts));
+  }
   if (result.size() > writers_per_reader_max) hear_no_more_than_possible(result, facts.table);
   return result;
 }

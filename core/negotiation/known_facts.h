@@ -12,10 +12,10 @@
 namespace sft::core {
 
 struct KnownFacts {
-  LocalHost host;
-  EndpointTable table;
-  HistoryState history;
-  UnreachableReaders unreachable;
+  LocalHost host{};
+  EndpointTable table{};
+  HistoryState history{};
+  UnreachableReaders unreachable{};
   mutable RequestedSelections requested{};  ///< decoded from the requests in the table
 
   /// Removes an endpoint. If the endpoint comes back later, it must get the history again.

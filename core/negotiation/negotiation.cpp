@@ -23,15 +23,6 @@ bool renew(Request& request) {
 
 }  // namespace
 
-Negotiation::Negotiation(const Limits& limits)
-    : limits_(limits),
-      facts_{.host = {},
-             .table = EndpointTable({.entries = limits.endpoints,
-                                     .of_announcer = limits.of_announcer,
-                                     .of_topic = limits.of_topic}),
-             .history = {},
-             .unreachable = {}} {}
-
 bool Negotiation::self_changed(const Self& self) {
   const bool new_host = self.host != facts_.host.self().host;
   if (!facts_.host.self_changed(self)) return false;
@@ -63,24 +54,9 @@ void Negotiation::local_removed(EndpointId id) { facts_.erase(id); }
 bool Negotiation::endpoint_seen(const Endpoint& endpoint) {
   const TableEntry* const known = facts_.table.find(endpoint.id);
   if (known != nullptr && known->is_ours()) return false;
-  bool concerns_ours = false;  // if false, no desired state depends on the endpoint
-  if (known == nullptr && !admit(endpoint, concerns_ours)) return false;
-  const std::optional<Endpoint> before = facts_.table.enter(endpoint);
-  concerns_ours |= facts_.table.is_topic_of_ours(endpoint.topic) ||
-                   (before && facts_.table.is_topic_of_ours(before->topic));
+  facts_.table.enter(endpoint);
   facts_.history.begins_anew(endpoint);
-  return concerns_ours;
-}
-
-/// Returns true if the new endpoint is admitted. If another endpoint is removed for this, and an endpoint
-/// of ours has the topic of the removed endpoint, `concerns_ours` is set to true.
-bool Negotiation::admit(const Endpoint& newcomer, bool& concerns_ours) {
-  const TableShares::Admission admission = facts_.table.admit(newcomer);
-  if (admission.instead_of) {
-    concerns_ours = is_of_our_topic(facts_.table, *admission.instead_of);
-    facts_.erase(*admission.instead_of);
-  }
-  return admission.granted;
+  return facts_.table.is_topic_of_ours(endpoint.topic);
 }
 
 bool Negotiation::endpoint_departed(EndpointId id) {
@@ -166,7 +142,7 @@ bool Negotiation::reach_changed(EndpointId writer, EndpointId reader, const std:
 
 bool Negotiation::tick(Time now) {
   comparisons_.refill();
-  const std::vector<EndpointId> forgotten = facts_.table.lost_for(limits_.forget_lost_after, now);
+  const std::vector<EndpointId> forgotten = facts_.table.lost_for(forget_lost_after, now);
   for (const EndpointId id : forgotten) facts_.erase(id);
   return !forgotten.empty();
 }

@@ -8,7 +8,6 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
-#include <map>
 #include <string>
 #include <vector>
 
@@ -23,19 +22,10 @@
 
 namespace sft::core {
 
-/// Limits for entries of other nodes. Further entries are refused and counted (table_shares.h has the
-/// rules).
-struct NegotiationLimits {
-  std::size_t endpoints = 4096;
-  std::chrono::seconds forget_lost_after{60};
-  std::size_t of_announcer = 1024;
-  std::size_t of_topic = 256;
-};
-
 class Negotiation {
  public:
-  using Limits = NegotiationLimits;
-  explicit Negotiation(const Limits& limits = {});
+  /// The time for which the facts about a lost endpoint are kept.
+  static constexpr std::chrono::seconds forget_lost_after{60};
 
   // Events. Each returns true if the desired states may have changed, so that they have to be read again.
   // Most endpoints of a large system have topics that no endpoint of ours has; events of these change
@@ -83,15 +73,8 @@ class Negotiation {
   /// the next event.
   const EndpointTable& table() const { return facts_.table; }
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
-  /// Returns the number of announcements that were refused because the table was full.
-  std::uint64_t ignored() const { return facts_.table.refused(); }
-  /// Returns this count for each node whose announcements were refused, by its name, since the last call.
-  std::map<std::string, std::uint64_t> take_refusals() { return facts_.table.take_refusals(); }
 
  private:
-  bool admit(const Endpoint& newcomer, bool& concerns_ours);
-
-  Limits limits_;
   KnownFacts facts_;
   mutable TypeComparisons comparisons_;
 };

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "core/negotiation/id_list.h"
-#include "core/negotiation/pair_evaluator.h"
+#include "core/negotiation/pair.h"
 
 namespace sft::core {
 
@@ -92,11 +92,11 @@ void look_after_lease(const Endpoint& reader, const PublisherStatus::Reader& sta
 
 Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons) {
   Serving serving;
-  PairEvaluator evaluator(facts.host.self(), comparisons);
   const std::vector<const TableEntry*> readers = facts.table.counterparts(writer);
   serving.readers.reserve(readers.size());
   for (const TableEntry* reader : readers) {
-    const Verdict verdict = evaluator.evaluate(writer, *reader);
+    const Verdict verdict =
+        evaluate({writer.endpoint, reader->endpoint, true}, *writer.type, facts.host.self(), &comparisons);
     serve(writer, *reader, verdict, facts, serving);
     look_after_lease(reader->endpoint, serving.readers.back(), serving);
   }

@@ -32,22 +32,13 @@ std::shared_ptr<const TypeMismatch> TypeComparisons::compare(const TypeSupport& 
   --left_;
   ++compared_;
   auto mismatch = std::make_shared<const TypeMismatch>(explain(ours, theirs));
-  bytes_ += bytes_of(*mismatch);
+  if (known_.size() >= known_max || bytes_ >= known_bytes_max) {
+    known_.clear();
+    bytes_ = 0;
+  }
+  bytes_ += mismatch->difference.size() + mismatch->here.size() + mismatch->there.size();
   known_.emplace(both, mismatch);
-  order_.push_back(both);
-  while (known_.size() > known_max || (bytes_ > known_bytes_max && known_.size() > 1)) forget_the_oldest();
   return mismatch;
-}
-
-std::size_t TypeComparisons::bytes_of(const TypeMismatch& mismatch) {
-  return mismatch.difference.size() + mismatch.here.size() + mismatch.there.size();
-}
-
-void TypeComparisons::forget_the_oldest() {
-  const auto oldest = known_.find(order_.front());
-  bytes_ -= bytes_of(*oldest->second);
-  known_.erase(oldest);
-  order_.pop_front();
 }
 
 }  // namespace sft::core

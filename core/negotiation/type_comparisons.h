@@ -1,11 +1,10 @@
 // Explains why two definitions of one type do not match. Results are kept, since the same pairs are
-// evaluated again after every event. If there are too many, the oldest results are dropped. Other processes
-// may announce any number of definitions, so only a few are compared between two calls of refill().
+// evaluated again after every event. If there are too many, all results are dropped. Other processes may
+// announce any number of definitions, so only a few are compared between two calls of refill().
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
-#include <deque>
 #include <map>
 #include <memory>
 #include <string>
@@ -34,12 +33,9 @@ class TypeComparisons {
  private:
   /// The name of the type and the hashes of both definitions. (The hashes do not cover the names of types.)
   using Definitions = std::tuple<std::string, std::uint64_t, std::uint64_t>;
-  static std::size_t bytes_of(const TypeMismatch& mismatch);
-  void forget_the_oldest();
 
   std::map<Definitions, std::shared_ptr<const TypeMismatch>> known_;
-  std::deque<Definitions> order_;  ///< the keys of `known_` in the order in which they became known
-  std::size_t bytes_ = 0;
+  std::size_t bytes_ = 0;  ///< the size of these results in bytes
   int left_ = compared_at_once;
   std::uint64_t compared_ = 0;
 };

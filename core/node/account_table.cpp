@@ -1,53 +1,16 @@
 #include "core/node/account_table.h"
 
-#include <iterator>
-
 namespace sft::core {
 
-/// The number of accounts per topic is not limited, because the table has only accounts of topics that the
-/// program asks about.
-AccountTable::AccountTable(const Limits& limits)
-    : limits_(limits),
-      shares_({.entries = limits.accounts,
-               .of_announcer = limits.of_announcer,
-               .topic_shares_from = limits.accounts,
-               .of_topic = limits.accounts}) {}
-
-void AccountTable::enter(const Account& account, AnnouncerId by, Time now) {
-  const auto before = entries_.find(account.id);
-  if (before != entries_.end() && before->second.by == by) {
-    before->second.account = account;
-    before->second.at = now;
-    return;
-  }
-  if (before != entries_.end()) erase(before);
-  const TableShares::Admission admission = shares_.admit(by, {});
-  if (!admission.granted) return;
-  if (admission.instead_of) erase(entries_.find(numbers_.at(*admission.instead_of)));
-  const std::uint64_t number = ++numbered_;
-  shares_.enter(number, by, {});
-  numbers_.emplace(number, account.id);
-  entries_.emplace(account.id, Entry{account, by, number, now});
-}
-
-void AccountTable::erase(Entries::iterator entry) {
-  shares_.remove(entry->second.number);
-  numbers_.erase(entry->second.number);
-  entries_.erase(entry);
-}
-
-void AccountTable::clear() {
-  while (!entries_.empty()) erase(entries_.begin());
+void AccountTable::enter(const Account& account, Time now) {
+  if (entries_.size() < accounts_max || entries_.contains(account.id))
+    entries_.insert_or_assign(account.id, Entry{account, now});
 }
 
 PairAccounts AccountTable::accounts(Time now) {
+  std::erase_if(entries_, [&](const auto& item) { return now - item.second.at >= kept_for; });
   PairAccounts accounts;
-  for (auto entry = entries_.begin(); entry != entries_.end();) {
-    const auto next = std::next(entry);
-    const Time::duration age = now - entry->second.at;
-    age >= limits_.kept_for ? erase(entry) : add_to(accounts, entry->second.account, age);
-    entry = next;
-  }
+  for (const auto& [id, entry] : entries_) add_to(accounts, entry.account, now - entry.at);
   return accounts;
 }
 

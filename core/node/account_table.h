@@ -1,6 +1,5 @@
 // The accounts of pairs that other nodes have reported. Accounts that are not reported again are dropped.
-// The number of accounts is limited. If a process reports too many accounts, the newest accounts of this
-// process are dropped, and those of other processes remain (table_shares.h). Uses no clock, thread or I/O.
+// The number of accounts is limited. Uses no clock, thread or I/O.
 #pragma once
 
 #include <chrono>
@@ -9,7 +8,6 @@
 #include <map>
 
 #include "core/control/control.h"
-#include "core/negotiation/table_shares.h"
 #include "core/platform/clock.h"
 #include "sft/domain.h"
 
@@ -19,37 +17,24 @@ using PairAccounts = std::map<PairId, DomainSnapshot::Account>;
 
 class AccountTable {
  public:
-  struct Limits {
-    std::size_t accounts = 4096;
-    std::size_t of_announcer = 1024;
-    /// The time for which an account is kept without a new report. Within this time a node can report 300
-    /// accounts, if no report is lost.
-    std::chrono::milliseconds kept_for{10'000};
-  };
-  AccountTable() : AccountTable(Limits{}) {}
-  explicit AccountTable(const Limits& limits);
+  /// The maximum number of accounts. Further accounts are refused.
+  static constexpr std::size_t accounts_max = 4096;
+  /// The time for which an account is kept without a new report. Within this time a node can report 300
+  /// accounts, if no report is lost.
+  static constexpr std::chrono::milliseconds kept_for{10'000};
 
-  /// Enters an account. `by` is the announcer of the endpoint whose node has counted.
-  void enter(const Account& account, AnnouncerId by, Time now);
-  void clear();
+  void enter(const Account& account, Time now);
+  void clear() { entries_.clear(); }
   /// Returns all accounts that were reported within `kept_for`, with their ages.
   PairAccounts accounts(Time now);
 
  private:
   struct Entry {
     Account account;
-    AnnouncerId by = 0;
-    std::uint64_t number = 0;  ///< identifies this entry in shares_
     Time at{};
   };
-  using Entries = std::map<AccountId, Entry>;
-  void erase(Entries::iterator entry);
 
-  const Limits limits_;
-  Entries entries_;
-  std::map<std::uint64_t, AccountId> numbers_;
-  TableShares shares_;
-  std::uint64_t numbered_ = 0;
+  std::map<AccountId, Entry> entries_;
 };
 
 /// Adds the counts of one side of a pair to the account of the pair.

@@ -7,8 +7,6 @@
 namespace sft::core {
 
 namespace {
-constexpr std::chrono::seconds log_refusals_every{60};
-constexpr std::size_t refusals_named_max = 10;
 constexpr std::chrono::seconds look_at_servers_every{8};
 
 /// Returns the name of the service if the endpoint is its publisher of replies (sft/service.h), otherwise an
@@ -22,21 +20,8 @@ std::string_view service_of(const Endpoint& e) {
 }
 }  // namespace
 
-void ControlMonitor::log_refusals(Time now) {
-  for (const auto& [node, times] : negotiation_.take_refusals()) {
-    if (refusals_.size() < refusals_named_max || refusals_.contains(node)) refusals_[node] += times;
-  }
-  if (refusals_.empty() || now < log_refusals_at_) return;
-  log_refusals_at_ = now + log_refusals_every;
-  std::string text;
-  for (const auto& [node, times] : std::exchange(refusals_, {}))
-    text += (text.empty() ? "" : ", ") + std::to_string(times) + " of node " + in_quotes(node);
-  log_.write(LogLevel::warning, "the table of endpoints has no room for all that is announced; refused: " +
-                                    text + "; NodeStatus::control_ignored counts them");
-}
-
 void ControlMonitor::name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now) {
-  for (const std::string& sentence : misspelt_topics_.look(negotiation_.table(), publishers_of, now))
+  for (const std::string& sentence : misspelt_topics_.look(table_, publishers_of, now))
     log_.write(LogLevel::warning, sentence);
 }
 
@@ -44,8 +29,8 @@ void ControlMonitor::name_second_servers(const MisspeltTopics::PublishersOf& pub
   if (now < look_at_servers_at_) return;
   look_at_servers_at_ = now + look_at_servers_every;
   std::set<std::string> found;
-  for (const Endpoint* const ours : negotiation_.table().present()) {
-    if (negotiation_.table().find_ours(ours->id) == nullptr || service_of(*ours).empty()) continue;
+  for (const Endpoint* const ours : table_.present()) {
+    if (table_.find_ours(ours->id) == nullptr || service_of(*ours).empty()) continue;
     std::multiset<std::string> nodes;
     for (const auto& [topic, node] : publishers_of(ours->type_name))
       if (topic == ours->topic) nodes.insert(in_quotes(node));

@@ -1,14 +1,11 @@
-// Logs problems in the table of endpoints: other nodes announce more endpoints than the table can hold, the
-// name of a topic of this node may be misspelt, or another node serves a service of this node, too. Limits
-// how often it writes to the log. Used by the agent only.
+// Logs problems in the table of endpoints: the name of a topic of this node may be misspelt, or another node
+// serves a service of this node, too. Limits how often it writes to the log. Used by the agent only.
 #pragma once
 
-#include <cstdint>
-#include <map>
 #include <set>
 #include <string>
 
-#include "core/negotiation/negotiation.h"
+#include "core/negotiation/endpoint_table.h"
 #include "core/node/misspelt_topics.h"
 #include "core/platform/clock.h"
 #include "core/report/node_log.h"
@@ -18,9 +15,7 @@ namespace sft::core {
 class ControlMonitor {
  public:
   /// Both arguments must outlive this object.
-  ControlMonitor(Negotiation& negotiation, NodeLog& log) : negotiation_(negotiation), log_(log) {}
-
-  void log_refusals(Time now);
+  ControlMonitor(const EndpointTable& table, NodeLog& log) : table_(table), log_(log) {}
 
   /// Called when a subscriber of this node was opened.
   void reader_added(EndpointId id, Time now) { misspelt_topics_.added(id, now); }
@@ -30,13 +25,10 @@ class ControlMonitor {
   void name_second_servers(const MisspeltTopics::PublishersOf& publishers_of, Time now);
 
  private:
-  Negotiation& negotiation_;
+  const EndpointTable& table_;
   NodeLog& log_;
-  /// The numbers of refused endpoints that are not logged yet, by the name of the node.
-  std::map<std::string, std::uint64_t> refusals_;
   MisspeltTopics misspelt_topics_;
   std::set<std::string> second_servers_;  ///< the services with two servers that the last check has found
-  Time log_refusals_at_{};
   Time look_at_servers_at_{};
 };
 

@@ -24,16 +24,6 @@ constexpr std::chrono::seconds complaint_pause{1};
 /// search, but cannot wake it.
 constexpr std::chrono::milliseconds interrupt_look_period{100};
 
-/// Returns the function that logs hold-ups of the agent, or an empty function. Users cannot do anything
-/// about hold-ups, so they are measured only if the level of the log is `debug`.
-HoldUpMonitor::Report report_of_hold_ups(NodeLog& log) {
-  if (!log.wants(LogLevel::debug)) return {};
-  return [&log](std::source_location what, std::chrono::milliseconds held_up) {
-    log.write(LogLevel::debug, "the agent was held up for " + std::to_string(held_up.count()) + " ms by " +
-                                   what.file_name() + ":" + std::to_string(what.line()));
-  };
-}
-
 void log_calls_left_out(CallbackThread& callbacks, NodeLog& log) {
   const std::uint64_t left_out = callbacks.take_left_out();
   if (left_out == 0) return;
@@ -134,8 +124,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                    heap->give_back(std::chrono::steady_clock::now());
                                    return reconciler->tick();
                                  },
-                             .idle = [reconciler] { return reconciler->reconcile(); },
-                             .held_up = report_of_hold_ups(node->log_)};
+                             .idle = [reconciler] { return reconciler->reconcile(); }};
   const Result<void> started = node->agent_.start({"agent " + options.name, options.threads.agent}, duties);
   if (!started) return tl::unexpected(started.error());
   return node;
@@ -290,28 +279,22 @@ void NodeCore::report_received(NodeReport report) {
   has_time ? agent_.post_for_next_tick(std::move(task)) : agent_.post(std::move(task));
 }
 
-void NodeCore::links_changed(std::string summary) {
-  agent_.post([this, summary = std::move(summary)] { log_.write(LogLevel::info, "discovery: " + summary); });
-}
-
-void NodeCore::link_was_renewed(std::string what) {
-  counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
-  warned(std::move(what));
-}
-
-void NodeCore::warned(std::string what) {
-  agent_.post([this, what = std::move(what)] { log_.write(LogLevel::warning, "discovery: " + what); });
-}
-
-void NodeCore::control_malformed(std::string why) {
-  const std::uint64_t refused = counts_.malformed.fetch_add(1, std::memory_order_relaxed) + 1;
-  // A flood of malformed messages must not fill the agent's queue. So only one line per pause is posted.
-  const auto now = std::chrono::steady_clock::now();
-  if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
-  next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
-  agent_.post([this, refused, why = std::move(why)] {
-    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + why);
-  });
+/// A flood of malformed messages must not fill the agent's queue. So of lines about refused messages only one
+/// per pause is posted.
+void NodeCore::log_news(News news, std::string text) {
+  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
+  if (news == News::malformed || news == News::too_much) {
+    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
+    const std::uint64_t refused = count.fetch_add(1, std::memory_order_relaxed) + 1;
+    const auto now = std::chrono::steady_clock::now();
+    if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
+    next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
+    text.insert(0, "control traffic refused, " + std::to_string(refused) + " in all: ");
+  } else {
+    text.insert(0, "discovery: ");
+  }
+  const LogLevel level = news == News::links_changed ? LogLevel::info : LogLevel::warning;
+  agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
 }
 
 template <class Question>
@@ -330,14 +313,9 @@ auto NodeCore::ask_agent(Question question) -> decltype(question()) {
   return answer.get_future().get();
 }
 
-void NodeCore::hear(Role role) {
-  if (const Result<void> heard = discovery_->hear(role); !heard)
-    log_.write(LogLevel::warning, heard.error().message + "; not all nodes are heard");
-}
-
-void NodeCore::hear_everybody() {
-  hear(Role::writer);
-  hear(Role::reader);
+void NodeCore::hear(bool readers_too) {
+  discovery_->hear(Role::writer);
+  if (readers_too) discovery_->hear(Role::reader);
 }
 
 Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nanoseconds timeout) {
@@ -353,7 +331,7 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   };
   for (;;) {
     const std::uint64_t seen = endpoints_changed_.value();
-    ask_agent([&] { search.hears_readers() ? hear_everybody() : hear(Role::writer); });
+    ask_agent([&] { hear(search.hears_readers()); });
     // Announcements that discovery had received before were posted to the agent earlier than this question,
     // and so are contained in the answer.
     Result<DynamicType> type = ask_agent(
@@ -377,7 +355,7 @@ void NodeCore::interrupt() noexcept {
 
 std::vector<TopicInfo> NodeCore::topics() {
   if (is_forked_copy()) return {};
-  ask_agent([this] { hear_everybody(); });
+  ask_agent([this] { hear(true); });
   return topics_of(ask_agent([&] {
     std::vector<Endpoint> copies;
     for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
@@ -392,7 +370,7 @@ DomainSnapshot NodeCore::domain() {
     PairAccounts accounts;
   };
   ask_agent([this] {
-    hear_everybody();
+    hear(true);
     reconciler_->reports().ask_for_progress(std::chrono::steady_clock::now());
   });
   Known known = ask_agent([&] {
@@ -407,7 +385,7 @@ Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& s
   if (!found) return tl::unexpected(found.error());
   const std::string& name = found->topic;
   agent_.post([this, name] {
-    hear_everybody();
+    hear(true);
     reconciler_->reports().ask(name);
   });
   const auto end = [self, name](const void*) {
@@ -451,7 +429,7 @@ NodeStatus NodeCore::status() const {
   }
   status.control_malformed = counts_.malformed.load(std::memory_order_relaxed);
   status.links_renewed = counts_.links_renewed.load(std::memory_order_relaxed);
-  status.control_ignored = reconciler_->control_ignored();
+  status.control_ignored = counts_.ignored.load(std::memory_order_relaxed);
   return status;
 }
 

@@ -81,14 +81,11 @@ class NodeCore final : private DiscoveryListener {
   void request_received(Request request) override;
   void report_received(NodeReport report) override;
   void vanilla_changed() override;
-  void control_malformed(std::string why) override;
-  void links_changed(std::string summary) override;
-  void link_was_renewed(std::string what) override;
-  void warned(std::string what) override;
+  void log_news(News news, std::string text) override;
 
-  /// Makes discovery report the endpoints of that role of all nodes from now on. Called by the agent only.
-  void hear(Role role);
-  void hear_everybody();
+  /// Makes discovery report all publishers from now on, and all subscribers if `readers_too` is true. Called
+  /// by the agent only.
+  void hear(bool readers_too);
   /// Calls `question` on the agent's thread, which is the only thread that may use the reconciler. Returns
   /// the answer.
   template <class Question>
@@ -104,7 +101,7 @@ class NodeCore final : private DiscoveryListener {
   const std::unique_ptr<Network> network_;
   WakeSlots wake_slots_;
   struct DiscoveryCounts {
-    std::atomic<std::uint64_t> malformed{0}, links_renewed{0};
+    std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
   };
   DiscoveryCounts counts_;
   /// The earliest time of the next line about malformed control traffic.

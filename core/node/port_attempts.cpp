@@ -1,7 +1,5 @@
 #include "core/node/port_attempts.h"
 
-#include "core/platform/hold_up_monitor.h"
-
 namespace sft::core {
 
 /// Notes the outcome in `retry`. Returns true if the outcome is the first failure with its reason.
@@ -25,9 +23,7 @@ bool PortAttempts::in_memory(Retry& retry, const Open& open) {
     retry.hold_with(asking_daemon_);  // without this, the attempt would not be repeated
     return false;
   }
-  next_piece_of_work();
   const Result<void> opened = open();
-  next_piece_of_work();
   if (!opened && memory_ != nullptr && memory_->awaits_answer()) {
     retry.hold(now, opened.error().message);
     return false;

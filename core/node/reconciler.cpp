@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/platform/hold_up_monitor.h"
-
 namespace sft::core {
 
 namespace {
@@ -35,7 +33,7 @@ Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* 
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
-      control_monitor_(negotiation_, log),
+      control_monitor_(negotiation_.table(), log),
       attempts_(log, memory),
       vanilla_(std::move(vanilla), log),
       context_{negotiation_, discovery, attempts_, log, memory, network, &vanilla_},
@@ -130,32 +128,22 @@ void Reconciler::look_after_vanilla(Time now) {
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
-  next_piece_of_work();
   look_after_memory(now);
-  next_piece_of_work();
   look_after_addresses(now);
-  next_piece_of_work();
   dirty_ |= vanilla_.look(discovery_.vanilla(), has_endpoints(), now);
-  next_piece_of_work();
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
-  control_ignored_.store(negotiation_.ignored(), std::memory_order_relaxed);
-  control_monitor_.log_refusals(now);
   const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
   control_monitor_.name_misspelt_topics(publishers_of, now);
   control_monitor_.name_second_servers(publishers_of, now);
-  next_piece_of_work();
   look_after_endpoints(now);
-  next_piece_of_work();
   settle();
   const bool awaits_port = context_.memory != nullptr && context_.memory->awaits_answer();
   hurried_ticks_ = look_after_connections(now) || awaits_port ? hurried_ticks_ + 1 : 0;
   watch_promises(now);
   if (now - arrivals_looked_at_ >= arrivals_pause) look_at_arrivals({}, now);
   reports_.inquire(now);
-  next_piece_of_work();
   discovery_looks_at_ = discovery_.look_after(now);
-  next_piece_of_work();
   if (!departing_.empty() || has_to_be_watched(negotiation_, ours_)) tick_pace_.stirred(now);
   reconcile();
   log_.tick(now);

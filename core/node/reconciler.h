@@ -3,7 +3,6 @@
 // and to the user. Used by the agent only, except for functions that are marked.
 #pragma once
 
-#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -70,7 +69,6 @@ class Reconciler {
   /// Other threads may call only those functions of the returned object that are marked
   /// (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
-  std::uint64_t control_ignored() const { return control_ignored_.load(std::memory_order_relaxed); }
 
  private:
   bool has_endpoints() const { return !ours_.writers.empty() || !ours_.readers.empty(); }
@@ -107,7 +105,6 @@ class Reconciler {
   bool dirty_ = false;     ///< something changed since the last reconcile()
   int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection
                            ///< in shared memory
-  std::atomic<std::uint64_t> control_ignored_{0};
 };
 
 }  // namespace sft::core

@@ -42,7 +42,7 @@ void Reports::received(const NodeReport& report, Time now) {
     const bool is_pair = writer != nullptr && writer->role == Role::writer && reader != nullptr &&
                          reader->role == Role::reader && writer->topic == reader->topic;
     if (!is_pair || !asks_about(writer->topic)) continue;
-    table_.enter(account, (account.id.said_by == Role::writer ? writer : reader)->announcer, now);
+    table_.enter(account, now);
   }
 }
 

@@ -20,19 +20,19 @@ void Agent::stop() {
   thread_.join();
 }
 
-void Agent::post(Task task, std::source_location by) {
+void Agent::post(Task task) {
   {
     const Lock lock(mutex_);
-    tasks_.push_back({std::move(task), by});
+    tasks_.push_back(std::move(task));
   }
   posted_.notify_one();
 }
 
-void Agent::post_for_next_tick(Task task, std::source_location by) {
+void Agent::post_for_next_tick(Task task) {
   bool is_full = false;
   {
     const Lock lock(mutex_);
-    tasks_.push_back({std::move(task), by});
+    tasks_.push_back(std::move(task));
     is_full = tasks_.size() >= waiting_max;
   }
   if (is_full) posted_.notify_one();
@@ -45,8 +45,7 @@ bool Agent::is_behind() {
 
 void Agent::run() {
   thread_id_.store(std::this_thread::get_id());
-  HoldUpMonitor monitor(duties_.held_up, duties_.time);
-  std::vector<Posted> batch;
+  std::vector<Task> batch;
   auto next_tick = std::chrono::steady_clock::now();
   for (;;) {
     bool stopping = false;
@@ -56,12 +55,8 @@ void Agent::run() {
       batch.swap(tasks_);
       stopping = stopping_;
     }
-    for (const Posted& posted : batch) {
-      monitor.begin(posted.by);
-      posted.task();
-    }
+    for (const Task& task : batch) task();
     if (stopping && batch.empty()) return;
-    monitor.begin(std::source_location::current());
     if (!batch.empty()) {
       const auto pause = duties_.idle();
       next_tick = std::min(next_tick, std::chrono::steady_clock::now() + pause);
@@ -70,7 +65,6 @@ void Agent::run() {
     if (const auto now = std::chrono::steady_clock::now(); now >= next_tick) {
       next_tick = now + duties_.tick();
     }
-    monitor.end();
   }
 }
 

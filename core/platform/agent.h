@@ -7,12 +7,10 @@
 #include <chrono>
 #include <cstddef>
 #include <functional>
-#include <source_location>
 #include <string>
 #include <thread>
 #include <vector>
 
-#include "core/platform/hold_up_monitor.h"
 #include "core/platform/thread.h"
 #include "core/sync/mutex.h"
 #include "sft/result.h"
@@ -29,9 +27,6 @@ class Agent {
   struct Duties {
     std::function<std::chrono::milliseconds()> tick;
     std::function<std::chrono::milliseconds()> idle;
-    /// Called for each piece of work that took too long. If the function is empty, no time is measured.
-    HoldUpMonitor::Report held_up{};
-    ReadTime time = &std::chrono::steady_clock::now;  ///< the clock that measures the pieces of work
   };
 
   Agent() = default;
@@ -43,10 +38,10 @@ class Agent {
 
   /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread may
   /// call this, even before start().
-  void post(Task task, std::source_location by = std::source_location::current());
+  void post(Task task);
   /// Posts a task that can wait until the next tick. Wakes the agent's thread only if `waiting_max` tasks
   /// are queued.
-  void post_for_next_tick(Task task, std::source_location by = std::source_location::current());
+  void post_for_next_tick(Task task);
   static constexpr std::size_t waiting_max = 64;
   /// Returns true if at least `behind_from` tasks are queued. Threads that post very many tasks should then
   /// wait for the agent.
@@ -58,16 +53,12 @@ class Agent {
   bool is_current_thread() const { return std::this_thread::get_id() == thread_id_.load(); }
 
  private:
-  struct Posted {
-    Task task;
-    std::source_location by;
-  };
   void run();
 
   Duties duties_;
   Mutex mutex_;
   Condition posted_;
-  std::vector<Posted> tasks_ SFT_GUARDED_BY(mutex_);
+  std::vector<Task> tasks_ SFT_GUARDED_BY(mutex_);
   bool stopping_ SFT_GUARDED_BY(mutex_) = false;
   std::atomic<std::thread::id> thread_id_{};
   std::thread thread_;

@@ -19,10 +19,11 @@ namespace sft::core {
 
 namespace {
 
-/// The domains of this process, as long as any node uses them. Cyclone shares what it has among equal ones.
+/// The domains of this process, as long as any node uses them.
 struct OpenVanillaDomains {
   Mutex mutex;
-  std::map<const CycloneDomain*, std::weak_ptr<VanillaDomain>> by_domain SFT_GUARDED_BY(mutex);
+  std::map<std::pair<std::string, ThreadSettings>, std::weak_ptr<VanillaDomain>> by_config
+      SFT_GUARDED_BY(mutex);
 };
 OpenVanillaDomains open_vanilla_domains;
 
@@ -53,14 +54,13 @@ Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan
     return fail(Errc::unavailable,
                 "CYCLONEDDS_URI asks for DDS Security, which is not supported for samples to DDS nodes");
   }
-  std::vector<std::string> complaints;
-  Result<std::shared_ptr<const CycloneDomain>> domain =
-      cyclone_domain({.config = config->text, .threads = plan.threads}, nullptr, complaints);
-  if (!domain) return tl::unexpected(domain.error());
   const Lock lock(open_vanilla_domains.mutex);
-  std::erase_if(open_vanilla_domains.by_domain, [](const auto& entry) { return entry.second.expired(); });
-  std::weak_ptr<VanillaDomain>& known = open_vanilla_domains.by_domain[domain->get()];
+  std::erase_if(open_vanilla_domains.by_config, [](const auto& entry) { return entry.second.expired(); });
+  std::weak_ptr<VanillaDomain>& known = open_vanilla_domains.by_config[{config->text, plan.threads}];
   if (auto open = known.lock()) return open;
+  std::vector<std::string> complaints;
+  auto domain = cyclone_domain({.config = config->text, .threads = plan.threads}, complaints);
+  if (!domain) return tl::unexpected(domain.error());
   const CycloneMessages messages;
   const dds_entity_t participant = create_participant((*domain)->id());
   if (participant < 0) {

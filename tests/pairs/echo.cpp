@@ -7,10 +7,6 @@ namespace sft::test {
 
 namespace {
 
-void check(const Result<void>& done) {
-  if (!done) throw std::runtime_error(done.error().message);
-}
-
 core::Request marker_request(std::uint64_t sequence) {
   core::Request request;
   request.reader = 1;
@@ -34,7 +30,7 @@ Echo::Echo() {
   auto discovery = core::Discovery::open({}, *this);
   if (!discovery) throw std::runtime_error(discovery.error().message);
   discovery_ = std::move(*discovery);
-  for (const core::Role role : {core::Role::writer, core::Role::reader}) check(discovery_->hear(role));
+  for (const core::Role role : {core::Role::writer, core::Role::reader}) discovery_->hear(role);
 }
 
 void Echo::endpoint_seen(core::Endpoint endpoint) {

@@ -25,7 +25,7 @@ class Echo final : private core::DiscoveryListener {
   void endpoint_lost(core::EndpointId) override {}
   void request_received(core::Request request) override;
   void report_received(core::NodeReport) override {}
-  void control_malformed(std::string) override {}
+  void log_news(News, std::string) override {}
 
   std::mutex mutex_;
   std::vector<core::Endpoint> endpoints_;

@@ -110,8 +110,8 @@ TEST_F(JoinAndLeave, WhatAPublisherSentJustBeforeItLeftIsTakenAndThenItIsAskedNo
   EXPECT_EQ(reader.status()["taken"][0]["wrong"], 0);
 }
 
-/// The limit is the 4096 endpoints of Negotiation::Limits, including the node's own ones. A node without
-/// readers ignores publishers of other topics.
+/// The limit is the 4,096 records of one process (PeerLimits). A process without readers reads no records of
+/// publishers.
 TEST_F(JoinAndLeave, EndpointsBeyondTheLimitAreCountedAndThoseBelowItStayServed) {
   Peer publisher(here(), "publisher");
   Peer reader(there(), "reader");

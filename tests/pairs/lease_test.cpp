@@ -153,8 +153,8 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
   expect_a_good_end("height, width");
 }
 
-/// A lost endpoint is removed after 60 s (Negotiation::Limits). This is the longest of all tests, and it
-/// mostly waits.
+/// A lost endpoint is removed after 60 s (Negotiation::forget_lost_after). This is the longest of all tests,
+/// and it mostly waits.
 TEST_F(Leases, APairThatIsCutOffForMoreThanAMinuteForgetsEachOtherAndBeginsAnewWhenItReturns) {
   const std::uint64_t requests = reader().status()["subscriber"]["requests"];
   there().set_plugged(false);

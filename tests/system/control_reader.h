@@ -91,7 +91,7 @@ class ControlReader final : private core::DiscoveryListener {
     request.sequence = sequence;
     discovery_->send(request);
   }
-  void hear(core::Role role) { ASSERT_TRUE(discovery_->hear(role)); }
+  void hear(core::Role role) { discovery_->hear(role); }
   /// Does the periodic work, as the agent of a node would.
   void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
@@ -148,13 +148,10 @@ class ControlReader final : private core::DiscoveryListener {
     const core::Lock lock(mutex_);
     ++reports_;
   }
-  void link_was_renewed(std::string what) override {
+  void log_news(News news, std::string text) override {
     const core::Lock lock(mutex_);
-    renewals_.push_back(std::move(what));
-  }
-  void control_malformed(std::string why) override {
-    const core::Lock lock(mutex_);
-    refused_.push_back(std::move(why));
+    if (news == News::link_renewed) renewals_.push_back(text);
+    if (news == News::malformed) refused_.push_back(text);
   }
 
   mutable core::Mutex mutex_;

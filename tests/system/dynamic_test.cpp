@@ -439,7 +439,7 @@ TEST_F(DynamicNodesTest,
     void endpoint_lost(core::EndpointId) override {}
     void request_received(core::Request) override {}
     void report_received(core::NodeReport) override {}
-    void control_malformed(std::string) override {}
+    void log_news(News, std::string) override {}
   } ignore;
   auto other = core::Discovery::open({.domain = core::domain_id({}, std::getenv("ROS_DOMAIN_ID")).value(),
                                       .threads = {.name_prefix = "liar"}},

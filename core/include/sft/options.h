@@ -4,6 +4,7 @@
 #pragma once
 
 #include <chrono>
+#include <compare>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -106,7 +107,7 @@ struct ThreadSettings {
   /// called "nav-udp-recv". The system keeps 15 characters of a name. Empty: "sft-", and no prefix for
   /// threads of Cyclone DDS.
   std::string name_prefix{};
-  friend bool operator==(const ThreadSettings&, const ThreadSettings&) = default;
+  friend auto operator<=>(const ThreadSettings&, const ThreadSettings&) = default;
 };
 
 /// The options of one node.

@@ -259,7 +259,8 @@ struct NodeStatus {
   std::uint64_t shm_samples_malformed = 0;  ///< samples in shared memory with malformed contents
   std::uint64_t shm_over_limit = 0;         ///< loans and samples refused to stay within a limit
   std::uint64_t control_malformed = 0;      ///< endpoints, descriptions and requests that were refused
-  std::uint64_t control_ignored = 0;        ///< endpoints that were refused because the table was full
+  /// The number of announcements that were not used, because a process has announced more than one may.
+  std::uint64_t control_ignored = 0;
   /// The number of times that discovery was started anew on an interface because it did not find an existing
   /// node. Nodes of a process that share discovery have the same count.
   std::uint64_t links_renewed = 0;

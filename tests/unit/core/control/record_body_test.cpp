@@ -119,11 +119,8 @@ TEST(RecordBodyTest, OfAReportIsRefusedWithAnAccountOfNeitherSide) {
   EXPECT_FALSE(report_in(to_bytes(report)));
 }
 
-TEST(RecordBodyTest, LeavesTheRequestAndWhoAnnouncesOutOfAnEndpoint) {
-  const Result<Endpoint> come = changed([](Endpoint& e) {
-    e.announcer = 5;
-    e.request = full_request();
-  });
+TEST(RecordBodyTest, LeavesTheRequestOutOfAnEndpoint) {
+  const Result<Endpoint> come = changed([](Endpoint& e) { e.request = full_request(); });
   EXPECT_EQ(come.value(), full_endpoint());
 }
 

@@ -34,11 +34,13 @@ class Listener final : public DiscoveryListener {
     said.push_back("request " + std::to_string(request.sequence) + " of " + std::to_string(request.reader));
   }
   void report_received(NodeReport report) override { reports.push_back(std::move(report)); }
-  void control_malformed(std::string why) override { refused.push_back(std::move(why)); }
+  void log_news(News news, std::string text) override {
+    (news == News::malformed ? refused : ignored).push_back(std::move(text));
+  }
 
   std::vector<std::string> take() { return std::exchange(said, {}); }
 
-  std::vector<std::string> said, refused;
+  std::vector<std::string> said, refused, ignored;
   Endpoint seen;
   std::vector<NodeReport> reports;
 };
@@ -91,15 +93,7 @@ class DirectoryTest : public ::testing::Test {
     directory.record_changed({process, role, {slot, RecordKind::announcement}, {++revision, nullptr}});
     directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
   }
-  std::vector<std::string> told(Node& node) {
-    notify();
-    return node.listener.take();
-  }
-  void notify() {
-    for (const Directory::Notice& notice : directory.take_notices()) {
-      for (const auto& to : notice.to) to->notify(notice.call);
-    }
-  }
+  static std::vector<std::string> told(Node& node) { return node.listener.take(); }
 
   std::uint64_t revision = 0;
   std::set<std::pair<LinkId, IpAddress>> ways;
@@ -112,7 +106,6 @@ TEST_F(DirectoryTest, TellsANodeOfWhatMayMatchItsEndpoints) {
   other_has(endpoint(Role::writer, 10));
   other_has(endpoint(Role::writer, 11, "images"), process_one, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
-  EXPECT_EQ(node->listener.seen.announcer, process_one);
   other_withdraws(Role::writer);
   EXPECT_THAT(told(*node), ElementsAre("departed 10"));
 }
@@ -160,7 +153,6 @@ TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
   other_asks(10, 1);
   EXPECT_THAT(told(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 1u);
-  EXPECT_EQ(node->listener.seen.announcer, process_one);
   other_asks(10, 2);
   EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
 }
@@ -195,6 +187,19 @@ TEST_F(DirectoryTest, EndsTheEndpointWhoseSlotAnotherOneHas) {
   EXPECT_THAT(told(*node), ElementsAre("seen 11"));
 }
 
+TEST_F(DirectoryTest, EndsAnEndpointThatTakesAnotherTopic) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  announce(*node, endpoint(Role::reader, 2, "images"));
+  other_has(endpoint(Role::writer, 10));
+  told(*node);
+  other_has(endpoint(Role::writer, 10, "images"));
+  const std::vector<std::string> said = told(*node);
+  EXPECT_EQ(said.front(), "departed 10");
+  EXPECT_EQ(said.back(), "seen 10");
+  EXPECT_EQ(node->listener.seen.topic, "images");
+}
+
 TEST_F(DirectoryTest, LosesAllOfAProcessAtOnce) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
@@ -221,7 +226,19 @@ TEST_F(DirectoryTest, RefusesAnIdThatAnotherProcessHasUntilThatIsLost) {
   other_has(endpoint(Role::writer, 10), process_two);
   directory.peer_lost(process_one);
   EXPECT_THAT(told(*node), ElementsAre("lost 10", "seen 10"));
-  EXPECT_EQ(node->listener.seen.announcer, process_two);
+}
+
+TEST_F(DirectoryTest, ShowsNoMoreOfATopicThanTheShareOfAProcess) {
+  const auto node = open();
+  announce(*node, endpoint(Role::reader, 1));
+  for (std::uint32_t slot = 0; slot < 300; ++slot)
+    other_has(endpoint(Role::writer, 1000 + slot), process_one, slot);
+  EXPECT_THAT(told(*node), SizeIs(256));
+  EXPECT_THAT(node->listener.ignored, SizeIs(300 - 256));
+  other_has(endpoint(Role::writer, 10), process_two);
+  EXPECT_THAT(told(*node), ElementsAre("seen 10")) << "another process has a share of its own";
+  other_has(endpoint(Role::writer, 2000, "images"), process_one, 300);
+  EXPECT_THAT(node->listener.ignored, SizeIs(300 - 256)) << "that is another topic";
 }
 
 TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
@@ -243,7 +260,6 @@ TEST_F(DirectoryTest, GivesANodeItsOwnIdBackThatAnotherProcessHasUsed) {
   told(*other_node);
   announce(*node, endpoint(Role::writer, 10));
   EXPECT_THAT(told(*other_node), ElementsAre("departed 10", "seen 10"));
-  EXPECT_NE(other_node->listener.seen.announcer, process_one);
 }
 
 TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
@@ -286,13 +302,10 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
   EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
   directory.paths_cut({process_one, {1, 2}});
-  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
   directory.paths_cut({process_one, {1}, {3}});
-  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "another link leads there";
   directory.paths_cut({process_one, {}});
-  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
@@ -307,7 +320,6 @@ TEST_F(DirectoryTest, KeepsAllAddressesOfAProcessThatReturnsAfterOneOfItsNetwork
   directory.paths_cut({process_one, {1}});
   directory.peer_lost(process_one);
   other_has(writer);
-  notify();
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
@@ -324,7 +336,6 @@ TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnounce
   report.accounts = {{.id = {{10, 1}, Role::writer}}, {.id = {{10, 1}, Role::reader}}};
   directory.report_came(process_one, report);
   directory.report_came(process_two, {.living = {10}});
-  notify();
   ASSERT_THAT(node->listener.reports, SizeIs(1));
   EXPECT_THAT(node->listener.reports[0].living, ElementsAre(10));
   EXPECT_THAT(node->listener.reports[0].progress, ElementsAre(Progress{10, 5, 0}));
@@ -337,7 +348,6 @@ TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
   announce(*node, endpoint(Role::writer, 1));
   for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {Inquiry{}});
   directory.reported(node->node, {.living = {1}});
-  notify();
   EXPECT_THAT(node->listener.reports, IsEmpty());
   EXPECT_THAT(other->listener.reports, SizeIs(1));
 }
@@ -363,7 +373,6 @@ TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) 
   EXPECT_FALSE(directory.do_others_inquire());
   record(process_one, Role::reader, 5, RecordKind::inquiry, {std::byte{9}});
   EXPECT_THAT(inquired(), IsEmpty());
-  notify();
   EXPECT_THAT(node->listener.refused, SizeIs(1));
 }
 
@@ -379,8 +388,10 @@ TEST_F(DirectoryTest, NamesAllPublishersOfAType) {
 TEST_F(DirectoryTest, TellsANodeThatHasClosedNothingMore) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
+  directory.withdrawn(1);
+  directory.leave(node->node);
   other_has(endpoint(Role::writer, 10));
-  node->node->close();
+  directory.vanilla_changed();
   EXPECT_THAT(told(*node), IsEmpty());
 }
 

@@ -14,10 +14,9 @@ namespace sft::core {
 namespace {
 
 using ::testing::ElementsAre;
-using ::testing::EndsWith;
 using ::testing::HasSubstr;
 using ::testing::IsEmpty;
-using ::testing::Not;
+using ::testing::SizeIs;
 using namespace std::chrono_literals;
 
 class Listener final : public DiscoveryListener {
@@ -27,8 +26,10 @@ class Listener final : public DiscoveryListener {
   void endpoint_lost(EndpointId) override {}
   void request_received(Request) override {}
   void report_received(NodeReport) override {}
-  void control_malformed(std::string why) override { on_refusal(why); }
-  void warned(std::string what) override { warnings.push_back(std::move(what)); }
+  void log_news(News news, std::string text) override {
+    if (news == News::malformed) on_refusal(text);
+    if (news == News::warning) warnings.push_back(text);
+  }
 
   std::function<void(const std::string&)> on_refusal;
   std::vector<std::string> warnings;
@@ -39,18 +40,8 @@ class KnownPeersTest : public ::testing::Test {
   KnownPeersTest() {
     known.with([&](Peers&, Directory& directory) { node = directory.join(listener); });
   }
-  void refuse(const std::vector<std::string>& texts) {
-    known.with([&](Peers&, Directory& directory) {
-      for (const std::string& text : texts) directory.refuse(text);
-    });
-    known.pass_on();
-  }
-  void other_release(std::uint8_t participant, LinkId link = 1) {
-    known.other_release_seen({link, {participant}}, 3);
-  }
-  std::vector<std::string> warnings_at(Time time) {
-    known.tell_of_other_releases(time);
-    known.pass_on();
+  std::vector<std::string> warnings() {
+    known.look(now);
     return std::exchange(listener.warnings, {});
   }
 
@@ -74,8 +65,9 @@ TEST_F(KnownPeersTest, NotifiesOneAtATimeInTheOrderOfEventsOfAllThreads) {
   };
   const auto work = [&] {
     for (int i = 0; i < events_each; ++i) {
-      known.with([&](Peers&, Directory& directory) { directory.refuse(std::to_string(next++)); });
-      known.pass_on();
+      known.with([&](Peers&, Directory& directory) {
+        directory.log_news(Directory::News::malformed, std::to_string(next++));
+      });
     }
   };
   std::vector<std::thread> workers;
@@ -86,48 +78,19 @@ TEST_F(KnownPeersTest, NotifiesOneAtATimeInTheOrderOfEventsOfAllThreads) {
   for (int i = 0; i < threads * events_each; ++i) ASSERT_EQ(delivered[static_cast<std::size_t>(i)], i);
 }
 
-TEST_F(KnownPeersTest, HoldsNoLockWhileItNotifies) {
-  std::vector<std::string> delivered;
-  listener.on_refusal = [&](const std::string& text) {
-    delivered.push_back(text);
-    if (text == "1") known.sample_refused("3");  // would wait for ever if this thread held the lock
-  };
-  refuse({"1", "2"});
-  EXPECT_THAT(delivered, ElementsAre("1", "2", "3"));
+TEST_F(KnownPeersTest, NamesEachOtherReleaseOnce) {
+  known.other_release_seen(1, 3);
+  known.other_release_seen(1, 4);
+  known.other_release_seen(2, 3);
+  EXPECT_THAT(warnings(), ElementsAre(HasSubstr("a participant with control protocol 3 is on"),
+                                      HasSubstr("a participant with control protocol 4 is on")));
+  known.other_release_seen(1, 3);
+  EXPECT_THAT(warnings(), IsEmpty());
 }
 
-TEST_F(KnownPeersTest, NamesAParticipantOfAnotherReleaseOnce) {
-  other_release(1);
-  other_release(1);
-  EXPECT_THAT(warnings_at(now), ElementsAre(HasSubstr("a participant with control protocol 3 is on")));
-  other_release(1);
-  EXPECT_THAT(warnings_at(now + timing.name_releases_every), IsEmpty());
-}
-
-TEST_F(KnownPeersTest, NamesManyOfOtherReleasesInOneLineInAWhile) {
-  other_release(1);
-  EXPECT_THAT(warnings_at(now), ElementsAre(Not(HasSubstr("more"))));
-  for (std::uint8_t participant = 2; participant < 100; ++participant) other_release(participant);
-  EXPECT_THAT(warnings_at(now + timing.name_releases_every - 1ms), IsEmpty());
-  EXPECT_THAT(warnings_at(now + timing.name_releases_every),
-              ElementsAre(EndsWith("(97 more with another protocol have come)")));
-}
-
-TEST_F(KnownPeersTest, NamesAParticipantOfAnotherReleaseAgainThatWasGone) {
-  other_release(1);
-  EXPECT_THAT(warnings_at(now), Not(IsEmpty()));
-  known.participant_gone({1, {1}});
-  other_release(1);
-  EXPECT_THAT(warnings_at(now + timing.name_releases_every), Not(IsEmpty()));
-}
-
-TEST_F(KnownPeersTest, HasRoomForOtherReleasesOnceALinkIsGone) {
-  for (int participant = 0; participant < 256; ++participant)
-    other_release(static_cast<std::uint8_t>(participant));
-  EXPECT_THAT(warnings_at(now), Not(IsEmpty()));
-  known.link_closed(1);
-  other_release(1, 2);
-  EXPECT_THAT(warnings_at(now + timing.name_releases_every), Not(IsEmpty()));
+TEST_F(KnownPeersTest, NamesAFewReleasesHoweverManyAreMadeUp) {
+  for (std::uint32_t version = 100; version < 1000; ++version) known.other_release_seen(1, version);
+  EXPECT_THAT(warnings(), SizeIs(16));
 }
 
 }  // namespace

@@ -115,7 +115,6 @@ TEST_F(PeersTest, SaysFromWhereTheHeartbeatsComeThatCountWhatIsMissing) {
     }
   }
   ASSERT_FALSE(renewals.empty());
-  EXPECT_EQ(renewals[0].because_of, neighbour);
   EXPECT_EQ(renewals[0].from, elsewhere);
 }
 
@@ -320,121 +319,73 @@ TEST_F(PeersTest, NamesTheTimeOfItsNextLook) {
   EXPECT_EQ(peers.next(), Time::max());
 }
 
-TEST_F(PeersTest, HasRoomForTheRecordsOfOthersWhateverOneParticipantHas) {
-  const PeerLimits limits{.records = 10, .bytes = 1000, .full = 100, .participants = 2};
-  Peers small(own_process, timing, limits);
-  small.listen(Role::writer, now);
-  small.link_made(cable, now);
-  const auto fill = [&](std::uint8_t number, std::uint32_t records) {
-    small.participant_found(on(cable, number), number, now);
-    std::uint32_t room = 0;
-    for (std::uint32_t slot = 0; slot < records; ++slot)
-      room +=
-          small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now) ? 1 : 0;
-    return room;
-  };
-  EXPECT_EQ(fill(10, 1000), 100u);
-  EXPECT_EQ(fill(11, 1000), 10u);
-  EXPECT_TRUE(small.record_came(on(cable, 11), Role::writer, {0, {}}, {9999, body("b")}, now));
-  small.participant_found(on(cable, 12), 12, now);
-  EXPECT_FALSE(
-      small.record_came(on(cable, 12), Role::writer, {0, {}}, {1, body(std::string(1001, 'x'))}, now));
-  small.participant_gone(on(cable, 10));
-  EXPECT_EQ(fill(13, 1000), 90u);
-}
-
-TEST_F(PeersTest, HasRoomForTheBytesOfOthersWhateverOneParticipantHas) {
-  const PeerLimits limits{.records = 10, .bytes = 100, .full = 1000, .full_bytes = 1000, .participants = 2};
-  Peers small(own_process, timing, limits);
-  small.listen(Role::writer, now);
-  small.link_made(cable, now);
-  const auto takes = [&](std::uint8_t number, std::uint32_t slot, std::size_t bytes) {
+class PeerLimitsTest : public PeersTest {
+ protected:
+  PeerLimitsTest() {
+    small.listen(Role::writer, now);
+    small.link_made(cable, now);
+  }
+  /// The participant, each of which belongs to another process, writes a record of that many bytes. Returns
+  /// true if there was room for it.
+  bool takes(std::uint8_t number, std::uint32_t slot, std::size_t bytes = 1) {
     small.participant_found(on(cable, number), number, now);
     return small.record_came(on(cable, number), Role::writer, {slot, {}},
-                             {slot + 1, body(std::string(bytes, 'x'))}, now);
-  };
-  EXPECT_TRUE(takes(10, 0, 1000));
-  EXPECT_FALSE(takes(10, 1, 1));
-  EXPECT_TRUE(takes(11, 0, 100));
-  EXPECT_FALSE(takes(11, 1, 1));
-  EXPECT_TRUE(takes(11, 0, 99)) << "in the place of the one before";
-  EXPECT_FALSE(takes(12, 0, 500));
-  small.participant_gone(on(cable, 10));
-  EXPECT_TRUE(takes(12, 0, 500)) << "what a participant had is room for others once it is gone";
-}
-
-TEST_F(PeersTest, MakesNoLinkAnewForAParticipantWhoseRecordsFindNoRoom) {
-  Peers small(own_process, timing, {.records = 1, .bytes = 1000, .full = 1});
-  small.listen(Role::writer, now);
-  small.link_made(cable, now);
-  small.participant_found(on(cable), neighbour, now);
-  small.record_came(on(cable), Role::writer, {0, {}}, {1, body("a")}, now);
-  EXPECT_FALSE(small.record_came(on(cable), Role::writer, {1, {}}, {2, body("b")}, now));
-  for (int i = 0; i < 60; ++i) {
-    now += 1s;
-    small.heartbeat_came(cable, {on(cable).guid, neighbour, {99, 0}}, now);
-    small.look(now);
+                             {++revision, body(std::string(bytes, 'x'))}, now);
   }
-  for (const PeerAction& action : small.take_actions())
-    EXPECT_FALSE(std::holds_alternative<RenewLink>(action));
-}
-
-TEST_F(PeersTest, HasNoMoreThanAllMayHaveTogether) {
-  Peers small(own_process, timing, {.records = 10, .bytes = 100, .full = 1000, .full_bytes = 100});
-  small.link_made(cable, now);
-  std::size_t taken = 0;
-  for (std::uint8_t number = 100; number < 120; ++number) {
-    small.participant_found(on(cable, number), number, now);
-    const Record record{1, body(std::string(100, 'x'))};
-    taken += small.record_came(on(cable, number), Role::writer, {0, {}}, record, now) ? 1 : 0;
-  }
-  EXPECT_EQ(taken, 4u);
-  EXPECT_TRUE(small.record_came(on(cable, 100), Role::writer, {0, {}}, {2, body("a")}, now));
-}
-
-TEST_F(PeersTest, HasNoRoomForParticipantsThatAreNotThereWhereItIsCrowded) {
-  Peers small(own_process, timing, {.records = 10, .full = 2});
-  small.link_made(cable, now);
-  const auto takes = [&](std::uint8_t number, std::uint32_t slot) {
-    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
-  };
-  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), number, now);
-  EXPECT_TRUE(takes(10, 0));
-  EXPECT_TRUE(takes(10, 1));
-  EXPECT_TRUE(takes(11, 0)) << "it is heard";
-  EXPECT_FALSE(takes(12, 0)) << "no process has it";
-  now += timing.lease;
-  small.look(now);
-  EXPECT_TRUE(takes(12, 0)) << "those that are silent take no room";
-  EXPECT_TRUE(takes(12, 1));
-  EXPECT_FALSE(takes(11, 0)) << "it is silent";
-}
-
-TEST_F(PeersTest, FetchesWhatFoundNoRoomOnceThereIsRoom) {
-  Peers small(own_process, timing, {.records = 1, .full = 8});
-  small.listen(Role::writer, now);
-  small.link_made(cable, now);
-  const auto writes_on = [&](std::uint8_t number, std::uint32_t slot) {
-    return small.record_came(on(cable, number), Role::writer, {slot, {}}, {slot + 1, body("a")}, now);
-  };
-  const auto renewals_within = [&](Time::duration time) {
+  std::size_t renewals_within(Time::duration time, std::uint8_t number) {
     std::size_t renewals = 0;
     for (const Time end = now + time; now < end; now += 1s) {
-      small.heartbeat_came(cable, {on(cable, 11).guid, neighbour, {99, 0}}, now);
+      small.heartbeat_came(cable, {on(cable, number).guid, number, {99, 0}}, now);
       small.look(now);
       for (const PeerAction& action : small.take_actions())
         renewals += std::holds_alternative<RenewLink>(action) ? 1 : 0;
     }
     return renewals;
-  };
-  small.participant_found(on(cable, 10), neighbour + 1, now);
-  small.participant_found(on(cable, 11), neighbour, now);
-  for (std::uint32_t slot = 0; slot < 8; ++slot) EXPECT_TRUE(writes_on(10, slot));
-  EXPECT_TRUE(writes_on(11, 0));
-  EXPECT_FALSE(writes_on(11, 1));
-  EXPECT_EQ(renewals_within(4s), 0u);
+  }
+
+  Peers small{own_process, timing, {.records = 10, .bytes = 100, .bytes_of_all = 400}};
+};
+
+TEST_F(PeerLimitsTest, OneParticipantHasNoMoreRecordsThanItMay) {
+  for (std::uint32_t slot = 0; slot < 10; ++slot) EXPECT_TRUE(takes(10, slot));
+  EXPECT_FALSE(takes(10, 10));
+  EXPECT_TRUE(takes(10, 0)) << "in the place of the one before";
+  EXPECT_TRUE(takes(11, 0)) << "another participant has room of its own";
+}
+
+TEST_F(PeerLimitsTest, OneParticipantHasNoMoreBytesThanItMay) {
+  EXPECT_TRUE(takes(10, 0, 60));
+  EXPECT_FALSE(takes(10, 1, 41));
+  EXPECT_TRUE(takes(10, 1, 40));
+  EXPECT_TRUE(takes(10, 0, 59)) << "in the place of the one before";
+  EXPECT_TRUE(takes(11, 0, 100)) << "another participant has room of its own";
+}
+
+TEST_F(PeerLimitsTest, AllTogetherHaveNoMoreThanTheyMayAndWhatOneHadIsRoomForOthersOnceItIsGone) {
+  for (const std::uint8_t number : {10, 11, 12, 13}) EXPECT_TRUE(takes(number, 0, 100));
+  EXPECT_FALSE(takes(14, 0));
   small.participant_gone(on(cable, 10));
-  EXPECT_GT(renewals_within(10s), 0u);
+  EXPECT_TRUE(takes(14, 0));
+}
+
+TEST_F(PeerLimitsTest, ParticipantsThatAreSilentHaveNoRoomWhereItIsCrowded) {
+  for (const std::uint8_t number : {10, 11, 12, 13}) EXPECT_TRUE(takes(number, 0, 100));
+  now += timing.lease;
+  small.look(now);
+  EXPECT_TRUE(takes(14, 0, 100));
+}
+
+TEST_F(PeerLimitsTest, NoLinkIsMadeAnewForAParticipantWhoseRecordsFindNoRoom) {
+  for (std::uint32_t slot = 0; slot <= 10; ++slot) takes(10, slot);
+  EXPECT_EQ(renewals_within(60s, 10), 0U);
+}
+
+TEST_F(PeerLimitsTest, WhatFoundNoRoomIsFetchedOnceThereIsRoom) {
+  for (const std::uint8_t number : {10, 11, 12, 13}) takes(number, 0, 100);
+  EXPECT_FALSE(takes(14, 0));
+  EXPECT_EQ(renewals_within(4s, 14), 0U);
+  for (const std::uint8_t number : {10, 11}) small.participant_gone(on(cable, number));
+  EXPECT_GT(renewals_within(10s, 14), 0U);
 }
 
 TEST_F(PeersTest, ForgetsRecordsWhoseParticipantIsNotFound) {

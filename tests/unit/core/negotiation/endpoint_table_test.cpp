@@ -13,7 +13,6 @@ namespace {
 using namespace std::chrono_literals;
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
-using ::testing::Pair;
 
 constexpr EndpointId our_writer = 100, one_reader = 5, other_reader = 6;
 constexpr NodeId its_node = 77;
@@ -25,7 +24,6 @@ Endpoint endpoint(Role role, EndpointId id, const std::string& topic = "points")
   e.topic = topic;
   e.node = "theirs";
   e.node_id = its_node;
-  e.announcer = 11;
   return e;
 }
 
@@ -42,7 +40,7 @@ class EndpointTableTest : public ::testing::Test {
 
   const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
   const Time now{1h};
-  EndpointTable table{{.entries = 2}};
+  EndpointTable table;
 };
 
 TEST_F(EndpointTableTest, CounterpartsAreOfTheSameTopicAndTheOtherRole) {
@@ -58,11 +56,6 @@ TEST_F(EndpointTableTest, OnlyOurEndpointsAreFoundAsOurs) {
   EXPECT_NE(table.find_ours(our_writer), nullptr);
   EXPECT_NE(table.find(one_reader), nullptr);
   EXPECT_EQ(table.find_ours(one_reader), nullptr);
-}
-
-TEST_F(EndpointTableTest, WhatWasKnownOfAnEndpointIsReturnedWhenItIsReplaced) {
-  EXPECT_FALSE(table.enter(endpoint(Role::reader, one_reader)));
-  EXPECT_EQ(table.enter(endpoint(Role::reader, one_reader, "another topic"))->topic, "points");
 }
 
 TEST_F(EndpointTableTest, ALostEndpointIsNotPresentUntilItIsSeenAgain) {
@@ -107,48 +100,8 @@ TEST_F(EndpointTableTest, OnlyWritersHaveProgress) {
   EXPECT_EQ(table.progress_of(9), nullptr);
 }
 
-TEST_F(EndpointTableTest, ANewcomerThatIsRefusedIsCountedByTheNameOfItsNode) {
-  for (EndpointId id = 5; id <= 7; ++id) {
-    if (table.admit(endpoint(Role::reader, id)).granted) table.enter(endpoint(Role::reader, id));
-  }
-  EXPECT_EQ(table.size(), 3U) << "with our own";
-  EXPECT_EQ(table.refused(), 1U);
-  EXPECT_EQ(table.take_refusals().at("theirs"), 1U);
-  EXPECT_THAT(table.take_refusals(), IsEmpty());
-}
-
-TEST_F(EndpointTableTest, AnEndpointThatHasToLeaveIsCountedByTheNameOfItsNode) {
-  for (const EndpointId id : {one_reader, other_reader}) table.enter(endpoint(Role::reader, id));
-  Endpoint newcomer = endpoint(Role::reader, 7);
-  newcomer.announcer = 12;
-  newcomer.node = "another";
-  EXPECT_EQ(table.admit(newcomer).instead_of, other_reader);
-  EXPECT_THAT(table.take_refusals(), ElementsAre(Pair("theirs", 1U)));
-}
-
-TEST(DescriptionsInTheTable, ThatOneParticipantSendsAreKeptUpToABoundAndItsEndpointsAllTheSame) {
-  EndpointTable table{{}};
-  constexpr std::size_t bytes = 65'536, most = DescriptionRoom::description_bytes_of_announcer / bytes;
-  const auto enter = [&](EndpointId id, AnnouncerId announcer) {
-    Endpoint described = endpoint(Role::writer, id);
-    described.announcer = announcer;
-    described.type_description.resize(bytes);
-    table.enter(described);
-    return !table.known(id)->type_description.empty();
-  };
-  for (EndpointId id = 1; id <= most; ++id) EXPECT_TRUE(enter(id, 11));
-  EXPECT_FALSE(enter(most + 1, 11));
-  EXPECT_TRUE(enter(1, 11)) << "it replaces its own";
-  EXPECT_TRUE(enter(most + 2, 12)) << "another one has its own room";
-  table.erase(2);
-  EXPECT_TRUE(enter(most + 1, 11));
-  std::size_t kept = 0;
-  for (EndpointId id = 1000; id < 2000; ++id) kept += enter(id, id / 100) ? 1 : 0;
-  EXPECT_EQ(kept, DescriptionRoom::description_bytes_max / bytes - most - 1) << "all together";
-}
-
 TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {
-  KnownFacts facts{.host = {}, .table = EndpointTable({}), .history = {}, .unreachable = {}};
+  KnownFacts facts;
   Endpoint gone = endpoint(Role::reader, one_reader);
   gone.request.begun = {our_writer};
   facts.table.enter(gone);

@@ -12,7 +12,6 @@
 
 namespace sft::core {
 
-inline constexpr AnnouncerId honest = 1;  // the announcer of endpoints that are not forged
 
 class NegotiationTest : public ::testing::Test {
  protected:

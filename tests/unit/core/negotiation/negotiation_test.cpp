@@ -152,15 +152,6 @@ TEST_F(NegotiationTest, EventsOfATopicThatIsNotOursChangeNothing) {
   EXPECT_FALSE(negotiation.endpoint_departed(7));
 }
 
-TEST_F(NegotiationTest, AReaderThatTakesAnotherTopicChangesWhatIsServed) {
-  our_writer();
-  Endpoint reader = endpoint(Role::reader, 7);
-  EXPECT_TRUE(negotiation.endpoint_seen(reader));
-  reader.topic = "another topic";
-  EXPECT_TRUE(negotiation.endpoint_seen(reader));
-  EXPECT_TRUE(negotiation.serving(100).network.empty());
-}
-
 TEST_F(NegotiationTest, NothingIsSentToAReaderBeforeItSaysThatItListens) {
   our_writer();
   Endpoint reader = endpoint(Role::reader, 7);
@@ -443,13 +434,6 @@ TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
   EXPECT_EQ(negotiation.local(200)->request.sequence, before + 1) << "one newer request";
   at_host(token(10));
   EXPECT_EQ(negotiation.local(200)->request.sequence, before + 1) << "nothing was attached";
-}
-
-TEST_F(NegotiationTest, EntriesBeyondTheLimitAreIgnoredAndCounted) {
-  Negotiation small({.endpoints = 2, .forget_lost_after = 60s});
-  for (EndpointId id = 1; id <= 4; ++id) small.endpoint_seen(endpoint(Role::reader, id));
-  EXPECT_EQ(small.table().size(), 2U);
-  EXPECT_EQ(small.ignored(), 2U);
 }
 
 // Endpoints and shared memory may appear in any order. Once all of them have appeared, the outcome is the

@@ -54,7 +54,6 @@ class MisspeltTopicsTest : public ::testing::Test {
     e.type_name = "sensor_msgs::msg::PointCloud2";
     e.node = "lidar";
     e.node_id = node;
-    e.announcer = 11;
     return e;
   }
   std::vector<std::string> after(std::chrono::seconds time) {
@@ -69,7 +68,7 @@ class MisspeltTopicsTest : public ::testing::Test {
   static constexpr NodeId our_node = 5;
   const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
   const Time now{1h};
-  EndpointTable table{{.entries = 10}};
+  EndpointTable table;
   std::map<std::string, std::vector<Discovery::KnownPublisher>> publishers;  ///< by the names of their types
   MisspeltTopics topics;
 };

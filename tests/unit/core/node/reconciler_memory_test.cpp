@@ -56,16 +56,15 @@ class ReconcilerInMemoryTest : public ReconcilerTest {
 TEST_F(ReconcilerInMemoryTest, PublishersThatAreMadeUpTakeFewPortsAndGiveThemBackWhenTheyAreLost) {
   open_reader(200);
   memory.attaches = false;
-  const auto seen = [&](EndpointId id, AnnouncerId by) {
+  const auto seen = [&](EndpointId id) {
     Endpoint writer = here(Role::writer, id);
     writer.node_id = id;
-    writer.announcer = by;
     node.endpoint_seen(writer);
     node.reconcile();
   };
-  for (EndpointId id = 1000; id < 1200; ++id) seen(id, 1);
+  for (EndpointId id = 1000; id < 1200; ++id) seen(id);
   EXPECT_EQ(memory.connections.size(), 128U);
-  seen(7, 2);
+  seen(7);
   EXPECT_FALSE(memory.connections.contains(7)) << "none is left";
   for (EndpointId id = 1000; id < 1200; ++id) node.endpoint_lost(id);
   node.reconcile();

@@ -243,21 +243,6 @@ TEST_F(ReconcilerTest, AnAddressThatComesOrGoesIsAnnounced) {
   EXPECT_EQ(discovery.announced.back().addresses, network.addresses_now);
 }
 
-TEST_F(ReconcilerTest, WhoAnnouncesMoreThanThereIsRoomForIsNamed) {
-  for (EndpointId id = 1000; id < 5200; ++id) {
-    Endpoint made_up = endpoint(Role::writer, id);
-    made_up.topic = "topic " + std::to_string(id);
-    made_up.node = "flooder";
-    reconciler.endpoint_seen(made_up);
-  }
-  reconciler.tick();
-  reconciler.tick();
-  EXPECT_THAT(logged,
-              ElementsAre("node: the table of endpoints has no room for all that is announced; refused: "
-                          "104 of node 'flooder'; NodeStatus::control_ignored counts them"));
-  EXPECT_EQ(reconciler.control_ignored(), 104U);
-}
-
 TEST_F(ReconcilerTest, AConnectionByWhichNothingArrivesIsSetUpAnewAndCounted) {
   const auto core = our_reader(200);
   Endpoint writer = endpoint(Role::writer, 7);

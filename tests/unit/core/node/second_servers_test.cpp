@@ -24,7 +24,7 @@ class SecondServersTest : public ::testing::Test {
     e.role = Role::writer;
     e.topic = topic;
     e.type_name = type_name;
-    negotiation.local_added(e, type);
+    table.add_ours(e, type);
     publishers.push_back({topic, "left"});
   }
   std::vector<std::string> said_after(std::chrono::seconds time) {
@@ -33,12 +33,12 @@ class SecondServersTest : public ::testing::Test {
   }
 
   const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
-  Negotiation negotiation;
+  EndpointTable table;
   std::vector<Discovery::KnownPublisher> publishers;
   std::vector<std::string> lines;
   NodeLog log{"left", LogLevel::warning,
               [this](LogLevel, std::string_view line) { lines.emplace_back(line); }};
-  ControlMonitor monitor{negotiation, log};
+  ControlMonitor monitor{table, log};
   EndpointId last_id = 0;
 };
 

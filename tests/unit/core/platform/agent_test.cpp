@@ -4,8 +4,6 @@
 
 #include <atomic>
 #include <future>
-#include <source_location>
-#include <utility>
 #include <vector>
 
 #include "tests/support/eventually.h"
@@ -47,69 +45,6 @@ TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
   ASSERT_TRUE(agent.start("test", no_duties()));
   agent.stop();
   EXPECT_FALSE(agent.is_behind());
-}
-
-/// The clock of these tests. A test advances the clock by the time that a piece of work should take.
-Time test_time{};
-Time read_test_time() { return test_time; }
-
-struct HoldUps {
-  std::vector<std::pair<unsigned, std::chrono::milliseconds>> reported{};
-  HoldUpMonitor::Report report() {
-    return [this](std::source_location what, std::chrono::milliseconds held_up) {
-      reported.emplace_back(what.line(), held_up);
-    };
-  }
-};
-using Reported = std::vector<std::pair<unsigned, std::chrono::milliseconds>>;
-
-TEST(HoldUpMonitorTest, NamesEachPieceOfWorkThatTookTooLong) {
-  HoldUps hold_ups;
-  HoldUpMonitor monitor(hold_ups.report(), &read_test_time);
-  monitor.begin(std::source_location::current());
-  test_time += HoldUpMonitor::held_up_max;
-  const unsigned line = std::source_location::current().line() + 1;
-  next_piece_of_work();
-  test_time += HoldUpMonitor::held_up_max + 1ms;
-  next_piece_of_work();
-  monitor.end();
-  test_time += 1h;
-  monitor.end();
-  EXPECT_EQ(hold_ups.reported, (Reported{{line, HoldUpMonitor::held_up_max + 1ms}}))
-      << "waiting between pieces is no work";
-}
-
-TEST(AgentTest, ATaskThatHoldsItUpIsReportedWithThePlaceThatPostedIt) {
-  HoldUps hold_ups;
-  Agent::Duties duties = no_duties();
-  duties.held_up = hold_ups.report();
-  duties.time = &read_test_time;
-  Agent agent;
-  ASSERT_TRUE(agent.start("test", duties));
-  agent.post([] { test_time += HoldUpMonitor::held_up_max; });
-  const unsigned line = std::source_location::current().line() + 1;
-  agent.post([] { test_time += 1min; });
-  agent.stop();
-  EXPECT_EQ(hold_ups.reported, (Reported{{line, 1min}}));
-}
-
-TEST(AgentTest, ATickThatHoldsItUpIsReported) {
-  HoldUps hold_ups;
-  std::promise<void> ticked;
-  Agent::Duties duties = no_duties();
-  duties.tick = [&] {
-    test_time += 1min;
-    ticked.set_value();
-    return 1h;
-  };
-  duties.held_up = hold_ups.report();
-  duties.time = &read_test_time;
-  Agent agent;
-  ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(ticked.get_future().wait_for(test::hang_timeout), std::future_status::ready);
-  agent.stop();
-  ASSERT_EQ(hold_ups.reported.size(), 1U);
-  EXPECT_EQ(hold_ups.reported[0].second, 1min);
 }
 
 TEST(AgentTest, IdleComesAfterABatchAndTicksKeepComing) {
