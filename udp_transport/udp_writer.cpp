@@ -251,7 +251,6 @@ bool UdpWriter::defer(const core::SampleHandle& sample, std::size_t first, std::
   sample->complete();
   const FanOut::Posted posted = deferred_->post({sample, routes_.loaded(), first, end});
   side_->sender.wake(posted.wake, deferred_);
-  if (posted.dropped > 0) side_->over_limit.fetch_add(posted.dropped, std::memory_order_relaxed);
   return posted.dropped == 0;
 }
 

@@ -14,6 +14,8 @@ bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_endpoints, Ti
     return std::exchange(domain_, nullptr) != nullptr;
   }
   if (domain_ != nullptr) {
+    domain_->readers().look_again(now);
+    writers_->look_again(now);
     const std::uint64_t changes = domain_->readers().changes() + writers_->changes();
     return std::exchange(changes_, changes) != changes;
   }

@@ -20,8 +20,6 @@ const char* text_of(RawFault fault) {
       break;
     case RawFault::malformed:
       return "the message does not fit the type";
-    case RawFault::big_endian:
-      return "its numbers are big-endian, and subscribers read little-endian ones";
     case RawFault::other_encoding:
       return "it is not encoded as XCDR1";
     case RawFault::no_memory:

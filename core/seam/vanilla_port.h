@@ -15,8 +15,8 @@ namespace sft::core {
 /// A sample of an unmodified writer.
 struct VanillaArrival {
   EndpointId writer = 0;
-  std::uint64_t sequence = 0;  ///< by its writer; 0: unknown
-  std::int64_t source_stamp_ns = 0;
+  std::uint64_t sequence = 0;        ///< by its writer; 0: unknown
+  std::int64_t source_stamp_ns = 0;  ///< by its writer; 0 or less: it has none, as DDS allows
   SampleHandle sample{};  ///< whole, checked, and shared with other readers; empty: it cannot be read
 };
 

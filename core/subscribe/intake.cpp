@@ -124,6 +124,7 @@ Intake::Decision Intake::choose(Inlet inlet, LazyRealtime& now) {
   const SampleOrigin& sample = *head(inlet);
   const RateKeeper keeper = rate_keeper_of(inlet);
   Writer& from = accounts_.of(sample.writer);
+  if (inlet == Inlet::vanilla) from.sequences.note_restart(sample);
   // False if the sample arrived by both paths during the switch from one to the other.
   const bool is_new = from.sequences.is_new(sample);
   const bool is_allowed = is_new && from.sequences.allows(sample, keeper);

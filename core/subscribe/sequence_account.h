@@ -43,6 +43,12 @@ class SequenceAccount {
 
   /// Returns false if the sample, or a later one, was taken already.
   bool is_new(const SampleOrigin& sample) const { return sample.sequence > last_ || begins_anew(sample); }
+  /// Begins anew with a sample whose sequence has come already, but whose stamp is later than that of the
+  /// last sample: its writer has restarted under its old name. Must be called only for samples that come in
+  /// the order of their writer.
+  void note_restart(const SampleOrigin& sample) {
+    if (sample.sequence <= last_ && sample.source_stamp_ns > stamp_ns_) last_ = sample.sequence - 1;
+  }
   /// Notes a sample that is not new. The two paths never differ very much. So if a sample is very far behind
   /// the last one, the sequence of the last one may have been forged. At the second such sample in a row the
   /// account begins anew.

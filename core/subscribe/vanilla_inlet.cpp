@@ -19,13 +19,17 @@ class VanillaInlet::Lender final : public BufferOwner, public std::enable_shared
  public:
   explicit Lender(const TypeSupport& type) : type_(type) {}
 
+  /// A sample without a stamp has the time of its arrival instead. Without a time it would have expired, and
+  /// a maximum rate would let no later one pass.
   SampleHandle lend(const VanillaArrival& arrival) {
     SampleBuffer& buffer = take();
     const SampleBuffer& whole = *arrival.sample;
-    buffer.origin() = {.writer = arrival.writer, .source_stamp_ns = arrival.source_stamp_ns};
+    buffer.receive_stamp_ns = realtime_ns();
+    buffer.origin() = {
+        .writer = arrival.writer,
+        .source_stamp_ns = arrival.source_stamp_ns > 0 ? arrival.source_stamp_ns : buffer.receive_stamp_ns};
     buffer.data = whole.data;
     buffer.capacity = whole.capacity;
-    buffer.receive_stamp_ns = realtime_ns();
     buffer.owner_data = SampleHandle(arrival.sample).release();
     buffer.owner = shared_from_this();
     return SampleHandle(buffer);
@@ -62,6 +66,8 @@ VanillaInlet::VanillaInlet(const TypeSupport& type, std::uint32_t depth, std::ui
 
 VanillaInlet::~VanillaInlet() = default;
 
+/// Drops a retained sample that has come to an earlier DDS reader of the subscriber. A sample with such a
+/// sequence and a later stamp is new: its writer has restarted under its old name, and counts from 1 again.
 bool VanillaInlet::put(const VanillaArrival& arrival) {
   SampleHandle sample = arrival.sample ? lender_->lend(arrival) : SampleHandle();
   const Lock lock(mutex_);
@@ -73,12 +79,14 @@ bool VanillaInlet::put(const VanillaArrival& arrival) {
     return false;
   }
   sample->sequence = arrival.sequence == 0 ? writer->last + 1 : arrival.sequence;
-  if (sample->sequence <= writer->last) return false;  // it came to an earlier DDS reader of the subscriber
-  if (writer->last != 0) {
+  if (sample->sequence <= writer->last) {
+    if (arrival.source_stamp_ns <= writer->last_stamp_ns) return false;
+  } else if (writer->last != 0) {
     const std::uint64_t gap = sample->sequence - writer->last - 1;
     writer->missing += static_cast<std::uint32_t>(std::min<std::uint64_t>(gap, gap_max));
   }
   writer->last = sample->sequence;
+  writer->last_stamp_ns = arrival.source_stamp_ns;
   ++writer->arrivals;
   if (writer->gate != nullptr && !passes(*writer, *sample, type_.index_slots())) return false;
   enqueue(*writer, std::move(sample));

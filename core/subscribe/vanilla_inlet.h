@@ -56,8 +56,9 @@ class VanillaInlet {
   struct Writer {
     std::unique_ptr<Gate> gate{};  ///< null: all samples are asked for
     std::deque<Waiting> waiting{};
-    std::uint64_t bytes = 0;  ///< the bytes of the bodies that wait
-    std::uint64_t last = 0;   ///< the sequence of the last sample that arrived; 0: there was none
+    std::uint64_t bytes = 0;         ///< the bytes of the bodies that wait
+    std::uint64_t last = 0;          ///< the sequence of the last sample that arrived; 0: there was none
+    std::int64_t last_stamp_ns = 0;  ///< the stamp of that sample; 0: its writer gave none
     std::uint64_t arrivals = 0;
     std::uint64_t discarded = 0;  ///< before the first sample was taken
     bool was_taken = false;

@@ -7,11 +7,13 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cstring>
 #include <limits>
 #include <new>
 #include <utility>
 
+#include "sft/detail/convert.h"
 #include "sft/detail/sample_format.h"
 #include "sft/detail/walk.h"
 
@@ -109,9 +111,11 @@ std::uint64_t sequence_of(const nn_rdata& first) {
 using Encapsulation = std::array<unsigned char, detail::encapsulation_bytes>;
 
 /// The second octet of the encapsulation of XCDR1 is 0 or 1. The padding in the fourth one is not needed.
-RawFault fault_of(const Encapsulation& head) {
-  if (head[0] != 0 || head[1] > 1) return RawFault::other_encoding;
-  return head[1] == 0 ? RawFault::big_endian : RawFault::none;
+bool is_xcdr1(const Encapsulation& head) { return head[0] == 0 && head[1] <= 1; }
+bool is_big_endian(const Encapsulation& head) { return head[1] == 0; }
+
+std::byte* body_of(const SampleHandle& sample, const RawReading& reading) {
+  return sample->data + detail::SampleLayout(reading.type->index_slots()).body_offset;
 }
 
 /// Makes the sample whose body is copied afterwards.
@@ -133,6 +137,20 @@ SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
   return sample;
 }
 
+/// Replaces the sample, whose body is big-endian, by one with the same values.
+RawFault swap_bytes(SampleHandle& sample, const RawReading& reading) {
+  const StructType& type = reading.type->type();
+  const detail::Payload foreign{.body = {body_of(sample, reading), sample->header().body_bytes},
+                                .byte_order = std::endian::big};
+  const detail::ConvertedSize size = detail::converted_size(foreign, type);
+  if (size.status != detail::WalkStatus::ok) return RawFault::malformed;
+  SampleHandle swapped = room_for(size.bytes, reading);
+  if (!swapped) return RawFault::no_memory;
+  const auto status = detail::convert(foreign, type, {body_of(swapped, reading), size.bytes});
+  sample = std::move(swapped);
+  return status == detail::WalkStatus::ok ? RawFault::none : RawFault::malformed;
+}
+
 /// Checks the body, and makes its index. The padding behind the last member is cut off.
 bool check_and_index(SampleBuffer& sample, const TypeSupport& type) {
   std::uint32_t body_end = 0;
@@ -146,15 +164,17 @@ RawFault read(RawSample& data, const RawReading& reading, const nn_rdata* fragme
   Encapsulation head{};
   if (size < head.size()) return RawFault::malformed;
   SampleHandle sample = room_for(size - head.size(), reading);
-  std::byte* const body =
-      sample ? sample->data + detail::SampleLayout(reading.type->index_slots()).body_offset : nullptr;
+  std::byte* const body = sample ? body_of(sample, reading) : nullptr;
   for_each_piece(fragments, [&](std::size_t at, const unsigned char* piece, std::size_t bytes) {
     bytes = at < size ? std::min(bytes, size - at) : 0;
     for (; bytes > 0 && at < head.size(); --bytes) head[at++] = *piece++;
     if (bytes > 0 && body != nullptr) std::memcpy(body + (at - head.size()), piece, bytes);
   });
-  if (const RawFault fault = fault_of(head); fault != RawFault::none) return fault;
+  if (!is_xcdr1(head)) return RawFault::other_encoding;
   if (!sample) return RawFault::no_memory;
+  if (const RawFault fault = is_big_endian(head) ? swap_bytes(sample, reading) : RawFault::none;
+      fault != RawFault::none)
+    return fault;
   if (!check_and_index(*sample, *reading.type)) return RawFault::malformed;
   data.sample = std::move(sample);
   refer_to_bytes(data, reading.type->index_slots());

@@ -1,7 +1,8 @@
 // Samples of SFT as Cyclone DDS sends and receives them: their CDR bytes as they are, without any description
 // of the type. They are sent without a copy. What is received is copied once, out of the datagrams, and is
-// checked by the threads of Cyclone, once for all readers that read the same way. These types are those that
-// Cyclone's own serializers are made of; they did not change between its releases 0.10.2 and 0.10.5.
+// checked by the threads of Cyclone, once for all readers that read the same way; big-endian numbers are
+// swapped. These types are those that Cyclone's own serializers are made of; they did not change between its
+// releases 0.10.2 and 0.10.5.
 #pragma once
 
 #include <dds/dds.h>
@@ -43,8 +44,7 @@ ddsi_serdata* raw_sample(const ddsi_sertype* type, const SampleHandle& sample, s
 enum class RawFault : std::uint8_t {
   none,
   malformed,
-  big_endian,
-  other_encoding,  ///< neither CDR nor XCDR1: its bytes say so
+  other_encoding,  ///< not XCDR1: its bytes say so
   no_memory,
 };
 

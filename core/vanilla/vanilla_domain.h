@@ -45,7 +45,7 @@ class VanillaDomain {
 
   dds_entity_t participant() const { return participant_; }
   /// The unmodified readers that the participant has discovered.
-  const VanillaEndpoints& readers() const { return *readers_; }
+  VanillaEndpoints& readers() { return *readers_; }
 
  private:
   const std::shared_ptr<const CycloneDomain> domain_;

@@ -102,19 +102,46 @@ bool is_endpoint_of_sft(const dds_qos_t* qos) { return qos != nullptr && is_of_s
 
 /// Endpoints may have been discovered before.
 VanillaEndpoints::VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic,
-                                   std::function<void()> changed)
-    : changed_(std::move(changed)) {
+                                   std::function<void()> changed, std::size_t at_most)
+    : participant_(participant),
+      builtin_topic_(builtin_topic),
+      changed_(std::move(changed)),
+      at_most_(at_most) {
+  reader_ = open_reader();
+  if (reader_ > 0) take(reader_);
+}
+
+dds_entity_t VanillaEndpoints::open_reader() {
   dds_listener_t* const listener = dds_create_listener(this);
   dds_lset_data_available(listener, [](dds_entity_t builtin, void* self) {
     static_cast<VanillaEndpoints*>(self)->take(builtin);
   });
-  reader_ = dds_create_reader(participant, builtin_topic, nullptr, listener);
+  const dds_entity_t reader = dds_create_reader(participant_, builtin_topic_, nullptr, listener);
   dds_delete_listener(listener);
-  if (reader_ > 0) take(reader_);
+  return reader;
 }
 
 VanillaEndpoints::~VanillaEndpoints() {
   if (reader_ > 0) dds_delete(reader_);
+}
+
+/// A new reader gets all endpoints that are there. The former one is deleted afterwards, so that nothing that
+/// goes meanwhile is missed.
+void VanillaEndpoints::look_again(Time now) {
+  {
+    const Lock lock(mutex_);
+    if (!has_ignored_ || known_.size() >= at_most_ || now < next_look_) return;
+    has_ignored_ = false;
+    next_look_ = Time::max();
+  }
+  const dds_entity_t reader = open_reader();
+  if (reader > 0) {
+    take(reader);
+    dds_delete(std::exchange(reader_, reader));
+  }
+  const Lock lock(mutex_);
+  has_ignored_ = has_ignored_ || reader <= 0;
+  next_look_ = now + looks_apart;
 }
 
 void VanillaEndpoints::take(dds_entity_t builtin) {
@@ -139,8 +166,11 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
   if (info.instance_state != DDS_IST_ALIVE) {
     if (known_.erase(key) == 0) return false;
   } else {
-    const bool has_room = known_.size() < known_max || known_.contains(key);
-    if (!info.valid_data || !has_room || is_endpoint_of_sft(endpoint.qos)) return false;
+    if (!info.valid_data || is_endpoint_of_sft(endpoint.qos)) return false;
+    if (known_.size() >= at_most_ && !known_.contains(key)) {
+      has_ignored_ = true;
+      return false;
+    }
     known_.insert_or_assign(key, std::pair(std::string(endpoint.topic_name), described(endpoint)));
   }
   changes_.fetch_add(1, std::memory_order_relaxed);

@@ -7,6 +7,7 @@
 
 #include <array>
 #include <atomic>
+#include <chrono>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
@@ -16,6 +17,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/platform/clock.h"
 #include "core/sync/mutex.h"
 #include "core/vanilla/vanilla_matching.h"
 
@@ -28,10 +30,15 @@ bool is_endpoint_of_sft(const dds_qos_t* qos);
 
 class VanillaEndpoints {
  public:
+  static constexpr std::size_t known_max = 4096;
+  /// The least time between two looks for endpoints that were ignored.
+  static constexpr std::chrono::seconds looks_apart{5};
+
   /// `builtin_topic`: DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION for readers, or DDS_BUILTIN_TOPIC_DCPSPUBLICATION
   /// for writers. `changed`, if given, is called by threads of Cyclone when changes() has changed; it must
-  /// return at once.
-  VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic, std::function<void()> changed = {});
+  /// return at once. While `at_most` endpoints are known, further ones are ignored.
+  VanillaEndpoints(dds_entity_t participant, dds_entity_t builtin_topic, std::function<void()> changed = {},
+                   std::size_t at_most = known_max);
   /// Waits until no listener runs any more. Must be called before the participant is deleted.
   ~VanillaEndpoints();
   VanillaEndpoints(const VanillaEndpoints&) = delete;
@@ -41,20 +48,26 @@ class VanillaEndpoints {
   std::uint64_t changes() const { return changes_.load(std::memory_order_relaxed); }
   /// Returns the endpoints of that DDS topic. Any thread.
   std::vector<VanillaEndpoint> of(std::string_view topic) const;
+  /// Looks for the endpoints that were ignored if others have gone since then. Called by agents.
+  void look_again(Time now);
 
  private:
-  static constexpr std::size_t known_max = 4096;  ///< further endpoints are ignored
   using Key = std::array<unsigned char, 16>;
 
+  dds_entity_t open_reader();
   void take(dds_entity_t builtin);
   bool note(const dds_builtintopic_endpoint_t& endpoint, const dds_sample_info_t& info) SFT_REQUIRES(mutex_);
 
+  const dds_entity_t participant_, builtin_topic_;
   const std::function<void()> changed_;
-  dds_entity_t reader_ = 0;
+  const std::size_t at_most_;
+  dds_entity_t reader_ = 0;  ///< used by one thread at a time: see `next_look_`
   std::atomic<std::uint64_t> changes_{0};
   mutable Mutex mutex_;
   std::map<Key, std::pair<std::string, VanillaEndpoint>> known_
       SFT_GUARDED_BY(mutex_);  ///< each with its topic
+  bool has_ignored_ SFT_GUARDED_BY(mutex_) = false;
+  Time next_look_ SFT_GUARDED_BY(mutex_){};  ///< Time::max(): a thread looks
 };
 
 }  // namespace sft::core

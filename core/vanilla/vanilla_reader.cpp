@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "core/discovery/dds_domain.h"
-#include "core/platform/clock.h"
 #include "core/platform/quotes.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"
@@ -161,8 +160,6 @@ bool VanillaReader::take_some(dds_entity_t reader, bool& some_arrived) {
   return taken > 0;
 }
 
-/// A writer may leave the timestamp out. Its samples have the time of their arrival instead, since a sample
-/// without a time would have expired, and a maximum rate would let no later one pass.
 bool VanillaReader::deliver(const ddsi_serdata* data, const Writer& writer, std::int64_t source_stamp_ns) {
   RawArrival raw = raw_arrival(data);
   bool is_news = false;
@@ -173,7 +170,7 @@ bool VanillaReader::deliver(const ddsi_serdata* data, const Writer& writer, std:
   if (is_news) spec_.changed();
   return spec_.arrived({.writer = writer.id,
                         .sequence = raw.sequence,
-                        .source_stamp_ns = source_stamp_ns > 0 ? source_stamp_ns : realtime_ns(),
+                        .source_stamp_ns = source_stamp_ns,
                         .sample = std::move(raw.sample)});
 }
 

@@ -130,6 +130,29 @@ TEST_P(PubSubTest, LoansThatAreNotPublishedGiveTheirMemoryBack) {
   for (int i = 0; i < 500; ++i) ASSERT_TRUE(pub.loan(cloud(3), {.data = 1'000'000}));
 }
 
+TEST_P(PubSubTest, OtherThreadsMayFillAndDropLoansWhileTheirPublisherPublishes) {
+  Node a = open("a");
+  Node b = open("b");
+  auto pub = a.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto sub = b.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 10}).value();
+  expect_served(pub, 1);
+  const auto next = [&] { return sub.wait(hang_timeout) ? sub.take().to_owned() : PointCloud2{}; };
+  for (std::uint32_t i = 1; i <= 100; ++i) {
+    auto loan = pub.loan(cloud(i), {.data = 50'000}).value();
+    std::optional dropped(pub.loan(cloud(0), {.data = 50'000}).value());
+    std::thread filling([&] { std::ranges::fill(loan->data(), static_cast<std::uint8_t>(i)); });
+    std::thread dropping([&] { dropped.reset(); });
+    EXPECT_EQ(pub.publish(cloud(i, 20'000)), PublishStatus::ok);
+    filling.join();
+    EXPECT_EQ(std::move(loan).publish(), PublishStatus::ok);
+    dropping.join();
+    PointCloud2 filled = cloud(i);
+    filled.data.assign(50'000, static_cast<std::uint8_t>(i));
+    ASSERT_EQ(next(), cloud(i, 20'000));
+    ASSERT_EQ(next(), filled);
+  }
+}
+
 TEST_P(PubSubTest, ALoanThatShrankArrivesAsIfItHadBeenMadeSo) {
   Node a = open("a");
   Node b = open("b");

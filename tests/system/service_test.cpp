@@ -10,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/test_seed.h"
 #include "tests/system/fixture.h"
 #include "tests/system/node_process.h"
 
@@ -129,6 +130,40 @@ TEST_P(ServiceTest, TenClientsThatBeginTogetherWithTheServerGetTheirOwnAnswers) 
   const auto server = serve(a);
   for (std::thread& thread : threads) thread.join();
   EXPECT_EQ(runs, clients * calls);
+}
+
+// In CI each client makes a few calls, and the server restarts once. In a soak all clients together make ten
+// thousand calls, and the server restarts 34 times.
+TEST_P(ServiceTest, SixtyFourClientsGetTheirOwnAnswersWhileTheServerRestarts) {
+  constexpr std::int64_t clients = 64;
+  const auto calls = static_cast<std::int64_t>(test_rounds(5)), restarts = calls / 5;
+  std::vector<Node> nodes;
+  for (int i = 1; i <= 8; ++i) nodes.push_back(open("client_" + std::to_string(i)));
+  std::optional<Node> host(open("server"));
+  std::optional<Service<Add>> server(serve(*host));
+  std::atomic<std::int64_t> ended{0}, unanswered{0};
+  const auto call = [&](std::int64_t which) {
+    auto client = client_of(nodes[static_cast<std::size_t>(which) % nodes.size()]);
+    for (std::int64_t k = 0; k < calls; ++k, ++ended) {
+      const std::string text = answer(client, 1000 * which, k);
+      if (text == std::to_string(1000 * which + k)) continue;
+      EXPECT_THAT(text, HasSubstr("has gone; whether it has carried out the call is not known"));
+      ++unanswered;
+    }
+  };
+  std::vector<std::thread> threads;
+  for (std::int64_t i = 0; i < clients; ++i) threads.emplace_back(call, i);
+  for (std::int64_t i = 1; i <= restarts; ++i) {
+    EXPECT_TRUE(eventually([&] { return ended >= i * clients * calls / (restarts + 1); }));
+    server.reset();
+    host.reset();
+    host.emplace(open("server"));
+    server.emplace(serve(*host));
+  }
+  for (std::thread& thread : threads) thread.join();
+  EXPECT_EQ(ended, clients * calls);
+  EXPECT_LE(unanswered, clients * restarts) << "only calls that were under way when the server went";
+  EXPECT_GE(runs, ended - unanswered);
 }
 
 TEST_P(ServiceTest, ACallToNobodyEndsWithTheReasonAndIsNotMadeLater) {

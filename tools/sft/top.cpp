@@ -12,6 +12,7 @@
 
 #include "tools/sft/account_text.h"
 #include "tools/sft/describe.h"
+#include "tools/sft/one_for_each.h"
 #include "tools/sft/one_topic.h"
 #include "tools/sft/screen.h"
 #include "tools/sft/traffic.h"
@@ -115,30 +116,19 @@ Json json_of(const View& view, Clock::time_point now) {
   return {{"domain", view.number}, {"nodes", count_nodes(view.domain)}, {"topics", std::move(topics)}};
 }
 
-using Inquiries = std::map<std::string, AccountInquiry>;  // one for each topic
-
-/// Opens and closes inquiries so that there is one for each of these topics, and none for any other topic.
-void ask_about(const std::set<std::string>& topics, Session& session, Inquiries& inquiries) {
-  std::erase_if(inquiries, [&](const auto& item) { return !topics.contains(item.first); });
-  for (const std::string& topic : topics) {
-    if (inquiries.contains(topic)) continue;
-    if (Result<AccountInquiry> inquiry = session.node().ask_accounts(topic))
-      inquiries.emplace(topic, *std::move(inquiry));
-  }
-}
-
 /// Runs until the user wants to stop. The domain is read more often than it is shown, since the intervals
 /// between readings limit the precision of rates.
 template <class Show>
 void watch(const TopOptions& options, Session& session, const Screen* screen, Show show) {
   View view{session.node().status().domain};
-  Inquiries inquiries;
+  std::map<std::string, AccountInquiry> inquiries;  // one for each topic
   const auto begun = Clock::now();
   for (auto next = begun; !session.stop().requested();) {
     const auto now = Clock::now();
     view.domain = session.domain();
     view.traffic.note(view.domain, now);
-    ask_about(topics_of(view.domain), session, inquiries);
+    keep_one_for_each(topics_of(view.domain), inquiries,
+                      [&](const std::string& topic) { return session.node().ask_accounts(topic); });
     if (now >= next) {
       show(view, now);
       next = now + seconds(options.every_s);

@@ -47,6 +47,7 @@ FanOut::Posted FanOut::post(DeferredSample deferred) noexcept {
     count_dropped(deferred);
     ++posted.dropped;
   }
+  if (posted.dropped > 0) side_->over_limit.fetch_add(posted.dropped, std::memory_order_relaxed);
   return posted;
 }
 

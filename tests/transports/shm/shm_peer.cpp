@@ -13,6 +13,8 @@
 #include <vector>
 
 #include "core/platform/doorbell.h"
+#include "shm_transport/daemon/process_daemon.h"
+#include "shm_transport/host/session.h"
 #include "tests/support/pace.h"
 #include "tests/support/shm_frame.h"
 #include "tests/transports/shm/shm_fixture.h"
@@ -200,6 +202,15 @@ int knock(Node& node) {
   return 0;
 }
 
+/// Locks a port of its own, as a writer does for the instructions in which it delivers.
+void lock(Node&, sft::core::EndpointId id, std::uint32_t) {
+  const auto session = sft::shm::ProcessDaemon::shared()->advance(own_daemon(), Clock::now()).session;
+  const auto port = session->create_publisher(id, {hang_timeout, hang_timeout});
+  if (port) (*port)->m_chunkSenderData.lock();
+  say(port ? "locked" : port.error().message);
+  stay();
+}
+
 /// Reports that the node is ready, and waits until the process is killed.
 void attend(Node&, sft::core::EndpointId, std::uint32_t) {
   say("ready");
@@ -223,6 +234,7 @@ int main(int argc, char** argv) {
       {"offer", offer},
       {"listen", listen},
       {"ring", ring},
+      {"lock", lock},
       {"attend", attend}};
   const std::string wanted = argc > 1 ? argv[1] : "";
   const auto task = tasks.find(wanted);

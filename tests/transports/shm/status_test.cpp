@@ -152,6 +152,17 @@ TEST_F(SftdCommands, CountDeadPrograms) {
       [](const Status& status) { return status.usage.deaths == 1 && status.usage.users.size() == 1; }));
 }
 
+TEST_F(SftdCommands, CountTheLocksThatKilledProgramsLeftClosed) {
+  Process daemon = start_sftd();
+  Process witness = start_peer({"attend"});
+  ASSERT_EQ(witness.line(), "ready");
+  Process victim = start_peer({"lock", "1"});
+  ASSERT_EQ(victim.line(), "locked");
+  EXPECT_EQ(status_now().usage.locks_healed, 0U);
+  victim.kill();
+  EXPECT_TRUE(status_becomes([](const Status& status) { return status.usage.locks_healed == 1; }));
+}
+
 TEST_F(SftdCommands, ShowTheLastStateOfAStoppedDaemonAndSayThatItDoesNotAnswer) {
   Process daemon = start_sftd();
   Process hoarder = start_peer({"hoard", "5", "1000"});

@@ -4,6 +4,8 @@
 #include <cstdlib>
 #include <string>
 
+#include "sft/result.h"
+
 namespace sft::detail {
 
 void stop_misuse(std::string_view what) noexcept {
@@ -21,6 +23,14 @@ void stop_at_absent_field() noexcept {
   stop_misuse(
       "a field is read that the sample was sent without: write `if (field)` first, where field is what the "
       "getter returns");
+}
+
+void stop_at_error(const Error& error) noexcept {
+  stop_misuse("a result is read that is an error: " + error.message + "; write `if (result)` first");
+}
+
+void stop_at_missing_error() noexcept {
+  stop_misuse("the error of a result is read that has a value; write `if (!result)` first");
 }
 
 }  // namespace sft::detail

@@ -207,6 +207,14 @@ TEST_F(LinkCareTest, AnswersWhoAsksNoMoreOftenThanHeartbeatsGo) {
   EXPECT_GE(answers, 9);
 }
 
+TEST_F(LinkCareTest, AnswersOnceWhoAsksOnce) {
+  care.was_asked(link);
+  int answers = 0;
+  for (int second = 0; second < 60; ++second) answers += announces(1s) ? 1 : 0;
+  EXPECT_EQ(answers, 1);
+  EXPECT_EQ(care.next(), Time::max());
+}
+
 TEST_F(LinkCareTest, AsksOnAllLinksAfterTheNetworkHasChanged) {
   care.made(2, now);
   care.network_changed(now);

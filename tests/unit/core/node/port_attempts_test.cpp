@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "tests/support/eventually.h"
 #include "tests/unit/core/seam/idle_ports.h"
 
 namespace sft::core {
@@ -95,6 +96,19 @@ TEST_F(PortAttemptsTest, ADaemonThatWillAnswerSoonIsAskedAgainWithTheNextLookAnd
   EXPECT_TRUE(awaiting.in_memory(other, working())) << "it may have answered that";
   EXPECT_TRUE(awaiting.in_memory(one, working()));
   EXPECT_FALSE(one.due_again(later()));
+}
+
+TEST_F(PortAttemptsTest, ADaemonThatHasAnsweredAgainIsLeftAloneForTheShortestPauseOnly) {
+  attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
+  EXPECT_TRUE(test::eventually([&] {
+    other = {};
+    attempts.in_memory(other, failing(Errc::limit_exceeded, "no port is left"));
+    return calls == 2;
+  }));
+  one = {};
+  attempts.in_memory(one, failing(Errc::unavailable, "no answer"));
+  EXPECT_EQ(calls, 3);
+  EXPECT_TRUE(attempts.may_retry_in_memory(one, std::chrono::steady_clock::now() + Retry::pause_min));
 }
 
 TEST_F(PortAttemptsTest, AnotherDaemonIsAskedAtOnce) {

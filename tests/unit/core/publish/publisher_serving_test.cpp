@@ -176,7 +176,9 @@ TEST_F(PublisherServingDeathTest, ASecondThreadThatPublishesMeanwhileIsStoppedWi
   EXPECT_DEATH(publisher.publish(&cloud, 1, sizeof cloud), why);
   EXPECT_DEATH((void)publisher.publish_cdr(payload()), why);
   EXPECT_DEATH((void)publisher.loan(&cloud, {}, ReservedMemory::zeroed), why);
+  EXPECT_DEATH((void)publisher.loan_cdr(100), why);
   EXPECT_DEATH(publisher.commit(*loan, true), why);
+  EXPECT_DEATH((void)publisher.commit_cdr(*loan), why);
   port->go_on.set_value();
 }
 

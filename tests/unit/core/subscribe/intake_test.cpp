@@ -61,6 +61,22 @@ TEST_F(IntakeTest, SamplesOfDdsWritersGoByTheirStampsAndWaitForNoOthers) {
   EXPECT_THAT(transports, ElementsAre(TransportKind::shm, TransportKind::dds, TransportKind::udp));
 }
 
+TEST_F(IntakeTest, ADdsWriterThatRestartsUnderItsOldNameIsHeardAndItsRetainedSamplesComeOnce) {
+  const auto comes = [&](std::uint64_t sequence, std::int64_t stamp_ns) {
+    intake->put(Inlet::vanilla, sample({.sequence = sequence, .writer = 8, .stamp_ns = stamp_ns}));
+    return static_cast<bool>(take().sample);
+  };
+  EXPECT_TRUE(comes(41, 1000));
+  EXPECT_TRUE(comes(42, 2000));
+  EXPECT_FALSE(comes(41, 1000));
+  EXPECT_TRUE(comes(1, 3000));
+  EXPECT_TRUE(comes(2, 4000));
+  EXPECT_FALSE(comes(1, 3000));
+  EXPECT_EQ(status().lost, 0U);
+  EXPECT_TRUE(comes(4, 5000));
+  EXPECT_EQ(status().lost, 1U);
+}
+
 TEST_F(IntakeTest, ASampleThatBothPathsBringIsTakenOnce) {
   over_network({1});
   over_network({2});

@@ -6,6 +6,7 @@
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <vector>
 
+#include "core/platform/clock.h"
 #include "core/seam/buffer_pool.h"
 #include "tests/support/encoded.h"
 
@@ -107,6 +108,28 @@ TEST_F(VanillaInletTest, WhatCameToAnEarlierReaderDoesNotComeAgain) {
   EXPECT_FALSE(comes(2));
   EXPECT_TRUE(comes(3));
   EXPECT_THAT(taken(), ElementsAre(1, 2, 3));
+}
+
+TEST_F(VanillaInletTest, AWriterThatRestartsUnderItsOldNameIsHeardFromItsFirstSample) {
+  const auto comes_at = [&](std::int64_t stamp_ns, std::uint64_t sequence) {
+    return inlet.put({.writer = 1, .sequence = sequence, .source_stamp_ns = stamp_ns, .sample = whole(1)});
+  };
+  EXPECT_TRUE(comes_at(1000, 41));
+  EXPECT_TRUE(comes_at(2000, 42));
+  EXPECT_FALSE(comes_at(1000, 41)) << "it is retained";
+  EXPECT_FALSE(comes_at(0, 1)) << "it may be retained";
+  EXPECT_TRUE(comes_at(3000, 1));
+  EXPECT_TRUE(comes_at(4000, 2));
+  EXPECT_FALSE(comes_at(3000, 1));
+  EXPECT_THAT(taken(), ElementsAre(42, 1, 2));
+}
+
+TEST_F(VanillaInletTest, ASampleWithoutAStampHasTheTimeOfItsArrival) {
+  const std::int64_t before = realtime_ns();
+  EXPECT_TRUE(inlet.put({.writer = 1, .sequence = 1, .source_stamp_ns = -1, .sample = whole(1)}));
+  const SampleHandle sample = inlet.take();
+  EXPECT_GE(sample->source_stamp_ns, before);
+  EXPECT_EQ(sample->source_stamp_ns, sample->receive_stamp_ns);
 }
 
 TEST_F(VanillaInletTest, SamplesWithoutANumberAreNumbered) {

@@ -412,6 +412,16 @@ TEST_F(FlowWindowTest, IgnoresReportsThatAnswerNoMark) {
   EXPECT_TRUE(window.hear(report(mark, 200'000), now));
 }
 
+TEST_F(FlowWindowTest, MarksNameTheDatagramsOfTheirOwnConnectionOnly) {
+  window.sent(300, 3, now);
+  window.sent(500, 5, now, true);
+  window.await_room();
+  const std::optional<FlowMark> mark = window.mark(now);
+  ASSERT_TRUE(mark);
+  EXPECT_EQ(mark->datagrams, 3U) << "the receiver counts by connection";
+  EXPECT_EQ(mark->position, socket_bytes(800, 8));
+}
+
 TEST(ReceiveSharesTest, GivesAllWhoSendTheSame) {
   ReceiveShares shares(1'000'000);
   const ReceiveShares::Time now{1h};
@@ -439,6 +449,21 @@ TEST(ReceiveSharesTest, CountsWhatComesFromWhereMarksComeFrom) {
   EXPECT_EQ(report.datagrams, 4U);
   EXPECT_EQ(report.sent_at_ns, 5);
   EXPECT_EQ(shares.answer(mark, there, {}).came, 4U) << "another way";
+}
+
+TEST(ReceiveSharesTest, CountsEachDatagramOfSendersThatTakeTurns) {
+  ReceiveShares shares(1'000'000);
+  const SocketAddress here{5U, 10}, there{6U, 10};
+  const FlowMark of_one{.flow = 1, .port = 10, .datagrams = 4},
+      of_other{.flow = 2, .port = 10, .datagrams = 7};
+  shares.answer(of_one, here, {});
+  shares.answer(of_other, there, {});
+  for (int i = 0; i < 100; ++i) {
+    shares.count(here);
+    shares.count(there);
+  }
+  EXPECT_EQ(shares.answer(of_one, here, {}).came, 104U);
+  EXPECT_EQ(shares.answer(of_other, there, {}).came, 107U);
 }
 
 TEST(ReceiveSharesTest, ASenderThatWasAtRestIsNotToldOfALoss) {

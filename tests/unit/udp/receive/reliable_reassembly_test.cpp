@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "tests/unit/udp/arrivals.h"
@@ -39,19 +40,20 @@ class ReliableReassemblyTest : public testing::Test {
     read(true);
   }
 
-  void read(bool reliably, std::size_t max_sample_bytes = 0) {
-    Stream stream{lone_writer, &test::type_support<Image>(), max_sample_bytes, {fields<Image>("*")}};
+  void read(bool reliably, std::size_t max_sample_bytes = 0, core::EndpointId writer = lone_writer) {
+    Stream stream{writer, &test::type_support<Image>(), max_sample_bytes, {fields<Image>("*")}};
     stream.reliable = reliably;
     reassembly_->set_streams({&stream, 1});
     if (reliably) window().set_readers({1});
   }
   ArrivalWindow& window() { return *reassembly_->window(0); }
 
-  static std::vector<Bytes> sent(std::uint64_t ordinal, std::size_t bytes, std::uint32_t channel = 1) {
+  static std::vector<Bytes> sent(std::uint64_t ordinal, std::size_t bytes, std::uint32_t channel = 1,
+                                 core::EndpointId writer = lone_writer) {
     const Bytes body = test::encoded_body(make_image(bytes), fields<Image>("*"));
     const Segment whole{body.data(), body.size()};
     FirstHeader first{};
-    first.label = {static_cast<std::uint32_t>(lone_writer), static_cast<std::uint32_t>(ordinal), 0};
+    first.label = {static_cast<std::uint32_t>(writer), static_cast<std::uint32_t>(ordinal), 0};
     first.flags = channel_follows;
     first.total = static_cast<std::uint32_t>(body.size());
     first.mask = fields<Image>("*").hash();
@@ -126,6 +128,22 @@ TEST_F(ReliableReassemblyTest, PutsInOrderSamplesThatBeganBeforeTheyWereWantedRe
   receive(std::span(first).subspan(1));
   EXPECT_EQ(taken_, (Sequences{1, 2}));
   EXPECT_EQ(at_once_, Sequences{});
+}
+
+TEST_F(ReliableReassemblyTest, GoesOnWithAWriterThatIsReadAgainUnlessVeryManyOthersWereReadMeanwhile) {
+  constexpr core::EndpointId one = 5000;
+  core::EndpointId other = 5000;
+  const auto read_a_sample_of = [&](core::EndpointId writer) {
+    read(true, 0, writer);
+    receive(sent(1, 100, 1, writer));
+    EXPECT_TRUE(window().mark());
+  };
+  for (const auto& [others, is_remembered] : {std::pair(200, true), std::pair(300, false)}) {
+    read_a_sample_of(one);
+    for (int i = 0; i < others; ++i) read_a_sample_of(++other);
+    read(true, 0, one);
+    EXPECT_EQ(window().mark().has_value(), is_remembered) << others;
+  }
 }
 
 TEST_F(ReliableReassemblyTest, TakesSamplesAfterHeartbeatsWhoseOrdinalsLeaveNoRoom) {

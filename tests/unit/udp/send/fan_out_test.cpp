@@ -65,6 +65,7 @@ class FanOutTest : public testing::Test {
   }
 
   FanOut& fan_out() { return fan_out_; }
+  std::uint64_t over_limit() const { return side_->over_limit; }
   void carry_out_all() {
     while (fan_out_.carry_out()) {
     }
@@ -82,9 +83,11 @@ class FanOutTest : public testing::Test {
   std::shared_ptr<Channel> channel_;
 };
 
-TEST_F(FanOutTest, KeepsTheNewestFewOfWhatIsNotReliable) {
+TEST_F(FanOutTest, KeepsTheNewestFewOfWhatIsNotReliableAndCountsTheOthers) {
   EXPECT_EQ(leave(64, 100, routes(false)), 0U);
+  EXPECT_EQ(over_limit(), 0U);
   EXPECT_EQ(leave(3, 100, routes(false)), 3U);
+  EXPECT_EQ(over_limit(), 3U);
 }
 
 TEST_F(FanOutTest, KeepsOfWhatIsReliableAsMuchAsChannelsDo) {

@@ -283,5 +283,23 @@ TEST_F(LaneFlowsTest, HandsTheJobsOfALateReaderToItsChannel) {
   EXPECT_EQ(taken.channels, std::vector{through}) << "the sending thread learns of the channel";
 }
 
+TEST_F(LaneFlowsTest, CountsWhatAChannelGivesUpForTheJobsOfALateReaderAsLost) {
+  const auto through = channel();
+  for (std::size_t i = 0; i < ResendLimits{}.samples; ++i) {
+    const JobHandle one = job(small_bytes);
+    through->post(one, one->first, false);
+  }
+  through->end();  // from now on the channel takes jobs however full it is
+  const auto late = lane(Lane::Start::held, through);
+  (void)late->begin({job(small_bytes), job(small_bytes)});
+  flows.add(late);
+  serve_small();
+  EXPECT_FALSE(through->keeps(2));
+  EXPECT_TRUE(through->keeps(3));
+  const core::DeliveryMeter meter{.losses = late->losses()};
+  EXPECT_EQ(meter.read().lost, 2U);
+  EXPECT_EQ(meter.read().lost_bytes, 2 * job(small_bytes)->first.total);
+}
+
 }  // namespace
 }  // namespace sft::udp

@@ -6,14 +6,18 @@
 //
 // The other way is Node::open(options).value(), which throws tl::bad_expected_access<sft::Error> if there is
 // an error. what() of the exception is the message of the error, which is printed if a program does not
-// catch the exception. In a program that is compiled with -fno-exceptions, value() ends the program without
-// a message. Everything in this header is a plain value.
+// catch the exception. `*` and `->` end the program with that message, in all builds, and so does value() in
+// a program that is compiled with -fno-exceptions. Everything in this header is a plain value.
 #pragma once
 
 #include <exception>
+#include <functional>
 #include <string>
 #include <tl/expected.hpp>
+#include <type_traits>
 #include <utility>
+
+#include "sft/detail/misuse.h"
 
 namespace sft {
 
@@ -62,9 +66,150 @@ class tl::bad_expected_access<sft::Error> : public std::exception {
 
 namespace sft {
 
-/// A T or an Error; tl::expected has the interface of std::expected.
+namespace detail {
+/// Makes a T, and is no Result itself.
+template <class U, class T>
+concept ValueOf = std::is_constructible_v<T, U> && !requires {
+  typename std::remove_cvref_t<U>::unexpected_type;
+};
+}  // namespace detail
+
+/// A T or an Error. It is a tl::expected, and has the interface of std::expected. But what tl::expected
+/// leaves undefined ends the program with a message: the value of a Result that has an error, and the error
+/// of one that has a value.
+///
+/// Larger than usual: there is one function for each kind of reference to a Result.
 template <class T>
-using Result = tl::expected<T, Error>;
+class Result : public tl::expected<T, Error> {
+  using Base = tl::expected<T, Error>;
+
+ public:
+  /// Has a value-initialized T.
+  Result() = default;
+  /// Has the error, which is usually what fail() returns.
+  Result(tl::unexpected<Error> error) : Base(std::move(error)) {}
+  /// Has what the other one has.
+  Result(Base other) : Base(std::move(other)) {}
+  /// Has what the other one has, whose value makes a T.
+  template <detail::ValueOf<T> U>
+  explicit(!std::is_convertible_v<U, T>) Result(tl::expected<U, Error> other)
+      : Base(other ? Base(tl::in_place, *std::move(other)) : Base(tl::unexpect, std::move(other).error())) {}
+  /// Has a T that is made of the value.
+  template <detail::ValueOf<T> U = T>
+  explicit(!std::is_convertible_v<U, T>) Result(U&& value) : Base(tl::in_place, std::forward<U>(value)) {}
+
+  /// Returns the value. REQUIRES: there is one.
+  constexpr decltype(auto) operator*() const& { return need_value(), Base::operator*(); }
+  /// Gives access to the members of the value. REQUIRES: there is one.
+  constexpr const T* operator->() const { return need_value(), Base::operator->(); }
+  /// Returns the error. REQUIRES: there is one.
+  constexpr const Error& error() const& { return need_error(), Base::error(); }
+
+  /// Returns what f makes of the value, which is a Result; or the error.
+  template <class F>
+  constexpr auto and_then(F&& f) const& {
+    return go_on(*this, std::forward<F>(f));
+  }
+  /// Returns a Result with what f makes of the value; or the error.
+  template <class F>
+  constexpr auto transform(F&& f) const& {
+    return checked(Base::transform(std::forward<F>(f)));
+  }
+  /// Another name of transform().
+  template <class F>
+  constexpr auto map(F&& f) const& {
+    return transform(std::forward<F>(f));
+  }
+  /// Returns the value; or what f makes of the error, which is a Result.
+  template <class F>
+  constexpr Result or_else(F&& f) const& {
+    return this->has_value() ? *this : Result(std::invoke(std::forward<F>(f), error()));
+  }
+  /// Returns the value; or the error that f makes of the error.
+  template <class F>
+  constexpr auto map_error(F&& f) const& {
+    return checked(Base::map_error(std::forward<F>(f)));
+  }
+
+  /// @cond not in the reference: the same for other kinds of references
+  constexpr decltype(auto) operator*() & { return need_value(), Base::operator*(); }
+  constexpr decltype(auto) operator*() && { return need_value(), *base(); }
+  constexpr T* operator->() { return need_value(), Base::operator->(); }
+  constexpr Error& error() & { return need_error(), Base::error(); }
+  constexpr Error&& error() && { return need_error(), base().error(); }
+  template <class F>
+  constexpr auto and_then(F&& f) & {
+    return go_on(*this, std::forward<F>(f));
+  }
+  template <class F>
+  constexpr auto and_then(F&& f) && {
+    return go_on(std::move(*this), std::forward<F>(f));
+  }
+  template <class F>
+  constexpr auto transform(F&& f) & {
+    return checked(Base::transform(std::forward<F>(f)));
+  }
+  template <class F>
+  constexpr auto transform(F&& f) && {
+    return checked(base().transform(std::forward<F>(f)));
+  }
+  template <class F>
+  constexpr auto map(F&& f) & {
+    return transform(std::forward<F>(f));
+  }
+  template <class F>
+  constexpr auto map(F&& f) && {
+    return checked(base().transform(std::forward<F>(f)));
+  }
+  template <class F>
+  constexpr Result or_else(F&& f) && {
+    return this->has_value() ? std::move(*this) : Result(std::invoke(std::forward<F>(f), base().error()));
+  }
+  template <class F>
+  constexpr auto map_error(F&& f) && {
+    return checked(base().map_error(std::forward<F>(f)));
+  }
+#ifndef __cpp_exceptions  // the value() of tl::expected is then undefined, too
+  constexpr decltype(auto) value() const& { return **this; }
+  constexpr decltype(auto) value() & { return **this; }
+  constexpr decltype(auto) value() && { return *std::move(*this); }
+#endif
+  /// @endcond
+
+ private:
+  constexpr Base&& base() { return std::move(*this); }
+
+  constexpr void need_value() const {
+    if (!this->has_value()) [[unlikely]]
+      detail::stop_at_error(Base::error());
+  }
+  constexpr void need_error() const {
+    if (this->has_value()) [[unlikely]]
+      detail::stop_at_missing_error();
+  }
+
+  template <class Self, class F>
+  static constexpr auto go_on(Self&& self, F&& f) {
+    const auto call = [&]() -> decltype(auto) {
+      if constexpr (std::is_void_v<T>) {
+        return std::invoke(std::forward<F>(f));
+      } else {
+        return std::invoke(std::forward<F>(f), *std::forward<Self>(self));
+      }
+    };
+    using Next = std::remove_cvref_t<decltype(call())>;
+    return self.has_value() ? Next(call()) : Next(tl::unexpected<Error>(std::forward<Self>(self).error()));
+  }
+
+  template <class U, class E>
+  static constexpr auto checked(tl::expected<U, E>&& result) {
+    if constexpr (std::is_same_v<E, Error>) {
+      return Result<U>(std::move(result));
+    } else {
+      return std::move(result);
+    }
+  }
+};
 
 /// Makes the error that a function returns as its Result.
 inline tl::unexpected<Error> fail(Errc code, std::string message) {

@@ -5,6 +5,10 @@
 
 #include <string_view>
 
+namespace sft {
+struct Error;
+}
+
 namespace sft::detail {
 
 [[noreturn, gnu::cold]] void stop_misuse(std::string_view what) noexcept;
@@ -13,5 +17,9 @@ namespace sft::detail {
 [[noreturn, gnu::cold]] void stop_at_empty_sample(std::string_view type = {}) noexcept;
 /// Called if the program reads a field that the sample was sent without.
 [[noreturn, gnu::cold]] void stop_at_absent_field() noexcept;
+/// Called if the program reads the value of a Result that has this error.
+[[noreturn, gnu::cold]] void stop_at_error(const Error& error) noexcept;
+/// Called if the program reads the error of a Result that has a value.
+[[noreturn, gnu::cold]] void stop_at_missing_error() noexcept;
 
 }  // namespace sft::detail
