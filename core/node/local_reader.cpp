@@ -383,8 +383,7 @@ void LocalReader::report_events() {
 std::vector<EndpointId> LocalReader::matching_writers() const {
   std::vector<EndpointId> writers;
   for (const auto& [writer, hearing] : heard_) {
-    const bool is_of_sft = hearing.status.transport != TransportKind::dds;
-    if (hearing.status.matched && is_of_sft) writers.push_back(writer);
+    if (hearing.status.matched) writers.push_back(writer);
   }
   return writers;
 }

@@ -368,15 +368,19 @@ DomainSnapshot NodeCore::domain() {
   struct Known {
     std::vector<KnownEndpoint> endpoints;
     PairAccounts accounts;
+    VanillaView vanilla;
   };
   ask_agent([this] {
     hear(true);
+    reconciler_->observe();
     reconciler_->reports().ask_for_progress(std::chrono::steady_clock::now());
   });
   Known known = ask_agent([&] {
-    return Known{reconciler_->known_endpoints(), reconciler_->reports().accounts()};
+    return Known{reconciler_->known_endpoints(), reconciler_->reports().accounts(), reconciler_->vanilla()};
   });
-  return domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
+  DomainSnapshot snapshot = domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
+  add_vanilla(snapshot, known.vanilla, known.accounts);
+  return snapshot;
 }
 
 Result<AccountInquiry> NodeCore::ask_accounts(const std::shared_ptr<NodeCore>& self, std::string_view topic) {

@@ -37,7 +37,7 @@ Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* 
       attempts_(log, memory),
       vanilla_(std::move(vanilla), log),
       context_{negotiation_, discovery, attempts_, log, memory, network, &vanilla_},
-      reports_(negotiation_, ours_, discovery) {
+      reports_(negotiation_, ours_, discovery, vanilla_) {
   negotiation_.self_changed(transports_.self());
   if (network != nullptr) negotiation_.network_changed(transports_.addresses(), transports_.links());
 }
@@ -123,14 +123,18 @@ void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time no
 }
 
 void Reconciler::look_after_vanilla(Time now) {
-  vanilla_.look(discovery_.vanilla(), has_endpoints(), now);
+  vanilla_.look(discovery_.vanilla(), needs_vanilla(), now);
   dirty_ = true;
+}
+
+void Reconciler::observe() {
+  if (!std::exchange(observes_, true)) look_after_vanilla();
 }
 
 std::chrono::milliseconds Reconciler::tick(Time now) {
   look_after_memory(now);
   look_after_addresses(now);
-  dirty_ |= vanilla_.look(discovery_.vanilla(), has_endpoints(), now);
+  dirty_ |= vanilla_.look(discovery_.vanilla(), needs_vanilla(), now);
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };

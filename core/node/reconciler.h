@@ -51,6 +51,8 @@ class Reconciler {
   void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
   /// To be called when nodes of DDS, or readers or writers of such nodes, have appeared or departed.
   void look_after_vanilla(Time now = std::chrono::steady_clock::now());
+  /// From now on, unmodified nodes are looked for even without a publisher or a subscriber, for vanilla().
+  void observe();
 
   /// Does the work that is due in transports, discovery and endpoints. Returns the time until the next call.
   std::chrono::milliseconds tick(Time now = std::chrono::steady_clock::now());
@@ -63,6 +65,7 @@ class Reconciler {
   std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
   /// Returns the same endpoints, with the progress of writers.
   std::vector<KnownEndpoint> known_endpoints() const;
+  VanillaView vanilla() const { return vanilla_.view(); }
   Reports& reports() { return reports_; }
 
   // The functions for any thread.
@@ -71,7 +74,7 @@ class Reconciler {
   const TransportMonitor& transports() const { return transports_; }
 
  private:
-  bool has_endpoints() const { return !ours_.writers.empty() || !ours_.readers.empty(); }
+  bool needs_vanilla() const { return observes_ || !ours_.writers.empty() || !ours_.readers.empty(); }
   void report(std::vector<EndpointId> living, Time now);
   void watch_promises(Time now);
   void look_at_arrivals(const std::vector<Progress>& reported, Time now);
@@ -102,6 +105,7 @@ class Reconciler {
   Time discovery_looks_at_{};  ///< the latest time of the next call of Discovery::look_after()
   Time arrivals_looked_at_{};
   Time held_up_at_{};      ///< the last time at which a callback that takes long was seen
+  bool observes_ = false;  ///< see observe()
   bool dirty_ = false;     ///< something changed since the last reconcile()
   int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection
                            ///< in shared memory

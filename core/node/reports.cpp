@@ -39,9 +39,11 @@ void Reports::received(const NodeReport& report, Time now) {
   for (const Account& account : report.accounts) {
     const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
     const Endpoint* const reader = negotiation_.table().known(account.id.pair.reader);
-    const bool is_pair = writer != nullptr && writer->role == Role::writer && reader != nullptr &&
-                         reader->role == Role::reader && writer->topic == reader->topic;
-    if (!is_pair || !asks_about(writer->topic)) continue;
+    if (reader == nullptr || reader->role != Role::reader || !asks_about(reader->topic)) continue;
+    const bool is_pair = writer != nullptr && writer->role == Role::writer && writer->topic == reader->topic;
+    const bool hears_dds =
+        account.id.said_by == Role::reader && vanilla_.knows_writer(account.id.pair.writer, reader->topic);
+    if (!is_pair && !hears_dds) continue;
     table_.enter(account, now);
   }
 }

@@ -14,6 +14,7 @@
 #include "core/negotiation/negotiation.h"
 #include "core/node/account_table.h"
 #include "core/node/local_endpoints.h"
+#include "core/node/vanilla_access.h"
 #include "core/platform/clock.h"
 #include "core/platform/turns.h"
 
@@ -22,8 +23,9 @@ namespace sft::core {
 class Reports {
  public:
   /// All arguments must outlive this object.
-  Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery)
-      : negotiation_(negotiation), ours_(ours), discovery_(discovery) {}
+  Reports(const Negotiation& negotiation, LocalEndpoints& ours, Discovery& discovery,
+          const VanillaAccess& vanilla)
+      : negotiation_(negotiation), ours_(ours), discovery_(discovery), vanilla_(vanilla) {}
 
   // Functions for requests of the program.
 
@@ -60,6 +62,7 @@ class Reports {
   const Negotiation& negotiation_;
   LocalEndpoints& ours_;
   Discovery& discovery_;
+  const VanillaAccess& vanilla_;
   /// The topics that the program asks about, each with the number of calls of ask().
   std::map<std::string, std::size_t> topics_;
   Time progress_until_{};

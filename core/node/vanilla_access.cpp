@@ -1,13 +1,16 @@
 #include "core/node/vanilla_access.h"
 
+#include <algorithm>
 #include <string>
 #include <utility>
 
+#include "core/vanilla/dds_names.h"
+
 namespace sft::core {
 
-bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_endpoints, Time now) {
+bool VanillaAccess::look(const Discovery::Vanilla& heard, bool is_needed, Time now) {
   next_look_ = Time::max();
-  const bool wanted = is_wanted(heard, now) && has_endpoints;
+  const bool wanted = is_wanted(heard, now) && is_needed;
   if (!wanted) {
     opening_ = {};
     writers_.reset();
@@ -22,6 +25,21 @@ bool VanillaAccess::look(const Discovery::Vanilla& heard, bool has_endpoints, Ti
   if (opening_.due(now) && open(now)) return true;
   next_look_ = std::min(next_look_, opening_.next());
   return false;
+}
+
+bool VanillaAccess::knows_writer(EndpointId id, const std::string& topic) const {
+  return writers_ != nullptr && std::ranges::any_of(writers_->of(dds_topic(topic)),
+                                                    [id](const auto& writer) { return writer.id == id; });
+}
+
+VanillaView VanillaAccess::view() const {
+  if (domain_ == nullptr) return {};
+  VanillaView view{.readers = domain_->readers().all(),
+                   .writers = writers_->all(),
+                   .participants = domain_->participants(),
+                   .of_sft = domain_->readers().of_sft()};
+  view.of_sft.merge(writers_->of_sft());
+  return view;
 }
 
 bool VanillaAccess::is_wanted(const Discovery::Vanilla& heard, Time now) {

@@ -7,6 +7,7 @@
 #include <memory>
 
 #include "core/discovery/discovery.h"
+#include "core/node/vanilla_view.h"
 #include "core/platform/clock.h"
 #include "core/platform/retry.h"
 #include "core/report/node_log.h"
@@ -33,9 +34,10 @@ class VanillaAccess {
   };
   VanillaAccess(Setup setup, NodeLog& log) : setup_(std::move(setup)), log_(log) {}
 
-  /// `heard` counts the DDS nodes that the links have found. Returns true if the domain or its endpoints have
-  /// changed.
-  bool look(const Discovery::Vanilla& heard, bool has_endpoints, Time now);
+  /// `heard` counts the DDS nodes that the links have found. `is_needed` is true while the node has a
+  /// publisher or a subscriber, or tells the program of the whole domain. Returns true if the domain or its
+  /// endpoints have changed.
+  bool look(const Discovery::Vanilla& heard, bool is_needed, Time now);
   /// Returns the time by which look() has to be called again; Time::max() if nothing changes by itself.
   Time next_look() const { return next_look_; }
 
@@ -43,6 +45,10 @@ class VanillaAccess {
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
   /// The unmodified writers in the domain; null while the node has no such participant.
   const VanillaEndpoints* writers() const { return writers_.get(); }
+  /// Returns true if that endpoint is an unmodified writer of the topic.
+  bool knows_writer(EndpointId id, const std::string& topic) const;
+  /// Returns what the participant has discovered; nothing while there is none.
+  VanillaView view() const;
   const Setup& setup() const { return setup_; }
 
  private:

@@ -98,7 +98,8 @@ void VanillaHearing::open_reader(Time now) {
   }
   Result<std::unique_ptr<VanillaReader>> reader = VanillaReader::open(
       node_.vanilla->domain(),
-      {.topic = spec.topic,
+      {.id = feed_.spec().id,
+       .topic = spec.topic,
        .reading = {.type = spec.type, .type_owner = spec.type_owner, .memory = spec.copies},
        .qos = feed_.spec().qos,
        .arrived = [inlet = inlet_](const VanillaArrival& arrival) { return inlet->put(arrival); },

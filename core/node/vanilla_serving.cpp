@@ -31,7 +31,10 @@ bool VanillaServing::reconcile(Time now) {
   }
   if (writer_ != nullptr && !wanted) opening_ = {};
   if (!wanted && outlet_ != nullptr) retired_ = std::exchange(outlet_, nullptr);
-  if (outlet_ != nullptr) outlet_->show_readers(readers);
+  if (outlet_ != nullptr && outlet_->readers() != readers) {
+    outlet_->show_readers(readers);
+    core_.vanilla_readers_changed();
+  }
   if (retired_ == nullptr) start_outlet(now);  // it may have failed before
   return retired_ != nullptr;
 }
@@ -51,7 +54,8 @@ void VanillaServing::start_outlet(Time now) {
 void VanillaServing::open_writer(Time now) {
   if (!opening_.due(now)) return;
   Result<std::shared_ptr<VanillaWriter>> writer = VanillaWriter::open(
-      node_.vanilla->domain(), {.topic = core_.spec().topic,
+      node_.vanilla->domain(), {.id = core_.spec().id,
+                                .topic = core_.spec().topic,
                                 .type = &core_.type(),
                                 .qos = core_.spec().qos,
                                 .max_sample_bytes = core_.spec().max_sample_bytes,

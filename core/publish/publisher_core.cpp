@@ -69,6 +69,13 @@ void PublisherCore::show(std::vector<PublisherStatus::Reader> readers) {
   if (is_news && readers_changed_.is_set()) readers_changed_(status());
 }
 
+/// A thread that waits either sees the new number, or sleeps already once the lock is free.
+void PublisherCore::vanilla_readers_changed() {
+  { const Lock lock(status_mutex_); }
+  readers_known_.notify_all();
+  if (readers_changed_.is_set()) readers_changed_(status());
+}
+
 PublishStatus PublisherCore::publish(const void* value) {
   const Dispatch::Call call(dispatch_);
   if (!maker_.accepts(call.outlets(), value)) return PublishStatus::invalid;
@@ -227,7 +234,7 @@ bool PublisherCore::wait_for_readers(std::size_t count, std::chrono::nanoseconds
 std::size_t PublisherCore::served() const {
   const auto count =
       std::ranges::count_if(readers_, [](const PublisherStatus::Reader& r) { return r.served; });
-  return static_cast<std::size_t>(count);
+  return static_cast<std::size_t>(count) + (vanilla_ == nullptr ? 0 : vanilla_->readers());
 }
 
 PublisherStatus PublisherCore::status() const {

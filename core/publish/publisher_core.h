@@ -101,6 +101,8 @@ class PublisherCore {
   /// Called when the status of readers has changed, but no route has. Calls on_readers_changed, unless only
   /// the numbers of requests differ.
   void show(std::vector<PublisherStatus::Reader> readers);
+  /// Called when the number of readers of the port for unmodified readers has changed.
+  void vanilla_readers_changed();
 
   /// Returns the counts of the publisher's samples for one reader.
   Delivered delivered(EndpointId reader) const { return spec_.book->of(reader); }

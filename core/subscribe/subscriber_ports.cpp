@@ -235,9 +235,13 @@ std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
 
 Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
   const Lock lock(mutex_);
-  const WriterAccounts::Writer* const known = intake_.accounts().find(writer);
-  if (known == nullptr) return {};
-  return {.received = known->received, .lost = known->lost};
+  Account::OfReader account;
+  if (vanilla_ != nullptr) account.lost = vanilla_->lost_before_first(writer);
+  if (const WriterAccounts::Writer* const known = intake_.accounts().find(writer)) {
+    account.received = known->received;
+    account.lost += known->lost;
+  }
+  return account;
 }
 
 SubscriberPorts::Counts SubscriberPorts::counts() const {

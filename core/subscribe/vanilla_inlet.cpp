@@ -176,6 +176,12 @@ std::uint64_t VanillaInlet::arrivals(EndpointId writer) const {
   return known == writers_.end() ? 0 : known->second.arrivals;
 }
 
+std::uint64_t VanillaInlet::lost_before_first(EndpointId writer) const {
+  const Lock lock(mutex_);
+  const auto found = writers_.find(writer);
+  return found == writers_.end() ? 0 : found->second.discarded;
+}
+
 ReaderPort::Counters VanillaInlet::counters() const {
   const Lock lock(mutex_);
   return counters_;

@@ -45,6 +45,8 @@ class VanillaInlet {
   void forget_others_than(std::span<const EndpointId> writers);
   /// Returns a number that changes whenever a sample of that writer arrives.
   std::uint64_t arrivals(EndpointId writer) const;
+  /// Returns the number of samples of that writer that were discarded before its first one was taken.
+  std::uint64_t lost_before_first(EndpointId writer) const;
   ReaderPort::Counters counters() const;
 
  private:

@@ -7,6 +7,7 @@
 #include <string_view>
 
 #include "core/vanilla/dds_names.h"
+#include "sft/domain.h"
 
 namespace sft::core {
 
@@ -124,3 +125,9 @@ std::optional<std::string> ros_type_hash(const StructType& type) {
 }
 
 }  // namespace sft::core
+
+namespace sft {
+
+std::optional<std::string> ros_type_hash(const DynamicType& type) { return core::ros_type_hash(type.type()); }
+
+}  // namespace sft

@@ -35,6 +35,17 @@ dds_entity_t create_participant(std::uint32_t domain) {
   return dds_create_participant(domain, qos.get(), nullptr);
 }
 
+constexpr std::uint32_t participants_asked = 1024;
+
+/// Cyclone's participants announce these properties.
+std::string property_of(const dds_qos_t* qos, const char* name) {
+  char* value = nullptr;
+  if (!dds_qget_prop(qos, name, &value) || value == nullptr) return {};
+  std::string text(value);
+  dds_free(value);
+  return text;
+}
+
 /// ROS 2's client library, with whatever middleware, and Fast DDS of both names that it has had.
 constexpr std::array<std::string_view, 3> dds_libraries{"/librcl.so", "/libfastrtps.so", "/libfastdds.so"};
 
@@ -73,13 +84,35 @@ Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan
 }
 
 VanillaDomain::VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant)
-    : domain_(std::move(domain)), participant_(participant) {
+    : domain_(std::move(domain)),
+      participant_(participant),
+      announced_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)) {
   readers_.emplace(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
 }
 
 VanillaDomain::~VanillaDomain() {
   readers_.reset();
   dds_delete(participant_);
+}
+
+std::vector<VanillaParticipant> VanillaDomain::participants() const {
+  std::vector<void*> samples(participants_asked);
+  std::vector<dds_sample_info_t> infos(participants_asked);
+  const dds_return_t read =
+      dds_read_mask(announced_, samples.data(), infos.data(), participants_asked, participants_asked,
+                    DDS_ANY_SAMPLE_STATE | DDS_ANY_VIEW_STATE | DDS_ALIVE_INSTANCE_STATE);
+  std::vector<VanillaParticipant> others;
+  for (std::size_t i = 0; i < static_cast<std::size_t>(std::max(read, 0)); ++i) {
+    const auto& one = *static_cast<const dds_builtintopic_participant_t*>(samples[i]);
+    if (!infos[i].valid_data || is_endpoint_of_sft(one.qos)) continue;
+    const std::string pid = property_of(one.qos, "__Pid");
+    others.push_back(
+        {.name = name_of_participant(one.key),
+         .host = property_of(one.qos, "__Hostname"),
+         .process = property_of(one.qos, "__ProcessName") + (pid.empty() ? "" : " (" + pid + ")")});
+  }
+  if (read > 0) dds_return_loan(announced_, samples.data(), read);
+  return others;
 }
 
 bool program_speaks_dds(std::uint32_t domain) {

@@ -9,6 +9,7 @@
 #include <memory>
 #include <optional>
 #include <string>
+#include <vector>
 
 #include "core/discovery/ros_discovery.h"
 #include "core/vanilla/vanilla_endpoints.h"
@@ -32,6 +33,13 @@ struct VanillaPlan {
   ThreadSettings threads{};   ///< of Cyclone's threads
 };
 
+/// A participant that is not one of SFT.
+struct VanillaParticipant {
+  std::string name;       ///< as name_of_participant() says
+  std::string host{};     ///< what it says of itself; empty: nothing
+  std::string process{};  ///< the same: "talker (4711)"
+};
+
 class VanillaDomain {
  public:
   /// Returns the participant that nodes of this process with an equal plan share, or makes a new one.
@@ -46,10 +54,14 @@ class VanillaDomain {
   dds_entity_t participant() const { return participant_; }
   /// The unmodified readers that the participant has discovered.
   VanillaEndpoints& readers() { return *readers_; }
+  const VanillaEndpoints& readers() const { return *readers_; }
+  /// Returns the other participants of the domain, at most 1024.
+  std::vector<VanillaParticipant> participants() const;
 
  private:
   const std::shared_ptr<const CycloneDomain> domain_;
   const dds_entity_t participant_;
+  const dds_entity_t announced_;  ///< the reader of what participants announce
   std::optional<VanillaEndpoints> readers_;
 };
 

@@ -1,6 +1,7 @@
 #include "core/vanilla/vanilla_endpoints.h"
 
 #include <algorithm>
+#include <cctype>
 #include <chrono>
 #include <iterator>
 
@@ -69,17 +70,29 @@ bool has_xcdr1(const dds_qos_t* qos, bool is_writer) {
   return has;
 }
 
-std::string text_of(const dds_guid_t& participant) {
-  constexpr std::size_t prefix_bytes = 12;
-  std::string text = "DDS ";
-  for (std::size_t i = 0; i < prefix_bytes; ++i) {
-    text += "0123456789abcdef"[participant.v[i] >> 4];
-    text += "0123456789abcdef"[participant.v[i] & 15];
+/// Returns the hash that an endpoint announces; empty if it is no word. It is shown to users.
+std::string type_hash_of(const dds_qos_t* qos) {
+  const std::string user_data = user_data_in(qos);
+  const std::string_view hash = type_hash_in(user_data);
+  const auto is_of_word = [](unsigned char c) { return std::isalnum(c) != 0 || c == '_'; };
+  return std::ranges::all_of(hash, is_of_word) ? std::string(hash) : std::string();
+}
+
+std::string in_hexadecimal(const dds_guid_t& guid, std::size_t bytes) {
+  std::string text;
+  for (std::size_t i = 0; i < bytes; ++i) {
+    text += "0123456789abcdef"[guid.v[i] >> 4];
+    text += "0123456789abcdef"[guid.v[i] & 15];
   }
   return text;
 }
 
 }  // namespace
+
+std::string name_of_participant(const dds_guid_t& participant) {
+  constexpr std::size_t prefix_bytes = 12;
+  return "DDS " + in_hexadecimal(participant, prefix_bytes);
+}
 
 VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint) {
   dds_ownership_kind_t ownership = DDS_OWNERSHIP_SHARED;
@@ -88,9 +101,10 @@ VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint) {
   detail::Fnv1a id;
   id.add(std::string_view(reinterpret_cast<const char*>(endpoint.key.v), sizeof endpoint.key.v));
   return {.id = id.value(),
-          .participant = text_of(endpoint.participant_key),
+          .guid = in_hexadecimal(endpoint.key, sizeof endpoint.key.v),
+          .participant = name_of_participant(endpoint.participant_key),
           .type_name = endpoint.type_name,
-          .type_hash = std::string(type_hash_in(user_data_in(endpoint.qos))),
+          .type_hash = type_hash_of(endpoint.qos),
           .qos = policies_in(endpoint.qos),
           .partitions = partitions_in(endpoint.qos),
           .has_xcdr1 = has_xcdr1(endpoint.qos, kind <= 3),
@@ -164,14 +178,19 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
   Key key{};
   std::copy(std::begin(endpoint.key.v), std::end(endpoint.key.v), key.begin());
   if (info.instance_state != DDS_IST_ALIVE) {
+    of_sft_.erase(key);
     if (known_.erase(key) == 0) return false;
   } else {
-    if (!info.valid_data || is_endpoint_of_sft(endpoint.qos)) return false;
+    if (!info.valid_data) return false;
+    if (const std::string user_data = user_data_in(endpoint.qos); is_of_sft(user_data)) {
+      if (of_sft_.size() < known_max || of_sft_.contains(key)) of_sft_.insert_or_assign(key, id_in(user_data));
+      return false;
+    }
     if (known_.size() >= at_most_ && !known_.contains(key)) {
       has_ignored_ = true;
       return false;
     }
-    known_.insert_or_assign(key, std::pair(std::string(endpoint.topic_name), described(endpoint)));
+    known_.insert_or_assign(key, OfTopic{endpoint.topic_name, described(endpoint)});
   }
   changes_.fetch_add(1, std::memory_order_relaxed);
   return true;
@@ -181,9 +200,23 @@ std::vector<VanillaEndpoint> VanillaEndpoints::of(std::string_view topic) const 
   std::vector<VanillaEndpoint> endpoints;
   const Lock lock(mutex_);
   for (const auto& [key, endpoint] : known_) {
-    if (endpoint.first == topic) endpoints.push_back(endpoint.second);
+    if (endpoint.topic == topic) endpoints.push_back(endpoint.endpoint);
   }
   return endpoints;
+}
+
+std::vector<VanillaEndpoints::OfTopic> VanillaEndpoints::all() const {
+  std::vector<OfTopic> endpoints;
+  const Lock lock(mutex_);
+  for (const auto& [key, endpoint] : known_) endpoints.push_back(endpoint);
+  return endpoints;
+}
+
+std::set<EndpointId> VanillaEndpoints::of_sft() const {
+  std::set<EndpointId> ids;
+  const Lock lock(mutex_);
+  for (const auto& [key, id] : of_sft_) ids.insert(id);
+  return ids;
 }
 
 }  // namespace sft::core

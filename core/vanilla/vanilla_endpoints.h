@@ -12,9 +12,9 @@
 #include <cstdint>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <string_view>
-#include <utility>
 #include <vector>
 
 #include "core/platform/clock.h"
@@ -25,6 +25,8 @@ namespace sft::core {
 
 /// Returns an announced endpoint as a plain value.
 VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint);
+/// Returns "DDS" and the GUID prefix of the participant in hexadecimal. SFT shows nodes by this name.
+std::string name_of_participant(const dds_guid_t& participant);
 /// Returns true if the user data say that the endpoint is one of SFT. `qos` may be null.
 bool is_endpoint_of_sft(const dds_qos_t* qos);
 
@@ -48,6 +50,14 @@ class VanillaEndpoints {
   std::uint64_t changes() const { return changes_.load(std::memory_order_relaxed); }
   /// Returns the endpoints of that DDS topic. Any thread.
   std::vector<VanillaEndpoint> of(std::string_view topic) const;
+  struct OfTopic {
+    std::string topic;  ///< its name in DDS
+    VanillaEndpoint endpoint;
+  };
+  /// Returns all endpoints. Any thread.
+  std::vector<OfTopic> all() const;
+  /// Returns the ids of the publishers or subscribers of SFT that have such an endpoint. Any thread.
+  std::set<EndpointId> of_sft() const;
   /// Looks for the endpoints that were ignored if others have gone since then. Called by agents.
   void look_again(Time now);
 
@@ -64,8 +74,8 @@ class VanillaEndpoints {
   dds_entity_t reader_ = 0;  ///< used by one thread at a time: see `next_look_`
   std::atomic<std::uint64_t> changes_{0};
   mutable Mutex mutex_;
-  std::map<Key, std::pair<std::string, VanillaEndpoint>> known_
-      SFT_GUARDED_BY(mutex_);  ///< each with its topic
+  std::map<Key, OfTopic> known_ SFT_GUARDED_BY(mutex_);
+  std::map<Key, EndpointId> of_sft_ SFT_GUARDED_BY(mutex_);
   bool has_ignored_ SFT_GUARDED_BY(mutex_) = false;
   Time next_look_ SFT_GUARDED_BY(mutex_){};  ///< Time::max(): a thread looks
 };

@@ -1,6 +1,7 @@
 #include "core/vanilla/vanilla_matching.h"
 
 #include <algorithm>
+#include <charconv>
 
 #include "core/control/qos.h"
 #include "core/discovery/participant_data.h"
@@ -11,6 +12,17 @@ namespace sft::core {
 namespace {
 
 constexpr std::string_view type_hash_key = "typehash=";
+constexpr std::string_view id_key = "sft_id=";
+
+/// User data are pairs of the form "key=value;". Returns the value of that key, which ends with "=".
+std::string_view value_in(std::string_view user_data, std::string_view key) {
+  for (std::size_t at = 0; at < user_data.size();) {
+    const std::string_view pair = user_data.substr(at, user_data.find(';', at) - at);
+    if (pair.starts_with(key)) return pair.substr(key.size());
+    at += pair.size() + 1;
+  }
+  return {};
+}
 
 void add(std::string& reasons, const std::string& reason) {
   if (!reason.empty()) reasons += (reasons.empty() ? "" : "; ") + reason;
@@ -41,19 +53,19 @@ void add_of_place(std::string& reasons, const std::string& ours, const VanillaEn
 
 }  // namespace
 
-std::string endpoint_user_data(std::string_view type_hash) {
+std::string endpoint_user_data(std::string_view type_hash, EndpointId id) {
   std::string text;
   if (!type_hash.empty()) text = std::string(type_hash_key) + std::string(type_hash) + ";";
-  return text + std::string(vanilla_mark);
+  return text + std::string(vanilla_mark) + std::string(id_key) + std::to_string(id) + ";";
 }
 
-std::string_view type_hash_in(std::string_view user_data) {
-  for (std::size_t at = 0; at < user_data.size();) {
-    const std::string_view pair = user_data.substr(at, user_data.find(';', at) - at);
-    if (pair.starts_with(type_hash_key)) return pair.substr(type_hash_key.size());
-    at += pair.size() + 1;
-  }
-  return {};
+std::string_view type_hash_in(std::string_view user_data) { return value_in(user_data, type_hash_key); }
+
+EndpointId id_in(std::string_view user_data) {
+  const std::string_view text = value_in(user_data, id_key);
+  EndpointId id = 0;
+  std::from_chars(text.data(), text.data() + text.size(), id);
+  return id;
 }
 
 Qos offered_to_vanilla(const Qos& publisher) {
@@ -68,6 +80,13 @@ Qos requested_from_vanilla(const Qos& subscriber) {
   Qos requested = subscriber;
   if (requested.durability == Durability::transient_local) requested.reliability = Reliability::reliable;
   return requested;
+}
+
+std::string difference_of_hashes(std::string_view type_hash, const std::string& ours,
+                                 const VanillaEndpoint& theirs) {
+  if (type_hash.empty() || theirs.type_hash.empty() || theirs.type_hash == type_hash) return {};
+  return "its type has another definition (" + theirs.type_hash + ") than that of the " + ours + " (" +
+         std::string(type_hash) + ")";
 }
 
 std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaEndpoint& reader) {
@@ -87,10 +106,7 @@ std::string why_not_heard(std::string_view type_name, std::string_view type_hash
                           const VanillaEndpoint& writer) {
   std::string reasons;
   add_of_type(reasons, type_name, "subscriber", writer);
-  if (!type_hash.empty() && !writer.type_hash.empty() && writer.type_hash != type_hash) {
-    add(reasons, "its type has another definition (" + writer.type_hash + ") than that of the subscriber (" +
-                     std::string(type_hash) + ")");
-  }
+  add(reasons, difference_of_hashes(type_hash, "subscriber", writer));
   if (!writer.has_xcdr1) {
     add(reasons,
         "it sends XCDR2 (a type that is @appendable or @mutable), and subscribers read XCDR1: make "

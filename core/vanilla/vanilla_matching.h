@@ -14,14 +14,17 @@
 namespace sft::core {
 
 /// Returns the user data of an endpoint for unmodified peers. `type_hash` is a result of ros_type_hash(), or
-/// empty if the type has no hash.
-std::string endpoint_user_data(std::string_view type_hash);
+/// empty if the type has no hash. `id` is that of the publisher or the subscriber.
+std::string endpoint_user_data(std::string_view type_hash, EndpointId id);
 /// Returns the hash in the user data of an endpoint of ROS 2; empty if there is none.
 std::string_view type_hash_in(std::string_view user_data);
+/// Returns the id of the publisher or subscriber of SFT that these user data name; 0 if they name none.
+EndpointId id_in(std::string_view user_data);
 
 /// A reader or a writer as DDS announces it. A duration of 0 means that the policy is not set.
 struct VanillaEndpoint {
   EndpointId id = 0;          ///< made of its GUID
+  std::string guid{};         ///< in hexadecimal
   std::string participant{};  ///< "DDS" and the GUID prefix of its participant in hexadecimal
   std::string type_name{};
   std::string type_hash{};                ///< empty: it announces none
@@ -41,6 +44,10 @@ Qos requested_from_vanilla(const Qos& subscriber);
 
 // These return all conflicts in words, or an empty text if there is none. `type_name` is the name in DDS.
 
+/// Says that both sides announce hashes of their types, and that these differ. `ours`: "publisher" or
+/// "subscriber".
+std::string difference_of_hashes(std::string_view type_hash, const std::string& ours,
+                                 const VanillaEndpoint& theirs);
 std::string why_not_served(std::string_view type_name, const Qos& offered, const VanillaEndpoint& reader);
 /// `type_hash` is that of the subscriber's type. Hashes are compared only if both sides have one.
 std::string why_not_heard(std::string_view type_name, std::string_view type_hash, const Qos& requested,

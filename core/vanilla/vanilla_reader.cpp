@@ -18,7 +18,7 @@ namespace {
 constexpr std::int32_t cached_samples = 16;
 constexpr std::size_t writers_asked = 1024;
 
-DdsQos qos_of(const Qos& requested, const std::string& type_hash) {
+DdsQos qos_of(const Qos& requested, const std::string& user_data) {
   DdsQos qos(dds_create_qos());
   const bool is_reliable = requested.reliability == Reliability::reliable;
   dds_qset_reliability(qos.get(), is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
@@ -30,7 +30,6 @@ DdsQos qos_of(const Qos& requested, const std::string& type_hash) {
   const std::int64_t lease = requested.liveliness_lease.count();
   dds_qset_liveliness(qos.get(), is_manual ? DDS_LIVELINESS_MANUAL_BY_TOPIC : DDS_LIVELINESS_AUTOMATIC,
                       lease > 0 ? lease : DDS_INFINITY);
-  const std::string user_data = endpoint_user_data(type_hash);
   dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
   return qos;
@@ -66,7 +65,7 @@ Result<void> VanillaReader::open() {
       });
   dds_lset_data_available(
       listener, [](dds_entity_t reader, void* self) { static_cast<VanillaReader*>(self)->take(reader); });
-  const DdsQos qos = qos_of(requested_from_vanilla(spec_.qos), type_hash_);
+  const DdsQos qos = qos_of(requested_from_vanilla(spec_.qos), endpoint_user_data(type_hash_, spec_.id));
   reader_ = dds_create_reader(domain_->participant(), topic_.entity, qos.get(), listener);
   dds_delete_listener(listener);
   if (reader_ < 0) return refused(reader_);

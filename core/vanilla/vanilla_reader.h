@@ -27,9 +27,10 @@ class VanillaReader {
  public:
   /// Functions are called by threads of Cyclone, and must return at once.
   struct Spec {
-    std::string topic;   ///< the name in SFT
-    RawReading reading;  ///< what it needs to read samples
-    Qos qos{};           ///< the QoS that the subscriber requests
+    EndpointId id = 0;     ///< the subscriber's selection
+    std::string topic{};   ///< the name in SFT
+    RawReading reading{};  ///< what it needs to read samples
+    Qos qos{};             ///< the QoS that the subscriber requests
     /// Called for one sample at a time, in the order in which they arrive. Returns true if the subscriber has
     /// to be woken.
     std::function<bool(const VanillaArrival&)> arrived{};

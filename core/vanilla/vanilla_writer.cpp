@@ -39,7 +39,7 @@ DdsQos qos_of(const VanillaWriter::Spec& spec) {
   }
   if (offered.deadline.count() > 0) dds_qset_deadline(qos.get(), offered.deadline.count());
   if (offered.lifespan.count() > 0) dds_qset_lifespan(qos.get(), offered.lifespan.count());
-  const std::string user_data = endpoint_user_data(ros_type_hash(spec.type->type()).value_or(""));
+  const std::string user_data = endpoint_user_data(ros_type_hash(spec.type->type()).value_or(""), spec.id);
   dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   dds_qset_writer_data_lifecycle(qos.get(), false);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);

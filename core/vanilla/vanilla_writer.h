@@ -21,7 +21,8 @@ namespace sft::core {
 class VanillaWriter {
  public:
   struct Spec {
-    std::string topic;                  ///< the name in SFT
+    EndpointId id = 0;                  ///< the publisher
+    std::string topic{};                ///< the name in SFT
     const TypeSupport* type = nullptr;  ///< outlives the writer
     Qos qos{};                          ///< QoS of the publisher
     std::size_t max_sample_bytes = 0;

@@ -2,6 +2,7 @@
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 
+#include <atomic>
 #include <builtin_interfaces/msg/Time.hpp>
 #include <filesystem>
 #include <fstream>
@@ -94,6 +95,48 @@ TEST_F(VanillaServingTest, AReaderThatWasThereBeforeThePublisherIsServed) {
     pub.publish(cloud(7));
     EXPECT_EQ(reader.take().body, body_of(cloud(7)));
   }
+}
+
+TEST_F(VanillaServingTest, ReadersCountAsSubscribersForWhoeverWaitsForThem) {
+  Node node = open(Way::udp);
+  std::atomic<std::size_t> told{0};
+  PublisherOptions options;
+  options.on_readers_changed = [&](const PublisherStatus& status) { told = status.vanilla_readers; };
+  auto pub = node.publisher<PointCloud2>("points", options).value();
+  EXPECT_FALSE(pub.wait_for_subscribers(1, std::chrono::milliseconds(0)));
+  VanillaReader first(network_.host(1), {});
+  ASSERT_TRUE(pub.wait_for_subscribers(1, hang_timeout));
+  VanillaReader second(network_.host(0), {});
+  ASSERT_TRUE(pub.wait_for_subscribers(2, hang_timeout));
+  EXPECT_TRUE(eventually([&] { return told == 2; }));
+  ASSERT_TRUE(first.matches(1) && second.matches(1));
+  pub.publish(cloud(7));
+  EXPECT_EQ(first.take().body, body_of(cloud(7)));
+  EXPECT_EQ(second.take().body, body_of(cloud(7)));
+}
+
+TEST_F(VanillaServingTest, TheDomainHasDdsEndpointsAndNoParticipantIsThereForThemBefore) {
+  Node node = open(Way::udp);
+  (void)node.domain();
+  const auto threads = names_of_threads();
+  EXPECT_TRUE(node.domain().publishers.empty());
+  VanillaReader reader(network_.host(1), {});
+  ASSERT_TRUE(eventually([&] { return node.domain().subscribers.size() == 1; }));
+  const DomainSnapshot domain = node.domain();
+  const DomainSnapshot::Endpoint& found = domain.subscribers.at(0);
+  EXPECT_EQ(found.topic, "points");
+  EXPECT_EQ(found.type_name, "sensor_msgs::msg::PointCloud2");
+  EXPECT_EQ(found.qos.reliability, reliable);
+  ASSERT_TRUE(found.dds);
+  EXPECT_EQ(found.dds->topic, "rt/points");
+  EXPECT_EQ(found.dds->guid.size(), 32U);
+  ASSERT_EQ(domain.dds_nodes.size(), 1U);
+  EXPECT_EQ(domain.dds_nodes[0].name, found.node);
+  EXPECT_THAT(domain.dds_nodes[0].process, HasSubstr("vanilla_reader ("));
+  EXPECT_EQ(domain.dds_nodes[0].endpoints, 1U);
+  EXPECT_GT(names_of_threads().size(), threads.size());
+  reader.kill_now();
+  EXPECT_TRUE(eventually([&] { return node.domain().subscribers.empty(); }));
 }
 
 TEST_F(VanillaServingTest, LatchedReadersGetWhatThePublisherRetainsInOrderAndThenWhatFollows) {

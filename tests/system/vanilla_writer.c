@@ -4,7 +4,8 @@
 
    vanilla_writer DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH KIND
 
-   KIND is plain, or xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot hear. */
+   KIND is plain, or xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot hear. With
+   the kind "door" it writes doors with that number in place of clouds. */
 #include <dds/dds.h>
 #include <signal.h>
 #include <stdint.h>
@@ -59,20 +60,27 @@ static void write_cloud(dds_entity_t writer, uint32_t number, uint32_t bytes) {
   free(data);
 }
 
+static void write_door(dds_entity_t writer, uint32_t number) {
+  const house_msgs_msg_dds__Door_ door = {.number_ = number};
+  if (dds_write(writer, &door) != DDS_RETCODE_OK) exit(4);
+}
+
 int main(int argc, char** argv) {
   if (argc != 7) return 2;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
-  const int is_other = strcmp(argv[6], "other_type") == 0;
-  const dds_entity_t topic = dds_create_topic(
-      participant, is_other ? &std_msgs_msg_dds__Header__desc : &sensor_msgs_msg_dds__PointCloud2__desc,
-      argv[2], NULL, NULL);
+  const int is_other = strcmp(argv[6], "other_type") == 0, is_door = strcmp(argv[6], "door") == 0;
+  const dds_topic_descriptor_t* type = is_other  ? &std_msgs_msg_dds__Header__desc
+                                       : is_door ? &house_msgs_msg_dds__Door__desc
+                                                 : &sensor_msgs_msg_dds__PointCloud2__desc;
+  const dds_entity_t topic = dds_create_topic(participant, type, argv[2], NULL, NULL);
   dds_listener_t* listener = dds_create_listener(NULL);
   dds_lset_publication_matched(listener, tell_matched);
   const dds_entity_t writer = dds_create_writer(participant, topic, qos_of(argv + 3), listener);
   if (writer < 0) return 3;
   unsigned number, bytes;
-  while (scanf("%u %u", &number, &bytes) == 2) write_cloud(writer, number, bytes);
+  while (scanf("%u %u", &number, &bytes) == 2)
+    is_door ? write_door(writer, number) : write_cloud(writer, number, bytes);
   dds_wait_for_acks(writer, DDS_SECS(10));
   dds_delete(participant);
   return 0;

@@ -23,7 +23,8 @@ std::string saved_percent(const DomainSnapshot::Sent& account, int decimals) {
 }  // namespace
 
 bool is_told(const DomainSnapshot::Pair& pair) {
-  return !pair.matched || (pair.account.publisher && pair.account.subscriber);
+  return !pair.matched ||
+         ((pair.dds_publisher || pair.account.publisher) && (pair.dds_subscriber || pair.account.subscriber));
 }
 
 /// Returns true if the subscriber has taken none of the samples sent. A subscriber detects a loss only when
@@ -44,6 +45,15 @@ std::string takes_none_text(const DomainSnapshot::Pair& pair) {
                          ? ""
                          : ", or they do not arrive (because of a firewall, or because a path drops long "
                            "datagrams, which the log of the publisher's node names)");
+}
+
+std::string unreadable_text(const DomainSnapshot::Pair& pair) {
+  const auto& subscriber = pair.account.subscriber;
+  if (!pair.dds_publisher || !subscriber || subscriber->received > 0 || subscriber->lost == 0) return {};
+  return "samples came, and none was taken: the subscriber's program does not take them, or they cannot be "
+         "read: their numbers are big-endian, they are not XCDR1, or they do not fit the type (the log of "
+         "the "
+         "subscriber's node says which)";
 }
 
 std::string sent_text(const DomainSnapshot::Pair& pair) {

@@ -17,6 +17,10 @@ bool takes_none(const DomainSnapshot::Pair& pair);
 /// Returns an empty text if the subscriber has taken any samples.
 std::string takes_none_text(const DomainSnapshot::Pair& pair);
 
+/// Says of a pair with a DDS writer that samples came, and the subscriber has taken none, with possible
+/// causes. Returns an empty text for other pairs.
+std::string unreadable_text(const DomainSnapshot::Pair& pair);
+
 // If a side has not reported its counters, these functions return "not told yet".
 
 /// Returns a text such as "5 samples, 40 B over the network".

@@ -42,6 +42,11 @@ struct Parsed {
   bool yaml = false;
 };
 
+NodeOptions::VanillaDds dds_choice(const std::string& name) {
+  using enum NodeOptions::VanillaDds;
+  return name == "auto" ? automatic : name == "never" ? never : always;
+}
+
 CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* help) {
   CommonOptions& common = parsed.line.common;
   CLI::App* command = app.add_subcommand(name, help);
@@ -62,6 +67,13 @@ CLI::App* declare(CLI::App& app, Parsed& parsed, const char* name, const char* h
       ->add_option("--peer", common.peers,
                    "Look for nodes on this host, too; they have to name this host as a peer as well")
       ->allow_extra_args(false)
+      ->group("Common");
+  command
+      ->add_option_function<std::string>(
+          "--dds", [&common](const std::string& choice) { common.dds = dds_choice(choice); },
+          "Look for nodes of DDS and ROS 2 that know nothing of SFT (default: always); auto: as programs do")
+      ->envname("SFT_VANILLA_DDS")
+      ->check(CLI::IsMember({"auto", "always", "never"}))
       ->group("Common");
   command
       ->add_option(

@@ -1,6 +1,7 @@
 // The options that all subcommands have.
 #pragma once
 
+#include <sft/options.h>
 #include <chrono>
 #include <cstdint>
 #include <optional>
@@ -16,6 +17,10 @@ struct CommonOptions {
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
+  /// Whether the node looks for nodes of DDS that know nothing of SFT. By default it always does, since
+  /// `automatic` would find those of this host too late for a command that ends soon. The node of `perf` is
+  /// as those of programs.
+  std::optional<NodeOptions::VanillaDds> dds{};
   bool sim_time = false;  ///< whether the node follows /clock
   /// The time in seconds for which a command collects announcements before it prints a complete list.
   double wait_s = 1;

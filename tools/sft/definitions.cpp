@@ -59,10 +59,16 @@ Result<DynamicType> find_definition(const std::string& type, const CommonOptions
 Result<DynamicType> definition_of(const DomainSnapshot::Endpoint& endpoint, const CommonOptions& common) {
   return find_msg(endpoint.type_name, roots_of(common), limits_of_files)
       .and_then([&](const DynamicType& type) -> Result<DynamicType> {
-        if (type.hash() == endpoint.type_hash && type.name() == endpoint.type_name) return type;
-        return fail(Errc::type_mismatch, "the files define another " + endpoint.type_name + " than node '" +
-                                             endpoint.node +
-                                             "' has: name the directory of its definition first");
+        const std::string hash = endpoint.dds ? ros_type_hash(type).value_or("") : "";
+        const bool is_it = !endpoint.dds ? type.hash() == endpoint.type_hash
+                                         : hash.empty() || endpoint.dds->type_hash.empty() ||
+                                               hash == endpoint.dds->type_hash;
+        if (is_it && type.name() == endpoint.type_name) return type;
+        return fail(Errc::type_mismatch,
+                    "the files define another " + endpoint.type_name + " than node '" + endpoint.node +
+                        "' has" +
+                        (endpoint.dds ? " (" + hash + ", and there " + endpoint.dds->type_hash + ")" : "") +
+                        ": name the directory of its definition first");
       });
 }
 

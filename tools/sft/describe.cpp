@@ -26,6 +26,14 @@ void append_duration(std::string& text, const char* name, std::chrono::nanosecon
 
 Json qos_json(const Qos& qos) { return Json::parse(to_json(qos)); }
 
+Json dds_json(const DomainSnapshot::Endpoint& e) {
+  if (!e.dds) return nullptr;
+  return {{"guid", e.dds->guid},
+          {"topic", e.dds->topic},
+          {"type", e.dds->type_name},
+          {"type_hash", e.dds->type_hash.empty() ? Json() : Json(e.dds->type_hash)}};
+}
+
 Json progress_json(const DomainSnapshot::Endpoint& publisher) {
   if (!publisher.progress) return nullptr;
   return {{"samples", publisher.progress->samples}, {"bytes", publisher.progress->bytes}};
@@ -58,7 +66,8 @@ Json endpoint_json(const DomainSnapshot::Endpoint& e, bool publishes) {
                {"may_use_udp", e.may_use_udp},
                {"shm_ready", e.shm_ready},
                {"same_machine", e.same_machine},
-               {"addresses", e.addresses}};
+               {"addresses", e.addresses},
+               {"dds", dds_json(e)}};
   if (publishes) {
     json["max_sample_bytes"] = e.max_sample_bytes;
     json["waits"] = e.waits;
@@ -76,6 +85,7 @@ Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint&
   const bool has_policy = pair.incompatible_policy != QosPolicy::none;
   return {{"publisher", {{"id", hex_text(pair.publisher)}, {"node", publisher.node}}},
           {"subscriber", {{"id", hex_text(pair.subscriber)}, {"node", subscriber.node}}},
+          {"dds", pair.dds_publisher || pair.dds_subscriber},
           {"matched", pair.matched},
           {"connected", pair.connected},
           {"transport", pair.connected ? Json(to_string(pair.transport)) : Json()},
@@ -106,8 +116,8 @@ Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint&
 }
 
 std::string qos_text(const Qos& qos) {
-  std::string text = fmt::format("{}, {}, keep last {}", to_string(qos.reliability),
-                                 to_string(qos.durability), qos.history_depth);
+  std::string text = fmt::format("{}, {}", to_string(qos.reliability), to_string(qos.durability));
+  if (qos.history_depth > 0) text += fmt::format(", keep last {}", qos.history_depth);
   append_duration(text, "deadline", qos.deadline);
   append_duration(text, "lifespan", qos.lifespan);
   if (qos.liveliness != Liveliness::automatic) text += fmt::format(", {}", to_string(qos.liveliness));
@@ -125,9 +135,15 @@ std::string request_text(const DomainSnapshot::Endpoint& subscriber) {
 }
 
 std::string ways_text(const DomainSnapshot::Endpoint& endpoint) {
+  if (endpoint.dds) return "dds";
   const char* shm = endpoint.shm_ready ? "shm" : "shm (not ready)";
   if (endpoint.may_use_shm && endpoint.may_use_udp) return fmt::format("{}, udp", shm);
   return endpoint.may_use_shm ? shm : "udp";
+}
+
+std::string type_hash_text(const DomainSnapshot::Endpoint& endpoint) {
+  if (!endpoint.dds) return hex_text(endpoint.type_hash);
+  return endpoint.dds->type_hash.empty() ? "-" : endpoint.dds->type_hash;
 }
 
 std::string verdict_text(const DomainSnapshot::Pair& pair) {

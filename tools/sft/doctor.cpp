@@ -6,6 +6,7 @@
 #include <nlohmann/json.hpp>
 #include <vector>
 
+#include "tools/sft/dds_checks.h"
 #include "tools/sft/finding.h"
 #include "tools/sft/multicast_check.h"
 #include "tools/sft/node_checks.h"
@@ -50,6 +51,7 @@ ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& st
   };
   const NodeFindings node = check_node(common, stop, output);
   append(node.findings);
+  append(check_dds(DdsEnvironment::of_process(), node.domain));
   append(check_multicast(node.interfaces_in_use, stop));
   append({check_memlock(), check_receive_buffers(), check_open_files(), check_proc(), check_tmp(),
           check_dev_shm(), check_users(), check_clock()});

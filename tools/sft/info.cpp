@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <nlohmann/json.hpp>
 #include <set>
 
@@ -25,6 +26,12 @@ void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& o
   };
   if (!e.given_topic.empty()) tell("called", printable(e.given_topic) + " by its program");
   tell("qos", qos_text(e.qos));
+  if (e.dds) {
+    tell("ways", "dds: it knows nothing of SFT");
+    tell("in DDS", printable(fmt::format("{}, {}", e.dds->topic, e.dds->type_name)));
+    tell("hash", printable(type_hash_text(e)));
+    return tell("guid", e.dds->guid);
+  }
   tell("ways", fmt::format("{}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
   std::string addresses;
   for (const std::string& address : e.addresses) addresses += (addresses.empty() ? "" : ", ") + address;
@@ -39,11 +46,21 @@ void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& o
 
 void print_text(const OneTopic& topic, Output& output) {
   output.line(output.colored(topic.name, Color::bold));
-  std::set<std::pair<std::string, std::uint64_t>> types;
-  for (const auto* endpoints : {&topic.publishers, &topic.subscribers})
-    for (const DomainSnapshot::Endpoint& e : *endpoints) types.insert({ros_name(e.type_name), e.type_hash});
-  for (const auto& [name, hash] : types) output.line(fmt::format("  {}  {}", name, hex_text(hash)));
-  if (types.size() > 1)
+  // The hashes of SFT and of ROS 2 cannot be compared: of endpoints of DDS, the name of the type tells.
+  std::map<std::string, std::set<std::string>> types;
+  bool differ = false;
+  for (const auto* endpoints : {&topic.publishers, &topic.subscribers}) {
+    for (const DomainSnapshot::Endpoint& e : *endpoints) {
+      std::set<std::string>& hashes = types[ros_name(e.type_name)];
+      if (!e.dds) hashes.insert(hex_text(e.type_hash));
+      differ |= hashes.size() > 1;
+    }
+  }
+  for (const auto& [name, hashes] : types) {
+    if (hashes.empty()) output.line("  " + printable(name));
+    for (const std::string& hash : hashes) output.line(fmt::format("  {}  {}", name, hash));
+  }
+  if (differ || types.size() > 1)
     output.line(output.colored("  These types differ, and so do not match: see 'sft why'.", Color::yellow));
   output.line(count_text(topic.publishers.size(), "publisher"));
   for (const DomainSnapshot::Endpoint& e : topic.publishers) print_endpoint(e, true, output);

@@ -20,21 +20,23 @@ using Json = nlohmann::ordered_json;
 
 struct NodeEntry {
   std::string name;
+  bool is_dds = false;
   std::set<std::string> publishes;
   std::set<std::string> subscribes;
 };
 
 struct TopicEntry {
   std::set<std::string> types;
-  std::size_t publishers = 0;
-  std::size_t subscribers = 0;
+  std::size_t publishers = 0, subscribers = 0;
+  std::size_t dds_publishers = 0, dds_subscribers = 0;  ///< the part of these that knows nothing of SFT
 };
 
 /// The nodes, topics and types of a domain, each once and in order.
 struct Inventory {
   std::map<std::pair<std::string, std::uint64_t>, NodeEntry> nodes;
   std::map<std::string, TopicEntry> topics;
-  std::map<std::pair<std::string, std::uint64_t>, std::set<std::string>> types;  ///< the topics of each type
+  /// The topics of each type, which has a name and a hash.
+  std::map<std::pair<std::string, std::string>, std::set<std::string>> types;
 
   explicit Inventory(const DomainSnapshot& domain) {
     for (const DomainSnapshot::Endpoint& e : domain.publishers) add(e, true);
@@ -45,11 +47,13 @@ struct Inventory {
   void add(const DomainSnapshot::Endpoint& e, bool publishes) {
     NodeEntry& node = nodes[{e.node, e.node_id}];
     node.name = e.node;
+    node.is_dds = e.dds.has_value();
     (publishes ? node.publishes : node.subscribes).insert(e.topic);
     TopicEntry& topic = topics[e.topic];
     topic.types.insert(ros_name(e.type_name));
     ++(publishes ? topic.publishers : topic.subscribers);
-    types[{ros_name(e.type_name), e.type_hash}].insert(e.topic);
+    if (e.dds) ++(publishes ? topic.dds_publishers : topic.dds_subscribers);
+    types[{ros_name(e.type_name), type_hash_text(e)}].insert(e.topic);
   }
 };
 
@@ -64,6 +68,7 @@ Json nodes_json(const Inventory& inventory) {
   for (const auto& [id, node] : inventory.nodes) {
     list.push_back({{"id", hex_text(id.second)},
                     {"name", node.name},
+                    {"dds", node.is_dds},
                     {"publishes", node.publishes},
                     {"subscribes", node.subscribes}});
   }
@@ -76,7 +81,9 @@ Json topics_json(const Inventory& inventory) {
     list.push_back({{"name", name},
                     {"types", topic.types},
                     {"publishers", topic.publishers},
-                    {"subscribers", topic.subscribers}});
+                    {"subscribers", topic.subscribers},
+                    {"dds_publishers", topic.dds_publishers},
+                    {"dds_subscribers", topic.dds_subscribers}});
   }
   return list;
 }
@@ -84,7 +91,7 @@ Json topics_json(const Inventory& inventory) {
 Json types_json(const Inventory& inventory) {
   Json list = Json::array();
   for (const auto& [type, topics] : inventory.types)
-    list.push_back({{"name", type.first}, {"hash", hex_text(type.second)}, {"topics", topics}});
+    list.push_back({{"name", type.first}, {"hash", type.second}, {"topics", topics}});
   return list;
 }
 
@@ -106,11 +113,15 @@ void print_json(const std::string& what, const DomainSnapshot& domain, std::uint
   output.document(json);
 }
 
+std::string number_text(std::size_t all, std::size_t of_dds) {
+  return of_dds == 0 ? std::to_string(all) : fmt::format("{} ({} DDS)", all, of_dds);
+}
+
 Table topics_table(const Inventory& inventory) {
   Table table({"TOPIC", "TYPE", "PUBLISHERS", "SUBSCRIBERS"});
   for (const auto& [name, topic] : inventory.topics)
-    table.add(
-        {name, joined(topic.types), std::to_string(topic.publishers), std::to_string(topic.subscribers)});
+    table.add({name, joined(topic.types), number_text(topic.publishers, topic.dds_publishers),
+               number_text(topic.subscribers, topic.dds_subscribers)});
   return table;
 }
 
@@ -124,8 +135,7 @@ Table table_of(const std::string& what, const DomainSnapshot& domain) {
   }
   if (what == "types") {
     Table table({"TYPE", "HASH", "TOPICS"});
-    for (const auto& [type, topics] : inventory.types)
-      table.add({type.first, hex_text(type.second), joined(topics)});
+    for (const auto& [type, topics] : inventory.types) table.add({type.first, type.second, joined(topics)});
     return table;
   }
   if (what != "endpoints") return topics_table(inventory);

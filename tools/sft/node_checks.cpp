@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "tools/sft/chunk_check.h"
+#include "tools/sft/dds_checks.h"
 #include "tools/sft/describe.h"
 #include "tools/sft/session.h"
 #include "tools/terminal/units.h"
@@ -47,7 +48,8 @@ Finding daemon_of(const NodeStatus& status) {
 Finding domain_of(const NodeSnapshot& self, const DomainSnapshot& domain) {
   std::set<std::uint64_t> nodes;
   for (const auto* endpoints : {&domain.publishers, &domain.subscribers})
-    for (const DomainSnapshot::Endpoint& e : *endpoints) nodes.insert(e.node_id);
+    for (const DomainSnapshot::Endpoint& e : *endpoints)
+      if (!e.dds) nodes.insert(e.node_id);
   const std::uint64_t refused = self.status.control_malformed + self.status.control_ignored;
   const std::string text =
       fmt::format("domain {}, SFT {}, protocol {}: {} with publishers or subscribers", self.domain,
@@ -80,7 +82,8 @@ DomainSnapshot look_around(Session& session) {
         return std::ranges::count_if(now.pairs, is_told_of) == std::ssize(now.pairs);
       },
       longest_s);
-  return domain;
+  session.wait_until(all_dds_nodes_have_answered, dds_answers_within_s);
+  return session.domain();
 }
 
 }  // namespace
@@ -98,7 +101,7 @@ NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output)
   findings.push_back(daemon_of(self.status));
   findings.push_back(check_chunks(domain));
   findings.push_back(domain_of(self, domain));
-  return {std::move(findings), self.status.discovery_interfaces};
+  return {std::move(findings), self.status.discovery_interfaces, domain};
 }
 
 }  // namespace sft::tool

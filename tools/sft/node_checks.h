@@ -1,6 +1,7 @@
 // The checks of `sft doctor` that open a node and report the state of this host according to the library.
 #pragma once
 
+#include <sft/domain.h>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct NodeFindings {
   /// The names of the interfaces; empty if no node can be opened, or if the library does not report the
   /// names.
   std::vector<std::string> interfaces_in_use{};
+  DomainSnapshot domain{};  ///< what the node has found
 };
 NodeFindings check_node(const CommonOptions& common, Stop& stop, Output& output);
 

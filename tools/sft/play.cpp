@@ -216,6 +216,7 @@ bool Player::wait_for_subscribers() {
       return false;
     }
   }
+  for (const auto& [key, channel] : channels_) await_dds_readers(channel.publisher, session_.stop());
   return true;
 }
 

@@ -97,7 +97,8 @@ class Source {
 };
 
 std::size_t served(const PublisherStatus& status) {
-  return static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
+  return status.vanilla_readers +
+         static_cast<std::size_t>(std::ranges::count_if(status.readers, &PublisherStatus::Reader::served));
 }
 
 /// Waits until enough subscribers are served, and returns true. Prints the reason and returns false if that
@@ -115,9 +116,13 @@ bool wait_for(std::size_t subscribers, const DynamicPublisher& publisher, const 
                                    common.timeout_s, session.node().status().domain);
     for (const PublisherStatus::Reader& reader : status.readers)
       if (!reader.served) text += fmt::format("; node '{}' is not served: {}", reader.node, reader.reason);
+    for (const DomainSnapshot::Pair& pair : session.node().domain().pairs)
+      if (pair.publisher == status.id && pair.dds_subscriber && !pair.matched)
+        text += "; a reader of DDS is not served: " + printable(pair.reason);
     complain(text + '.');
     return false;
   }
+  if (subscribers > 0) await_dds_readers(publisher, stop);
   return true;
 }
 
@@ -154,7 +159,8 @@ void report(const DynamicPublisher& publisher, const std::string& topic, bool js
                  {"type", type},
                  {"published", status.published},
                  {"dropped", status.dropped},
-                 {"subscribers", std::move(readers)}});
+                 {"subscribers", std::move(readers)},
+                 {"dds_subscribers", status.vanilla_readers}});
 }
 
 }  // namespace

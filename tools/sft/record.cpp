@@ -20,6 +20,7 @@
 
 #include "tools/recording/sample_type.h"
 #include "tools/sft/definitions.h"
+#include "tools/sft/describe.h"
 #include "tools/sft/recorded_topic.h"
 #include "tools/sft/topic_selection.h"
 #include "tools/terminal/units.h"
@@ -84,7 +85,9 @@ class Recorder {
   std::list<DynamicSubscriber> open_triggers_{};
   std::set<std::string> working_triggers_{};  ///< their texts
   std::set<std::string> complaints_{};
-  std::set<std::pair<std::string, std::uint64_t>> refused_{};  ///< topic and type
+  using TopicAndType = std::pair<std::string, std::string>;
+  std::map<TopicAndType, DynamicType> types_{};  ///< those that were found
+  std::set<TopicAndType> refused_{};
   std::uint64_t reported_bytes_ = 0;
   const Clock::time_point begin_ = Clock::now();
   bool failed_ = false;
@@ -117,18 +120,22 @@ void Recorder::look_for_publishers() {
 
 void Recorder::add(const DomainSnapshot::Endpoint& publisher, const std::string& text) {
   const std::string name = Session::plain_name(publisher.topic);
-  if (refused_.contains({name, publisher.type_hash})) return;
-  auto topic = std::ranges::find_if(topics_, [&](const RecordedTopic& one) {
-    return one.topic() == name && one.type().hash() == publisher.type_hash;
-  });
+  const std::pair key(name, publisher.type_name + "\n" + type_hash_text(publisher));
+  if (refused_.contains(key)) return;
   const auto refuse = [&](const std::string& why) {
-    refused_.emplace(name, publisher.type_hash);
+    refused_.insert(key);
     complain_once(why);
   };
+  const auto known = types_.find(key);
+  const Result<DynamicType> type = known != types_.end() ? Result<DynamicType>(known->second)
+                                   : publisher.type      ? Result<DynamicType>(*publisher.type)
+                                                         : definition_of(publisher, common_);
+  if (!type) return refuse(fmt::format("topic '{}' is not recorded: {}", name, type.error().message));
+  types_.emplace(key, *type);
+  auto topic = std::ranges::find_if(topics_, [&](const RecordedTopic& one) {
+    return one.topic() == name && one.type().hash() == type->hash() && one.type().name() == type->name();
+  });
   if (topic == topics_.end()) {
-    const Result<DynamicType> type =
-        publisher.type ? Result<DynamicType>(*publisher.type) : definition_of(publisher, common_);
-    if (!type) return refuse(fmt::format("topic '{}' is not recorded: {}", name, type.error().message));
     Result<RecordedTopic> opened = RecordedTopic::open(name, *type, text);
     if (!opened) {
       // A mistake in a selection ends the command, unless it is already recording other topics.

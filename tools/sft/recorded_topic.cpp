@@ -6,6 +6,7 @@
 
 #include "tools/recording/qos_profile.h"
 #include "tools/recording/sample_type.h"
+#include "tools/sft/session.h"
 
 namespace sft::tool {
 
@@ -80,9 +81,9 @@ std::size_t RecordedTopic::channel_of(const DomainSnapshot::Endpoint& publisher,
   const std::string whole = recording::ros_type_name(type_.name());
   if (schema_.name != whole) channel.metadata["sft_type"] = whole;
   const bool is_retained = publisher.qos.durability == transient_local;
+  const std::uint32_t depth = publisher.dds ? retained_most : publisher.qos.history_depth;
   known->second =
-      writer.add_channel(schema_, std::move(channel),
-                         is_retained ? std::clamp(publisher.qos.history_depth, 1U, retained_most) : 0);
+      writer.add_channel(schema_, std::move(channel), is_retained ? std::clamp(depth, 1U, retained_most) : 0);
   return known->second;
 }
 
@@ -90,7 +91,7 @@ Result<void> RecordedTopic::follow(const DomainSnapshot::Endpoint& publisher, No
                                    SampleWriter& writer) {
   const auto known = sources_.find(publisher.id);
   if (known != sources_.end() && !known->second.is_guess) return {};
-  const Offer offer{publisher.qos.reliability, publisher.qos.durability};
+  const Offer offer{publisher.qos.reliability, requestable_durability(publisher)};
   if (std::ranges::find(subscribers_, offer, &Subscription::offer) == subscribers_.end()) {
     SubscriberOptions options{.reliability = offer.reliability,
                               .durability = offer.durability,

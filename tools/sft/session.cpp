@@ -6,6 +6,7 @@
 #include <set>
 
 #include "tools/sft/definitions.h"
+#include "tools/sft/msg_text.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -17,6 +18,7 @@ namespace {
 using Clock = std::chrono::steady_clock;
 
 constexpr std::chrono::milliseconds look_pause{20};
+constexpr std::chrono::milliseconds dds_readers_settle{250};
 constexpr std::chrono::milliseconds settle_time{100};  // the time to discover the other publishers of a topic
 
 /// Returns the QoS to request. If every publisher of the topic is durable, durability is requested, so that
@@ -28,7 +30,7 @@ Qos common_offer(const std::string& topic, const DomainSnapshot& domain) {
   for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
     if (publisher.topic != topic) continue;
     published = true;
-    qos.durability = std::min(qos.durability, publisher.qos.durability);
+    qos.durability = std::min(qos.durability, requestable_durability(publisher));
   }
   return published ? qos : Qos{};
 }
@@ -48,6 +50,12 @@ const DomainSnapshot::Endpoint* undescribed_one(const std::string& topic, const 
   return nullptr;
 }
 
+std::string undescribed_by_dds(const DomainSnapshot::Endpoint& endpoint) {
+  return "only nodes of DDS have the topic '" + printable(endpoint.topic) +
+         "', which announce no fields of '" + printable(ros_name(endpoint.type_name)) +
+         "': name a directory with its .msg files by --include";
+}
+
 }  // namespace
 
 Result<Session> Session::open(const CommonOptions& options, std::string_view command, Stop& stop,
@@ -58,6 +66,8 @@ Result<Session> Session::open(const CommonOptions& options, std::string_view com
   node.discovery.interfaces = options.interfaces;
   node.discovery.peers = options.peers;
   node.shm.start_daemon = command == "perf";
+  using enum NodeOptions::VanillaDds;
+  node.vanilla_dds = options.dds.value_or(command == "perf" ? automatic : always);
   return Node::open(node).map([&](Node&& opened) {
     (void)opened.domain();  // from now on, the node receives announcements of all other nodes
     return Session(std::move(opened), options, stop, output);
@@ -137,11 +147,11 @@ Result<FoundTopic> Session::find(std::string_view topic) {
     Result<DynamicType> type = node_.find_type(name, 0s);
     const auto* const undescribed = type ? nullptr : undescribed_one(name, domain);
     if (undescribed != nullptr) {
+      const std::string why = undescribed->dds ? undescribed_by_dds(*undescribed) : type.error().message;
       type = definition_of(*undescribed, options_).map_error([&](const Error& of_files) {
         const bool has_none = of_files.code == Errc::invalid_argument;  // a name in this form cannot belong
                                                                         // to a .msg file
-        return Error{has_none ? Errc::unavailable : of_files.code,
-                     type.error().message + "; " + of_files.message};
+        return Error{has_none ? Errc::unavailable : of_files.code, why + "; " + of_files.message};
       });
     }
     if (type) {
@@ -159,10 +169,19 @@ Result<FoundTopic> Session::find(std::string_view topic) {
   return *std::move(found);
 }
 
+Durability requestable_durability(const DomainSnapshot::Endpoint& publisher) {
+  return publisher.dds && publisher.qos.reliability == best_effort ? volatile_ : publisher.qos.durability;
+}
+
+void await_dds_readers(const DynamicPublisher& publisher, Stop& stop) {
+  if (publisher.status().vanilla_readers > 0) stop.wait_for(dds_readers_settle);
+}
+
 std::optional<std::string> Session::undescribed(std::string_view topic) const {
   const DomainSnapshot domain = this->domain();
   std::optional<std::string> name = known_name(topic, domain);
-  if (name && undescribed_one(*name, domain) == nullptr) name.reset();
+  const DomainSnapshot::Endpoint* const one = name ? undescribed_one(*name, domain) : nullptr;
+  if (one == nullptr || one->dds) name.reset();
   return name;
 }
 

@@ -62,8 +62,8 @@ class Session {
   /// timeout. If its nodes announce a type without its fields, the definition is read from files
   /// (CommonOptions::includes).
   Result<FoundTopic> find(std::string_view topic);
-  /// Returns the name under which nodes announce the topic, if none of them announces the fields of its
-  /// type. Otherwise returns nothing.
+  /// Returns the name under which nodes of SFT announce the topic, if none of them announces the fields of
+  /// its type. Otherwise returns nothing.
   std::optional<std::string> undescribed(std::string_view topic) const;
 
  private:
@@ -75,6 +75,14 @@ class Session {
   Stop* stop_;
   Output* output_;
 };
+
+/// Returns the durability that a subscriber may request of that publisher. DDS gives retained samples to
+/// reliable readers only, and these match reliable writers only.
+Durability requestable_durability(const DomainSnapshot::Endpoint& publisher);
+
+/// Pauses if the publisher serves readers of DDS. Such a reader finds the publisher a moment later than it is
+/// found, and misses what is published before, unless it is latched.
+void await_dds_readers(const DynamicPublisher& publisher, Stop& stop);
 
 /// The part of an error that explains why a host that --peer names is not found.
 inline constexpr const char* peers_name_each_other =

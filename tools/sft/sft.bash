@@ -16,7 +16,7 @@ _sft_messages() { # prints the messages that are installed with sft, as package/
 _sft() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
   local commands="ls info type echo pub hz bw delay why top doctor record play bag perf"
-  local common="--json --no-color --domain --interface --peer --wait --timeout --help"
+  local common="--json --no-color --domain --interface --peer --dds --wait --timeout --help"
   COMPREPLY=()
 
   if ((COMP_CWORD == 1)); then
@@ -45,6 +45,9 @@ _sft() {
         mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
         return
       fi ;;
+    --dds)
+      mapfile -t COMPREPLY < <(compgen -W "auto always never" -- "$word")
+      return ;;
     --interface)
       mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
       return ;;

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tools/sft/account_text.h"
+#include "tools/sft/dds_checks.h"
 #include "tools/sft/describe.h"
 #include "tools/sft/one_topic.h"
 #include "tools/terminal/columns.h"
@@ -74,12 +75,15 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   print_mismatch(pair, options, output);
   if (pair.matched) {
     print_row("fields", request_text(subscriber), output);
-    print_row("sent", sent_text(pair), output);
-    print_row("diverted", diverted_text(pair), output);
-    print_row("saved", saved_text(pair), output);
-    print_row("withheld", withheld_text(pair), output);
-    print_row("lost", lost_text(pair), output);
+    if (!pair.dds_publisher && !pair.dds_subscriber) {
+      print_row("sent", sent_text(pair), output);
+      print_row("diverted", diverted_text(pair), output);
+      print_row("saved", saved_text(pair), output);
+      print_row("withheld", withheld_text(pair), output);
+    }
+    if (!pair.dds_subscriber) print_row("lost", lost_text(pair), output);
     print_indented(takes_none_text(pair), Color::red, output);
+    print_indented(unreadable_text(pair), Color::red, output);
     return;
   }
   print_row("offered", qos_text(publisher.qos), output);
@@ -89,27 +93,58 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   print_row("subscriber", "may use " + ways_text(subscriber), output);
 }
 
-void print_text(const OneTopic& topic, const WhyOptions& options, Output& output) {
+/// DDS cannot tell a node of SFT from others. So a publisher that serves DDS readers also sends whole
+/// messages to the DDS reader of a subscriber that hears DDS writers.
+std::string text_of_whole_messages(const OneTopic& topic) {
+  const auto& pairs = topic.pairs;
+  const bool serves = std::ranges::any_of(
+      pairs, [](const DomainSnapshot::Pair& pair) { return pair.dds_subscriber && pair.connected; });
+  const bool hears = std::ranges::any_of(
+      pairs, [](const DomainSnapshot::Pair& pair) { return pair.dds_publisher && pair.connected; });
+  if (!serves || !hears) return {};
+  return "The topic has readers and writers of DDS: so its publishers of SFT send whole messages by DDS to "
+         "subscribers of SFT in other processes, too, which drop them";
+}
+
+void print_text(const OneTopic& topic, const std::vector<Finding>& findings, const WhyOptions& options,
+                Output& output) {
   const std::string numbers = fmt::format("{}, {}", count_text(topic.publishers.size(), "publisher"),
                                           count_text(topic.subscribers.size(), "subscriber"));
   const std::vector<std::string> heading =
       lines_of(printable(topic.name) + ": " + numbers, width, LongWords::broken);
   for (const std::string& line : heading) output.line(output.colored(line, Color::bold));
   for (const DomainSnapshot::Pair& pair : topic.pairs) print_pair(pair, topic, options, output);
+  print_indented(text_of_whole_messages(topic), Color::yellow, output);
   if (topic.publishers.empty()) output.line("Nobody publishes it.");
   if (topic.subscribers.empty()) output.line("Nobody subscribes to it.");
+  for (const Finding& finding : findings)
+    print_indented(finding.text + ". " + finding.to_do, Color::yellow, output);
 }
 
-void print_pairs_json(const OneTopic& topic, Output& output) {
+void print_pairs_json(const OneTopic& topic, const std::vector<Finding>& findings, Output& output) {
   Json pairs = Json::array();
   for (const DomainSnapshot::Pair& pair : topic.pairs) {
     pairs.push_back(pair_json(pair, *endpoint_of(pair.publisher, topic.publishers),
                               *endpoint_of(pair.subscriber, topic.subscribers)));
   }
+  Json out_of_reach = Json::array();
+  for (const Finding& finding : findings) out_of_reach.push_back(finding.text + ". " + finding.to_do);
+  const std::string whole = text_of_whole_messages(topic);
   output.document({{"topic", topic.name},
                    {"publishers", topic.publishers.size()},
                    {"subscribers", topic.subscribers.size()},
-                   {"pairs", std::move(pairs)}});
+                   {"pairs", std::move(pairs)},
+                   {"whole_messages_by_dds", whole.empty() ? Json() : Json(whole)},
+                   {"out_of_reach", std::move(out_of_reach)}});
+}
+
+/// Returns true if all nodes of DDS have announced what they read and write, and all nodes of SFT that match
+/// endpoints of DDS on the topic have endpoints for them.
+bool dds_has_answered(const DomainSnapshot& domain, const OneTopic& topic) {
+  return all_dds_nodes_have_answered(domain) &&
+         std::ranges::none_of(topic.pairs, [](const DomainSnapshot::Pair& pair) {
+           return (pair.dds_publisher || pair.dds_subscriber) && pair.matched && !pair.connected;
+         });
 }
 
 }  // namespace
@@ -133,7 +168,16 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
     return std::ranges::none_of(topic->pairs, takes_none);
   };
   session.wait_until(all_have_taken, 2 * common.wait_s);
-  common.json ? print_pairs_json(*topic, session.output()) : print_text(*topic, options, session.output());
+  std::vector<Finding> findings;
+  const auto dds_is_known = [&](const DomainSnapshot& domain) {
+    topic = part_of(domain, topic->name);
+    findings = check_dds(DdsEnvironment::of_process(), domain);
+    return dds_has_answered(domain, *topic);
+  };
+  session.wait_until(dds_is_known, dds_answers_within_s);
+  std::erase_if(findings, [](const Finding& finding) { return finding.health == Health::ok; });
+  common.json ? print_pairs_json(*topic, findings, session.output())
+              : print_text(*topic, findings, options, session.output());
   const auto is_well = [](const DomainSnapshot::Pair& pair) { return pair.matched && !takes_none(pair); };
   const bool all_is_well = std::ranges::all_of(topic->pairs, is_well);
   return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;

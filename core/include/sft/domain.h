@@ -4,6 +4,10 @@
 // that were sent, saved, withheld or lost, and report the counts only while a program asks for them
 // (AccountInquiry). A node knows more of its own publishers and subscribers (snapshot.h).
 //
+// DomainSnapshot also contains readers and writers of DDS and ROS 2 that know nothing of SFT, while the node
+// has a participant for them (NodeOptions::vanilla_dds): those of topics that nodes of SFT can share with
+// them.
+//
 // All structs are copies that the program owns, made when Node::topics() or Node::domain() was called. Any
 // thread may call these functions, including callbacks.
 #pragma once
@@ -64,6 +68,8 @@ class [[nodiscard]] AccountInquiry {
 struct DomainSnapshot {
   // The nested structs are defined after this struct, because std::optional accepts a nested struct whose
   // members have default values only once the enclosing struct is complete.
+  struct Dds;
+  struct DdsNode;
   struct Endpoint;
   struct Progress;
   struct Pair;
@@ -73,7 +79,27 @@ struct DomainSnapshot {
 
   std::vector<Endpoint> publishers;   ///< ordered by topic, then by node
   std::vector<Endpoint> subscribers;  ///< in the same order
-  std::vector<Pair> pairs;            ///< in the order of the publishers, then of the subscribers
+  /// In the order of the publishers, then of the subscribers. Pairs with an endpoint of DDS are the last
+  /// ones; there is none of two such endpoints.
+  std::vector<Pair> pairs;
+  std::vector<DdsNode> dds_nodes{};  ///< all DDS participants that know nothing of SFT
+};
+
+/// What DDS tells of an endpoint that knows nothing of SFT.
+struct DomainSnapshot::Dds {
+  std::string guid;       ///< in hexadecimal
+  std::string topic;      ///< the name in DDS: "rt/points"
+  std::string type_name;  ///< the name in DDS: "sensor_msgs::msg::dds_::Imu_"
+  /// The hash of the definition as nodes of ROS 2 announce it, "RIHS01_..."; empty: none is announced.
+  std::string type_hash{};
+};
+
+/// A DDS participant that knows nothing of SFT.
+struct DomainSnapshot::DdsNode {
+  std::string name;           ///< as Endpoint::node
+  std::string host{};         ///< what it says of itself; empty: nothing
+  std::string process{};      ///< the same: "talker (4711)"
+  std::size_t endpoints = 0;  ///< readers and writers of any topic that have been discovered
 };
 
 /// The number of samples that a publisher has sent so far. Its node announces it from time to time while the
@@ -87,17 +113,21 @@ struct DomainSnapshot::Progress {
 /// One publisher or subscriber.
 /// Larger than usual: each fact has a separate named member for users.
 struct DomainSnapshot::Endpoint {
-  std::uint64_t id = 0;         ///< random; a new one each time that an endpoint is opened
-  std::uint64_t node_id = 0;    ///< a number that differs between nodes, even if their names are equal
-  std::string node;             ///< the name of the endpoint's node
+  std::uint64_t id = 0;       ///< random; a new one each time that an endpoint is opened
+  std::uint64_t node_id = 0;  ///< a number that differs between nodes, even if their names are equal
+  /// The name of the endpoint's node. For an endpoint of DDS, "DDS" and the GUID prefix of its participant.
+  std::string node;
   bool is_own = false;          ///< true: the endpoint belongs to the node that was asked
   std::string topic;            ///< the name without a slash at the beginning
   std::string given_topic{};    ///< the name that the endpoint's program uses; empty if it equals `topic`
   std::string type_name;        ///< the name as in the IDL: "sensor_msgs::msg::Imu"
-  std::uint64_t type_hash = 0;  ///< equal for equal definitions of the type
-  /// The fields of the type; empty if the type is too large to be described.
+  std::uint64_t type_hash = 0;  ///< equal for equal definitions of the type; 0 for an endpoint of DDS
+  /// The fields of the type; empty if the type is too large to be described, and for an endpoint of DDS.
   std::optional<DynamicType> type{};
-  Qos qos;                               ///< the QoS that a publisher offers or a subscriber requests
+  /// The QoS that a publisher offers or a subscriber requests. DDS does not tell the depth of a history,
+  /// which is 0 then.
+  Qos qos;
+  std::optional<Dds> dds{};              ///< not empty: the endpoint knows nothing of SFT
   bool may_use_shm = false;              ///< true: the options of the endpoint allow shared memory
   bool may_use_udp = false;              ///< true: the options of the endpoint allow UDP
   bool shm_ready = false;                ///< true: shared memory is available to the endpoint's node
@@ -152,11 +182,15 @@ struct DomainSnapshot::Account {
 /// A publisher and a subscriber of one topic, as derived from their announcements. Members that have no
 /// comment are as in PublisherStatus::Reader.
 struct DomainSnapshot::Pair {
-  std::uint64_t publisher = 0;     ///< the id of the publisher
-  std::uint64_t subscriber = 0;    ///< the id of the subscriber
-  bool matched = false;            ///< false: the publisher and the subscriber do not match, and `reason`
-                                   ///< says why
-  bool connected = false;          ///< true: the subscriber reports that it is connected, by `transport`
+  std::uint64_t publisher = 0;   ///< the id of the publisher
+  std::uint64_t subscriber = 0;  ///< the id of the subscriber
+  bool dds_publisher = false;    ///< true: the publisher is a DDS writer, which reports no counts
+  bool dds_subscriber = false;   ///< true: the subscriber is a DDS reader, which reports no counts
+  bool matched = false;          ///< false: the publisher and the subscriber do not match, and `reason`
+                                 ///< says why
+  /// True: the subscriber reports that it is connected, by `transport`. For a pair with an endpoint of DDS:
+  /// the node of the other endpoint has a DDS endpoint for it.
+  bool connected = false;
   TransportKind transport{};       ///< valid only while the pair is connected
   std::string reason{};            ///< the reason for this transport, or for having none; for people
   bool incompatible_type = false;  ///< true: the names or definitions of the two types differ
@@ -168,5 +202,9 @@ struct DomainSnapshot::Pair {
   bool no_path = false;  ///< true: type and QoS are compatible, but no path is allowed to both endpoints
   Account account{};     ///< the counts of both nodes, while the program asks for them (Node::ask_accounts())
 };
+
+/// Returns the hash by which nodes of ROS 2 compare definitions, "RIHS01_..."; nothing if ROS 2 has no such
+/// types.
+std::optional<std::string> ros_type_hash(const DynamicType& type);
 
 }  // namespace sft

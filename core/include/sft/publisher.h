@@ -195,9 +195,10 @@ class [[nodiscard]] Publisher {
   const std::string& why_invalid() const { return publisher_.why_invalid(); }
 
   /// Sleeps until at least `count` subscribers are served, and then returns true. Returns false if the
-  /// timeout has passed. A subscriber with several selections counts once for each selection. If the result
-  /// is true, messages that are published later are sent to these subscribers. Must not be called in
-  /// callbacks: the node would not serve these subscribers meanwhile.
+  /// timeout has passed. A subscriber with several selections counts once for each selection, and unmodified
+  /// readers of DDS and ROS 2 count, too. If the result is true, messages that are published later are sent
+  /// to these subscribers. Must not be called in callbacks: the node would not serve these subscribers
+  /// meanwhile.
   bool wait_for_subscribers(std::size_t count, std::chrono::nanoseconds timeout) const {
     return publisher_.wait_for_subscribers(count, timeout);
   }

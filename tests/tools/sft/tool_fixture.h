@@ -15,7 +15,7 @@
 #include "tests/support/eventually.h"
 #include "tests/support/pace.h"
 #include "tests/support/small_cloud.h"
-#include "tests/tools/sft/tool_process.h"
+#include "tests/support/tool_process.h"
 
 namespace sft::test {
 

@@ -16,6 +16,17 @@ TEST(DdsNames, OfTypesHaveTheNamespaceOfRosBeforeTheLastPart) {
   EXPECT_EQ(dds_type("Imu"), "dds_::Imu_");
 }
 
+TEST(DdsNames, OfTopicsAndTypesAreReadAsTheyAreMade) {
+  EXPECT_EQ(topic_of_dds(dds_topic("left/points")), "left/points");
+  EXPECT_EQ(type_of_dds(dds_type("sensor_msgs::msg::Imu")), "sensor_msgs::msg::Imu");
+}
+
+TEST(DdsNames, OfAnotherFormAreNotThoseOfRos) {
+  for (const char* topic : {"points", "rt/", "rq/addRequest", "ros_discovery_info", ""})
+    EXPECT_FALSE(topic_of_dds(topic)) << topic;
+  for (const char* type : {"Square", "pkg::msg::dds_::Imu", ""}) EXPECT_EQ(type_of_dds(type), type);
+}
+
 TEST(DdsNames, OfTypesInRosHaveSlashes) {
   EXPECT_EQ(ros_type_name("sensor_msgs::msg::Imu"), "sensor_msgs/msg/Imu");
   EXPECT_EQ(ros_type_name("Imu"), "Imu");

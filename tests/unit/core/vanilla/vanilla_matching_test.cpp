@@ -113,17 +113,25 @@ TEST(VanillaMatching, DefinitionsAreComparedByTheirHashesIfBothSidesHaveOne) {
 TEST(VanillaMatching, TheHashIsFoundInTheUserDataOfROS2) {
   EXPECT_EQ(type_hash_in("typehash=RIHS01_00;"), "RIHS01_00");
   EXPECT_EQ(type_hash_in("a=b;typehash=RIHS01_00"), "RIHS01_00");
-  EXPECT_EQ(type_hash_in(endpoint_user_data("RIHS01_00")), "RIHS01_00");
+  EXPECT_EQ(type_hash_in(endpoint_user_data("RIHS01_00", 7)), "RIHS01_00");
   EXPECT_EQ(type_hash_in("enclave=/;"), "");
   EXPECT_EQ(type_hash_in(";;"), "");
 }
 
 TEST(VanillaMatching, EndpointsOfSftAreKnownByTheirMarkWhateverElseTheySay) {
-  EXPECT_TRUE(is_of_sft(endpoint_user_data("")));
-  EXPECT_TRUE(is_of_sft(endpoint_user_data("RIHS01_00")));
+  EXPECT_TRUE(is_of_sft(endpoint_user_data("", 7)));
+  EXPECT_TRUE(is_of_sft(endpoint_user_data("RIHS01_00", 7)));
   EXPECT_FALSE(is_of_sft("typehash=RIHS01_00;"));
   EXPECT_FALSE(is_of_sft("notsft=1;"));
   EXPECT_FALSE(is_of_sft(""));
+}
+
+TEST(VanillaMatching, EndpointsOfSftNameTheirPublisherOrSubscriber) {
+  constexpr EndpointId greatest = ~EndpointId{0};
+  EXPECT_EQ(id_in(endpoint_user_data("RIHS01_00", greatest)), greatest);
+  EXPECT_EQ(id_in(endpoint_user_data("", 7)), 7U);
+  for (const char* text : {"", "sft=1;", "sft_id=;", "sft_id=x;", "sft_id=99999999999999999999;"})
+    EXPECT_EQ(id_in(text), 0U) << text;
 }
 
 }  // namespace

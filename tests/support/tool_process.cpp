@@ -1,4 +1,4 @@
-#include "tests/tools/sft/tool_process.h"
+#include "tests/support/tool_process.h"
 
 #include <fcntl.h>
 #include <poll.h>
