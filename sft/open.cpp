@@ -117,6 +117,7 @@ Result<Node> Node::open(const NodeOptions& options) {
   core::NodeCore::Parts parts;
   parts.names = std::move(*names);
   parts.ros = std::move(*ros);
+  if (const char* distro = std::getenv("ROS_DISTRO")) parts.ros_distro = distro;
   parts.heap = core::BufferPool::make(options.udp.memory_limit_bytes);
   parts.log = core::log_setting(options, std::getenv("SFT_LOG"));
   if (options.transport != TransportChoice::shm) {

@@ -40,13 +40,15 @@ void log_unfit(const std::vector<std::string>& rules, NodeLog& log) {
 }
 
 VanillaAccess::Setup vanilla_setup(const NodeOptions& options, const RosDiscovery& ros,
-                                   std::function<void()> endpoints_changed) {
+                                   const std::string& ros_distro, std::function<void()> endpoints_changed) {
   using enum NodeOptions::VanillaDds;
   return {.choice = ros.is_off ? never : options.vanilla_dds.value_or(automatic),
           .plan = {.domain = options.domain.value_or(0),
                    .user_config = options.cyclonedds_config.value_or(""),
                    .ros = ros,
-                   .threads = options.threads.discovery},
+                   .threads = options.threads.discovery,
+                   .guid_bytes = guid_bytes_of(ros_distro)},
+          .node = options.name,
           .sender = options.threads.sender,
           .endpoints_changed = std::move(endpoints_changed)};
 }
@@ -82,6 +84,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   const auto names = std::make_shared<NodeNames>(std::move(parts.names));
   const std::string complaint = parts.log.complaint;
   const RosDiscovery ros = parts.ros;
+  const std::string ros_distro = parts.ros_distro;
   std::shared_ptr<NodeCore> node(new NodeCore(options, std::move(parts)), &NodeCore::dispose);
   if (options.log) {
     if (Result<void> started = node->callbacks_.start(); !started) return tl::unexpected(started.error());
@@ -101,7 +104,8 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   }
   node->reconciler_ = std::make_unique<Reconciler>(
       node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
-      node->log_, vanilla_setup(node->options_, ros, [node = node.get()] { node->vanilla_changed(); }));
+      node->log_,
+      vanilla_setup(node->options_, ros, ros_distro, [node = node.get()] { node->vanilla_changed(); }));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,

@@ -43,7 +43,8 @@ class NodeCore final : private DiscoveryListener {
     std::shared_ptr<BufferPool> heap;  ///< the pool for samples that are not in shared memory
     LogSetting log{};
     Remapping names{};
-    RosDiscovery ros{};  ///< where unmodified nodes of DDS are looked for
+    RosDiscovery ros{};        ///< where unmodified nodes of DDS are looked for
+    std::string ros_distro{};  ///< the distribution of ROS 2 that the environment names; may be empty
   };
 
   /// In `options`, the defaults (domain, configuration) must have been replaced by actual values, and the

@@ -284,11 +284,13 @@ std::chrono::milliseconds Reconciler::reconcile() {
 void Reconciler::settle() {
   if (dirty_) tick_pace_.stirred(std::chrono::steady_clock::now());
   while (std::exchange(dirty_, false)) {
+    vanilla_.forget_endpoints();
     std::size_t unattached = 0;
     for (const auto& [id, reader] : ours_.readers) unattached += reader.unattached();
     for (auto& [id, writer] : ours_.writers) writer.reconcile();
     for (auto& [id, reader] : ours_.readers) reader.reconcile(unattached);
     look_after_connections(std::chrono::steady_clock::now());
+    vanilla_.show_endpoints();
   }
 }
 

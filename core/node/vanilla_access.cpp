@@ -8,11 +8,19 @@
 
 namespace sft::core {
 
+VanillaAccess::VanillaAccess(Setup setup, NodeLog& log) : setup_(std::move(setup)), log_(log) {
+  const std::string name = "/" + setup_.node;
+  const std::size_t slash = name.rfind('/');
+  shown_.name_space = name.substr(0, std::max<std::size_t>(slash, 1));
+  shown_.name = name.substr(slash + 1);
+}
+
 bool VanillaAccess::look(const Discovery::Vanilla& heard, bool is_needed, Time now) {
   next_look_ = Time::max();
   const bool wanted = is_wanted(heard, now) && is_needed;
   if (!wanted) {
     opening_ = {};
+    in_graph_.reset();
     writers_.reset();
     return std::exchange(domain_, nullptr) != nullptr;
   }
@@ -20,7 +28,8 @@ bool VanillaAccess::look(const Discovery::Vanilla& heard, bool is_needed, Time n
     domain_->readers().look_again(now);
     writers_->look_again(now);
     const std::uint64_t changes = domain_->readers().changes() + writers_->changes();
-    return std::exchange(changes_, changes) != changes;
+    const bool has_news = in_graph_->take_news();
+    return std::exchange(changes_, changes) != changes || has_news;
   }
   if (opening_.due(now) && open(now)) return true;
   next_look_ = std::min(next_look_, opening_.next());
@@ -39,6 +48,9 @@ VanillaView VanillaAccess::view() const {
                    .participants = domain_->participants(),
                    .of_sft = domain_->readers().of_sft()};
   view.of_sft.merge(writers_->of_sft());
+  for (auto* endpoints : {&view.readers, &view.writers})
+    for (VanillaEndpoints::OfTopic& one : *endpoints)
+      one.endpoint.node = domain_->graph().node_of(one.endpoint.key);
   return view;
 }
 
@@ -77,10 +89,29 @@ bool VanillaAccess::open(Time now) {
   domain_ = std::move(*opened);
   writers_ = std::make_unique<VanillaEndpoints>(domain_->participant(), DDS_BUILTIN_TOPIC_DCPSPUBLICATION,
                                                 setup_.endpoints_changed);
+  in_graph_ = std::make_unique<RosGraph::LocalNode>(domain_->graph(), setup_.endpoints_changed);
   log_.write(LogLevel::info,
              "publishers serve nodes of DDS and ROS 2, and subscribers hear them, in DDS domain " +
                  std::to_string(setup_.plan.domain));
   return true;
+}
+
+void VanillaAccess::forget_endpoints() {
+  shown_.readers.clear();
+  shown_.writers.clear();
+}
+
+void VanillaAccess::show_endpoints() {
+  if (in_graph_ == nullptr) return;
+  in_graph_->show(shown_);
+  const bool is_divided = domain_->graph().is_divided();
+  if (!std::exchange(graph_is_divided_, is_divided) && is_divided) {
+    log_.write(LogLevel::warning,
+               "nodes of ROS 2 up to Humble and later ones are in DDS domain " +
+                   std::to_string(setup_.plan.domain) +
+                   ": this node is not in their graph, since what the one kind reads harms the other; "
+                   "give the two kinds domains of their own");
+  }
 }
 
 }  // namespace sft::core

@@ -5,6 +5,8 @@
 #include <chrono>
 #include <functional>
 #include <memory>
+#include <string>
+#include <vector>
 
 #include "core/discovery/discovery.h"
 #include "core/node/vanilla_view.h"
@@ -25,6 +27,7 @@ class VanillaAccess {
   struct Setup {
     NodeOptions::VanillaDds choice = NodeOptions::VanillaDds::never;
     VanillaPlan plan{};
+    std::string node{};       ///< the full name of the node, as "left/camera"
     ThreadSettings sender{};  ///< settings of the threads that hand samples over
     std::function<Result<std::shared_ptr<VanillaDomain>>(const VanillaPlan&)> open = &VanillaDomain::of;
     std::function<bool(std::uint32_t domain)> program_speaks = &program_speaks_dds;
@@ -32,7 +35,7 @@ class VanillaAccess {
     /// once.
     std::function<void()> endpoints_changed{};
   };
-  VanillaAccess(Setup setup, NodeLog& log) : setup_(std::move(setup)), log_(log) {}
+  VanillaAccess(Setup setup, NodeLog& log);
 
   /// `heard` counts the DDS nodes that the links have found. `is_needed` is true while the node has a
   /// publisher or a subscriber, or tells the program of the whole domain. Returns true if the domain or its
@@ -49,6 +52,13 @@ class VanillaAccess {
   bool knows_writer(EndpointId id, const std::string& topic) const;
   /// Returns what the participant has discovered; nothing while there is none.
   VanillaView view() const;
+  // The DDS readers and writers of the node in the graph of ROS 2. They are collected whenever all endpoints
+  // of the node are reconciled.
+  void forget_endpoints();
+  void add_reader(const Guid& reader) { shown_.readers.push_back(reader); }
+  void add_writer(const Guid& writer) { shown_.writers.push_back(writer); }
+  /// Shows the node with them.
+  void show_endpoints();
   const Setup& setup() const { return setup_; }
 
  private:
@@ -60,11 +70,14 @@ class VanillaAccess {
   NodeLog& log_;
   std::shared_ptr<VanillaDomain> domain_;
   std::unique_ptr<VanillaEndpoints> writers_;
+  std::unique_ptr<RosGraph::LocalNode> in_graph_;
+  ParticipantEntities::Node shown_;
   Retry opening_;
   Time heard_at_{};                  ///< when such a node was found last; Time{}: never
   std::uint64_t changes_ = 0;        ///< of readers and writers, at the last look
   std::uint64_t came_ = 0;           ///< Discovery::Vanilla::came at the last look at the program
   bool program_speaks_dds_ = false;  ///< the result of that look
+  bool graph_is_divided_ = false;    ///< at the last show_endpoints()
   Time next_look_ = Time::max();
 };
 

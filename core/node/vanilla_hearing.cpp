@@ -37,25 +37,28 @@ void VanillaHearing::reconcile(Time now) {
   if (node_.vanilla == nullptr) return;
   const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();
   if (reader_ != nullptr && reader_->domain() != domain) reader_.reset();
-  if (domain == nullptr) opening_ = {};
   look_at_writers();
   if (inlet_ != nullptr) inlet_->ask(feed_.ports().requested(), feed_.ports().min_period_us());
-  if (is_wanted()) {
-    wanted_at_ = now;
-    if (reader_ == nullptr) open_reader(now);
-  } else {
+  if (is_wanted()) wanted_at_ = now;
+  const bool hears = is_wanted() || (reader_ != nullptr && reader_->hears() && !is_heard_no_more(now));
+  if (domain == nullptr || (reader_ != nullptr && reader_->hears() == hears)) {
     opening_ = {};
-    if (is_due(now)) reader_.reset();
+  } else {
+    open_reader(hears, now);
   }
-  if (reader_ != nullptr) name_faults();
+  if (reader_ == nullptr) return;
+  name_faults();
+  node_.vanilla->add_reader(reader_->guid());
 }
 
 bool VanillaHearing::is_wanted() const {
   return std::ranges::any_of(writers_, [](const Writer& writer) { return writer.why_not.empty(); });
 }
 
+bool VanillaHearing::is_heard_no_more(Time now) const { return !is_wanted() && now - wanted_at_ >= kept; }
+
 bool VanillaHearing::is_due(Time now) const {
-  return opening_.due_again(now) || (reader_ != nullptr && !is_wanted() && now - wanted_at_ >= kept);
+  return opening_.due_again(now) || (reader_ != nullptr && reader_->hears() && is_heard_no_more(now));
 }
 
 void VanillaHearing::look_at_writers() {
@@ -88,10 +91,10 @@ void VanillaHearing::look_at_writers() {
 
 /// A thread that receives wakes the subscriber as a publisher in shared memory does, by its doorbell. So
 /// callbacks of the program never run on a thread of Cyclone.
-void VanillaHearing::open_reader(Time now) {
+void VanillaHearing::open_reader(bool hears, Time now) {
   if (!opening_.due(now)) return;
   const SubscriberCore::Spec& spec = core_.spec();
-  if (inlet_ == nullptr) {
+  if (hears && inlet_ == nullptr) {
     inlet_ = std::make_shared<VanillaInlet>(*spec.type, spec.options.depth, spec.options.depth_bytes);
     inlet_->ask(feed_.ports().requested(), feed_.ports().min_period_us());
     feed_.ports().set_vanilla(inlet_);
@@ -102,12 +105,14 @@ void VanillaHearing::open_reader(Time now) {
        .topic = spec.topic,
        .reading = {.type = spec.type, .type_owner = spec.type_owner, .memory = spec.copies},
        .qos = feed_.spec().qos,
+       .hears = hears,
        .arrived = [inlet = inlet_](const VanillaArrival& arrival) { return inlet->put(arrival); },
        .wake = [&core = core_] { core.wake(); },
        .changed = node_.vanilla->setup().endpoints_changed});
   if (!reader) {
     if (opening_.failed(reader.error().message, now))
-      warn("writers of DDS are not heard: " + reader.error().message);
+      warn((hears ? "writers of DDS are not heard: " : "nodes of ROS 2 do not see the subscriber: ") +
+           reader.error().message);
     return;
   }
   opening_.succeeded();
@@ -126,18 +131,24 @@ void VanillaHearing::warn(const std::string& text) const {
   node_.log.write(LogLevel::warning, core_.spec().topic + ": " + text);
 }
 
+std::string VanillaHearing::node_of(const VanillaEndpoint& writer) const {
+  const std::shared_ptr<VanillaDomain>& domain = node_.vanilla->domain();
+  std::string name = domain == nullptr ? "" : domain->graph().node_of(writer.key);
+  return name.empty() ? writer.participant : name;
+}
+
 /// Leases are those of DDS: a writer whose lease is over is gone.
 std::vector<Hearing> VanillaHearing::hearing() const {
   std::vector<Hearing> hearing;
   for (const Writer& writer : writers_) {
     const VanillaEndpoint& endpoint = writer.endpoint;
-    const bool is_heard = writer.why_not.empty() && reader_ != nullptr;
+    const bool is_heard = writer.why_not.empty() && reader_ != nullptr && reader_->hears();
     Hearing& added = hearing.emplace_back();
     added.source.writer = endpoint.id;
     added.offered = endpoint.qos;
     added.offered.liveliness_lease = {};
     added.status = {.id = endpoint.id,
-                    .node = endpoint.participant,
+                    .node = node_of(endpoint),
                     .matched = is_heard,
                     .connected = is_heard && reader_->is_matched(endpoint.id),
                     .transport = TransportKind::dds,

@@ -1,6 +1,7 @@
 // Hears the unmodified DDS writers of the topic of one reader. It has a DDS reader while the node has a
-// participant for it and such a writer is there. Otherwise the readers and writers of SFT's nodes, which DDS
-// cannot tell from others, would match each other. Used by the agent only.
+// participant for it. The reader is in the partition of the writers only while one that it can hear is there.
+// Otherwise the readers and writers of SFT's nodes, which DDS cannot tell from others, would match each
+// other. Used by the agent only.
 #pragma once
 
 #include <chrono>
@@ -22,8 +23,8 @@ namespace sft::core {
 
 class VanillaHearing {
  public:
-  /// The DDS reader is kept for this time after the last such writer has gone, since samples of the writer
-  /// may still arrive, and writers restart.
+  /// The DDS reader goes on to hear for this time after the last such writer has gone, since samples of the
+  /// writer may still arrive, and writers restart.
   static constexpr std::chrono::seconds kept{2};
 
   /// All outlive this object. `feed` belongs to `core`.
@@ -44,7 +45,9 @@ class VanillaHearing {
 
   void look_at_writers();
   bool is_wanted() const;
-  void open_reader(Time now);
+  bool is_heard_no_more(Time now) const;
+  std::string node_of(const VanillaEndpoint& writer) const;
+  void open_reader(bool hears, Time now);
   void name_faults();
   void warn(const std::string& text) const;
 

@@ -21,6 +21,7 @@ bool VanillaServing::reconcile(Time now) {
   if (writer_ == nullptr && domain != nullptr) open_writer(now);
   if (domain == nullptr) opening_ = {};
   name_unserved();
+  if (writer_ != nullptr) node_.vanilla->add_writer(writer_->guid());
   const std::size_t readers = writer_ == nullptr ? 0 : writer_->readers();
   const bool wanted = writer_ != nullptr && (readers > 0 || core_.retains());
   if (wanted && outlet_ == nullptr) {

@@ -22,7 +22,9 @@ namespace {
 using EndpointInfo = DomainSnapshot::Endpoint;
 
 /// The name of the endpoint's node. DDS itself has names of participants only.
-const std::string& node_of(const VanillaEndpoint& endpoint) { return endpoint.participant; }
+const std::string& node_of(const VanillaEndpoint& endpoint) {
+  return endpoint.node.empty() ? endpoint.participant : endpoint.node;
+}
 
 /// Returns the name of the topic in SFT; nothing if nodes of SFT cannot have such a topic or type. What DDS
 /// announces is not checked otherwise, and is shown to users.

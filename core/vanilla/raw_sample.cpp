@@ -114,22 +114,26 @@ using Encapsulation = std::array<unsigned char, detail::encapsulation_bytes>;
 bool is_xcdr1(const Encapsulation& head) { return head[0] == 0 && head[1] <= 1; }
 bool is_big_endian(const Encapsulation& head) { return head[1] == 0; }
 
+std::size_t slots_of(const RawReading& reading) {
+  return reading.type == nullptr ? 0 : reading.type->index_slots();
+}
+
 std::byte* body_of(const SampleHandle& sample, const RawReading& reading) {
-  return sample->data + detail::SampleLayout(reading.type->index_slots()).body_offset;
+  return sample->data + detail::SampleLayout(slots_of(reading)).body_offset;
 }
 
 /// Makes the sample whose body is copied afterwards.
 SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
-  const std::size_t slots = reading.type->index_slots();
+  const std::size_t slots = slots_of(reading);
   const detail::SampleLayout layout(slots);
   if (body_bytes > std::numeric_limits<std::uint32_t>::max() - layout.body_offset) return {};
   SampleHandle sample = reading.memory->take(layout.bytes(body_bytes), reading.memory->limit_bytes() / 4);
   if (!sample) return {};
-  sample->mask = reading.type->full();
+  sample->mask = reading.type == nullptr ? FieldMask() : reading.type->full();
   sample->parts = 0;
   detail::SampleHeader& header = sample->header();
   header.index_slots = static_cast<std::uint16_t>(slots);
-  header.type_hash = reading.type->hash();
+  header.type_hash = reading.type == nullptr ? 0 : reading.type->hash();
   header.body_offset = static_cast<std::uint32_t>(layout.body_offset);
   header.body_bytes = static_cast<std::uint32_t>(body_bytes);
   std::memcpy(sample->data + layout.body_offset - detail::encapsulation_bytes,
@@ -137,8 +141,9 @@ SampleHandle room_for(std::size_t body_bytes, const RawReading& reading) {
   return sample;
 }
 
-/// Replaces the sample, whose body is big-endian, by one with the same values.
+/// Replaces the sample, whose body is big-endian, by one with the same values. This needs the type.
 RawFault swap_bytes(SampleHandle& sample, const RawReading& reading) {
+  if (reading.type == nullptr) return RawFault::other_encoding;
   const StructType& type = reading.type->type();
   const detail::Payload foreign{.body = {body_of(sample, reading), sample->header().body_bytes},
                                 .byte_order = std::endian::big};
@@ -175,9 +180,9 @@ RawFault read(RawSample& data, const RawReading& reading, const nn_rdata* fragme
   if (const RawFault fault = is_big_endian(head) ? swap_bytes(sample, reading) : RawFault::none;
       fault != RawFault::none)
     return fault;
-  if (!check_and_index(*sample, *reading.type)) return RawFault::malformed;
+  if (reading.type != nullptr && !check_and_index(*sample, *reading.type)) return RawFault::malformed;
   data.sample = std::move(sample);
-  refer_to_bytes(data, reading.type->index_slots());
+  refer_to_bytes(data, slots_of(reading));
   return RawFault::none;
 }
 
@@ -185,7 +190,7 @@ RawFault read(RawSample& data, const RawReading& reading, const nn_rdata* fragme
 ddsi_serdata* receive(const ddsi_sertype* type, ddsi_serdata_kind kind, const nn_rdata* fragments,
                       std::size_t size) try {
   const RawReading& reading = static_cast<const RawType*>(type)->reading;
-  if (reading.type == nullptr) return nullptr;
+  if (reading.memory == nullptr) return nullptr;
   RawSample* const data = make(type, kind);
   if (kind != SDK_DATA) return data;
   data->sequence = sequence_of(*fragments);
@@ -267,6 +272,13 @@ ddsi_serdata* raw_sample(const ddsi_sertype* type, const SampleHandle& sample, s
   data->timestamp.v = sample->source_stamp_ns;
   data->statusinfo = 0;
   return data;
+}
+
+SampleHandle raw_body(std::span<const std::byte> body, const RawReading& reading) {
+  SampleHandle sample = room_for(body.size(), reading);
+  if (sample && !body.empty())
+    std::memcpy(sample->data + sample->header().body_offset, body.data(), body.size());
+  return sample;
 }
 
 RawArrival raw_arrival(const ddsi_serdata* data) {

@@ -12,6 +12,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 
 #include "core/seam/buffer_pool.h"
@@ -28,9 +29,10 @@ struct RawTopic {
 };
 /// The type and the memory for samples that are received.
 struct RawReading {
-  const TypeSupport* type = nullptr;         ///< null: samples are only sent
+  const TypeSupport* type = nullptr;         ///< null: bodies are neither checked nor indexed
   std::shared_ptr<const void> type_owner{};  ///< keeps the type alive; null if it is static
-  std::shared_ptr<BufferPool> memory{};      ///< a quarter of its limit is left for other uses
+  std::shared_ptr<BufferPool> memory{};      ///< a quarter of its limit is left for other uses; null: samples
+                                             ///< are only sent
 };
 RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std::string& type_name,
                    RawReading reading = {});
@@ -39,6 +41,8 @@ RawTopic raw_topic(dds_entity_t participant, const std::string& name, const std:
 /// The handle is kept until Cyclone needs the bytes no more, and is dropped in a thread of Cyclone. `sample`
 /// has all fields, and `slots` is that of its TypeSupport.
 ddsi_serdata* raw_sample(const ddsi_sertype* type, const SampleHandle& sample, std::size_t slots);
+/// Returns a sample without an index whose body is a copy of these bytes. It is empty if there is no memory.
+SampleHandle raw_body(std::span<const std::byte> body, const RawReading& reading);
 
 /// The reason why a received sample cannot be read.
 enum class RawFault : std::uint8_t {
@@ -48,8 +52,8 @@ enum class RawFault : std::uint8_t {
   no_memory,
 };
 
-/// A sample that was received. It has all fields and an index. Several readers share it, so it must not be
-/// changed.
+/// A sample that was received. It has all fields, and an index if its type is known. Several readers share
+/// it, so it must not be changed.
 struct RawArrival {
   SampleHandle sample{};       ///< empty if there is a fault
   std::uint64_t sequence = 0;  ///< the number that its DDS writer gave it, from 1; 0: unknown

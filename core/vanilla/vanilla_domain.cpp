@@ -14,6 +14,7 @@
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/participant_data.h"
 #include "core/sync/mutex.h"
+#include "core/vanilla/dds_qos.h"
 
 namespace sft::core {
 
@@ -78,19 +79,22 @@ Result<std::shared_ptr<VanillaDomain>> VanillaDomain::of(const VanillaPlan& plan
     return fail(Errc::unavailable, "the DDS domain cannot be joined: " + messages.text() +
                                        "; check the network interfaces and CYCLONEDDS_URI");
   }
-  auto made = std::make_shared<VanillaDomain>(std::move(*domain), participant);
+  auto made = std::make_shared<VanillaDomain>(std::move(*domain), participant, plan.guid_bytes);
   known = made;
   return made;
 }
 
-VanillaDomain::VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant)
+VanillaDomain::VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant,
+                             std::optional<GuidBytes> guid_bytes)
     : domain_(std::move(domain)),
       participant_(participant),
       announced_(dds_create_reader(participant, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, nullptr)) {
   readers_.emplace(participant, DDS_BUILTIN_TOPIC_DCPSSUBSCRIPTION);
+  graph_.emplace(participant, guid_bytes);
 }
 
 VanillaDomain::~VanillaDomain() {
+  graph_.reset();
   readers_.reset();
   dds_delete(participant_);
 }

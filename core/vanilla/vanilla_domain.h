@@ -12,6 +12,7 @@
 #include <vector>
 
 #include "core/discovery/ros_discovery.h"
+#include "core/vanilla/ros_graph.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/options.h"
 #include "sft/result.h"
@@ -20,17 +21,20 @@ namespace sft::core {
 
 class CycloneDomain;
 
-struct DdsQosDeleter {
-  void operator()(dds_qos_t* qos) const { dds_delete_qos(qos); }
-};
-/// Policies as Cyclone has them.
-using DdsQos = std::unique_ptr<dds_qos_t, DdsQosDeleter>;
-
 struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
   RosDiscovery ros{};         ///< what the environment says; `user_config` overrides it
   ThreadSettings threads{};   ///< of Cyclone's threads
+  /// The size of GUIDs in the graph of ROS 2, if the environment says it.
+  std::optional<GuidBytes> guid_bytes{};
+};
+
+/// A participant that is not one of SFT.
+struct VanillaParticipant {
+  std::string name;       ///< as name_of_participant() says
+  std::string host{};     ///< what it says of itself; empty: nothing
+  std::string process{};  ///< the same: "talker (4711)"
 };
 
 /// A participant that is not one of SFT.
@@ -45,7 +49,8 @@ class VanillaDomain {
   /// Returns the participant that nodes of this process with an equal plan share, or makes a new one.
   static Result<std::shared_ptr<VanillaDomain>> of(const VanillaPlan& plan);
 
-  VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant);
+  VanillaDomain(std::shared_ptr<const CycloneDomain> domain, dds_entity_t participant,
+                std::optional<GuidBytes> guid_bytes = {});
   /// All its endpoints must have been deleted before. Waits for threads of Cyclone.
   ~VanillaDomain();
   VanillaDomain(const VanillaDomain&) = delete;
@@ -55,6 +60,8 @@ class VanillaDomain {
   /// The unmodified readers that the participant has discovered.
   VanillaEndpoints& readers() { return *readers_; }
   const VanillaEndpoints& readers() const { return *readers_; }
+  /// The nodes of this process and of ROS 2. Its LocalNodes must not outlive the domain.
+  RosGraph& graph() { return *graph_; }
   /// Returns the other participants of the domain, at most 1024.
   std::vector<VanillaParticipant> participants() const;
 
@@ -63,6 +70,7 @@ class VanillaDomain {
   const dds_entity_t participant_;
   const dds_entity_t announced_;  ///< the reader of what participants announce
   std::optional<VanillaEndpoints> readers_;
+  std::optional<RosGraph> graph_;
 };
 
 /// Returns true if the program itself uses DDS: it has opened that domain by Cyclone DDS, or has loaded a

@@ -89,6 +89,18 @@ std::string in_hexadecimal(const dds_guid_t& guid, std::size_t bytes) {
 
 }  // namespace
 
+Guid guid_of(const dds_guid_t& guid) {
+  Guid copy{};
+  std::copy(std::begin(guid.v), std::end(guid.v), copy.begin());
+  return copy;
+}
+
+Guid guid_of(dds_entity_t entity) {
+  dds_guid_t guid{};
+  dds_get_guid(entity, &guid);
+  return guid_of(guid);
+}
+
 std::string name_of_participant(const dds_guid_t& participant) {
   constexpr std::size_t prefix_bytes = 12;
   return "DDS " + in_hexadecimal(participant, prefix_bytes);
@@ -109,7 +121,8 @@ VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint) {
           .partitions = partitions_in(endpoint.qos),
           .has_xcdr1 = has_xcdr1(endpoint.qos, kind <= 3),
           .is_keyed = kind == keyed_reader || kind == keyed_writer,
-          .owns_exclusively = ownership == DDS_OWNERSHIP_EXCLUSIVE};
+          .owns_exclusively = ownership == DDS_OWNERSHIP_EXCLUSIVE,
+          .key = guid_of(endpoint.key)};
 }
 
 bool is_endpoint_of_sft(const dds_qos_t* qos) { return qos != nullptr && is_of_sft(user_data_in(qos)); }
@@ -183,7 +196,8 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
   } else {
     if (!info.valid_data) return false;
     if (const std::string user_data = user_data_in(endpoint.qos); is_of_sft(user_data)) {
-      if (of_sft_.size() < known_max || of_sft_.contains(key)) of_sft_.insert_or_assign(key, id_in(user_data));
+      if (of_sft_.size() < known_max || of_sft_.contains(key))
+        of_sft_.insert_or_assign(key, id_in(user_data));
       return false;
     }
     if (known_.size() >= at_most_ && !known_.contains(key)) {

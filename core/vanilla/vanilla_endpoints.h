@@ -23,6 +23,9 @@
 
 namespace sft::core {
 
+Guid guid_of(const dds_guid_t& guid);
+/// Returns the GUID of an entity of this process.
+Guid guid_of(dds_entity_t entity);
 /// Returns an announced endpoint as a plain value.
 VanillaEndpoint described(const dds_builtintopic_endpoint_t& endpoint);
 /// Returns "DDS" and the GUID prefix of the participant in hexadecimal. SFT shows nodes by this name.

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "core/seam/address.h"
+#include "core/vanilla/participant_entities.h"
 #include "sft/qos.h"
 
 namespace sft::core {
@@ -33,6 +34,8 @@ struct VanillaEndpoint {
   bool has_xcdr1 = true;                  ///< accepts or sends XCDR1, the encoding of SFT's samples
   bool is_keyed = false;
   bool owns_exclusively = false;
+  Guid key{};          ///< its GUID as DDS has it
+  std::string node{};  ///< the name of its node in ROS 2; empty if unknown
 };
 
 /// Returns the QoS that a publisher offers to unmodified readers. The publisher is reliable for readers that

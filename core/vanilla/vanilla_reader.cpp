@@ -7,6 +7,7 @@
 #include "core/discovery/dds_domain.h"
 #include "core/platform/quotes.h"
 #include "core/vanilla/dds_names.h"
+#include "core/vanilla/dds_qos.h"
 #include "core/vanilla/type_hash.h"
 #include "core/vanilla/vanilla_endpoints.h"
 
@@ -18,8 +19,10 @@ namespace {
 constexpr std::int32_t cached_samples = 16;
 constexpr std::size_t writers_asked = 1024;
 
-DdsQos qos_of(const Qos& requested, const std::string& user_data) {
+DdsQos qos_of(const Qos& requested, const std::string& user_data, bool hears) {
   DdsQos qos(dds_create_qos());
+  const char* alone = "sft_presence";
+  if (!hears) dds_qset_partition(qos.get(), 1, &alone);
   const bool is_reliable = requested.reliability == Reliability::reliable;
   dds_qset_reliability(qos.get(), is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, 0);
   if (requested.durability == Durability::transient_local)
@@ -56,7 +59,7 @@ Result<void> VanillaReader::open() {
     return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name_) + ": " +
                                   dds_strretcode(status) + " (" + messages.text() + ")");
   };
-  topic_ = raw_topic(domain_->participant(), name, type_name_, spec_.reading);
+  topic_ = raw_topic(domain_->participant(), name, type_name_, spec_.hears ? spec_.reading : RawReading{});
   if (topic_.entity < 0) return refused(topic_.entity);
   dds_listener_t* const listener = dds_create_listener(this);
   dds_lset_subscription_matched(
@@ -65,7 +68,9 @@ Result<void> VanillaReader::open() {
       });
   dds_lset_data_available(
       listener, [](dds_entity_t reader, void* self) { static_cast<VanillaReader*>(self)->take(reader); });
-  const DdsQos qos = qos_of(requested_from_vanilla(spec_.qos), endpoint_user_data(type_hash_, spec_.id));
+  // A reader that only shows the subscriber does not count as the DDS endpoint by which it hears.
+  const std::string user_data = endpoint_user_data(type_hash_, spec_.hears ? spec_.id : 0);
+  const DdsQos qos = qos_of(requested_from_vanilla(spec_.qos), user_data, spec_.hears);
   reader_ = dds_create_reader(domain_->participant(), topic_.entity, qos.get(), listener);
   dds_delete_listener(listener);
   if (reader_ < 0) return refused(reader_);

@@ -1,5 +1,6 @@
-// The DDS reader by which one selection of a subscriber hears unmodified writers of its topic. What other
-// endpoints of SFT send by DDS is dropped, since it comes by SFT, too.
+// The DDS reader by which one selection of a subscriber hears unmodified writers of its topic, or by which
+// nodes of ROS 2 see that the subscriber is there, before such a writer is. What other endpoints of SFT send
+// by DDS is dropped, since it comes by SFT, too.
 #pragma once
 
 #include <dds/dds.h>
@@ -31,6 +32,8 @@ class VanillaReader {
     std::string topic{};   ///< the name in SFT
     RawReading reading{};  ///< what it needs to read samples
     Qos qos{};             ///< the QoS that the subscriber requests
+    /// False: the reader is in a partition of its own, in which there are no writers, and reads nothing.
+    bool hears = true;
     /// Called for one sample at a time, in the order in which they arrive. Returns true if the subscriber has
     /// to be woken.
     std::function<bool(const VanillaArrival&)> arrived{};
@@ -45,6 +48,8 @@ class VanillaReader {
   VanillaReader& operator=(const VanillaReader&) = delete;
 
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
+  bool hears() const { return spec_.hears; }
+  Guid guid() const { return guid_of(reader_); }
   /// Returns true if that writer matches at present. Any thread.
   bool is_matched(EndpointId writer) const;
   /// Returns the reasons for which samples could not be read so far. Any thread.

@@ -9,6 +9,7 @@
 #include "core/discovery/dds_domain.h"
 #include "core/platform/quotes.h"
 #include "core/vanilla/dds_names.h"
+#include "core/vanilla/dds_qos.h"
 #include "core/vanilla/type_hash.h"
 #include "core/vanilla/vanilla_matching.h"
 

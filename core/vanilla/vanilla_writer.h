@@ -36,6 +36,7 @@ class VanillaWriter {
   VanillaWriter& operator=(const VanillaWriter&) = delete;
 
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
+  Guid guid() const { return guid_of(writer_); }
   /// Returns the number of matching readers that are not SFT's. One thread at a time.
   std::size_t readers() const;
   /// Returns the reasons why readers of the topic do not match, each once. One thread at a time.

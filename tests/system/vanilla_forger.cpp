@@ -54,6 +54,7 @@ int main(int argc, char** argv) {
   const RawTopic topic = raw_topic(participant, argv[2], argv[3]);
   dds_qos_t* const qos = dds_create_qos();
   dds_qset_reliability(qos, DDS_RELIABILITY_RELIABLE, DDS_SECS(10));
+  dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
   dds_listener_t* const listener = dds_create_listener(nullptr);
   dds_lset_publication_matched(listener, tell_matched);

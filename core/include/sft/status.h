@@ -163,8 +163,8 @@ struct SubscriberStatus {
   /// One publisher of the topic, as the subscriber receives from it.
   struct Writer {
     std::uint64_t id = 0;  ///< DomainSnapshot::Endpoint::id of the publisher
-    /// The name of the publisher's node. For an unmodified writer of DDS or ROS 2, "DDS" and the GUID prefix
-    /// of its participant.
+    /// The name of the publisher's node. An unmodified writer of ROS 2 has that of its node, with a leading
+    /// slash. If it is not known, "DDS" and the GUID prefix of the participant.
     std::string node;
     bool matched = false;    ///< false: the two do not match, and `reason` says why
     bool connected = false;  ///< true: samples of the publisher arrive, by `transport`

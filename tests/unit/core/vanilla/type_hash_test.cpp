@@ -1,11 +1,13 @@
 // The hashes of types equal those that nodes of ROS 2 announce. The expected values are published: in keys of
-// rmw_zenoh and zenoh-plugin-ros2dds, and in recordings.
+// rmw_zenoh and zenoh-plugin-ros2dds, in recordings, and in code that others have generated from the
+// messages.
 #include "core/vanilla/type_hash.h"
 
 #include <gtest/gtest.h>
 
 #include <optional>
 #include <string>
+#include <utility>
 
 #include "sft/detail/type_table.h"
 #include "sft/msg_text.h"
@@ -36,6 +38,59 @@ TEST(TypeHash, IsTheOnePublishedForEachMessage) {
             "RIHS01_3cc97dc7fb7502f8714462c526d369e35b603cfc34d946e3f2eda2766dfec6e0");
   EXPECT_EQ(hash_of("rcl_interfaces/msg/Log"),
             "RIHS01_e28ce254ca8abc06abf92773b74602cdbf116ed34fbaf294fb9f81da9f318eac");
+  EXPECT_EQ(hash_of("sensor_msgs/msg/CameraInfo"),
+            "RIHS01_b3dfd68ff46c9d56c80fd3bd4ed22c7a4ddce8c8348f2f59c299e73118e7e275");
+}
+
+TEST(TypeHash, IsTheOnePublishedForEachKindOfNumber) {
+  const std::pair<const char*, const char*> published[] = {
+      {"Bool", "feb91e995ff9ebd09c0cb3d2aed18b11077585839fb5db80193b62d74528f6c9"},
+      {"Byte", "41e1a3345f73fe93ede006da826a6ee274af23dd4653976ff249b0f44e3e798f"},
+      {"Char", "3ad2d04dd29ba19d04b16659afa3ccaedd691914b02a64e82e252f2fa6a586a9"},
+      {"Float32", "7170d3d8f841f7be3172ce5f4f59f3a4d7f63b0447e8b33327601ad64d83d6e2"},
+      {"Float64", "705ba9c3d1a09df43737eb67095534de36fd426c0587779bda2bc51fe790182a"},
+      {"Int8", "26525065a403d972cb672f0777e333f0c799ad444ae5fcd79e43d1e73bd0f440"},
+      {"Int16", "1dcc3464e47c288a55f943a389d337cdb06804de3f5cd7a266b0de718eee17e5"},
+      {"Int32", "b6578ded3c58c626cfe8d1a6fb6e04f706f97e9f03d2727c9ff4e74b1cef0deb"},
+      {"Int64", "8cd1048c2f186b6bd9a92472dc1ce51723c0833a221e2b7aecfff111774f4b49"},
+      {"UInt8", "6138bd83d8c3569cb80a667db03cfc1629f529fee79d944c39c34e352e72f010"},
+      {"UInt16", "08a406e4b022bc22e907f985d6a9e9dd1d4fbecae573549cf49350113e7757b1"},
+      {"UInt32", "a5c874829b752bc5fa190024b0ad76f578cc278271e855c7d02a818b3516fb4a"},
+      {"UInt64", "fbdc52018fc13755dce18024d1a671c856aa8b4aaf63adfb095b608f98e8c943"},
+      {"ByteMultiArray", "972fec7f50ab3c1d06783c228e79e8a9a509021708c511c059926261ada901d4"},
+      {"Empty", "20b625256f32d5dbc0d04fee44f43c41e51c70d3502f84b4a08e7a9c26a96312"}};
+  for (const auto& [name, hash] : published)
+    EXPECT_EQ(hash_of("std_msgs/msg/" + std::string(name)), "RIHS01_" + std::string(hash)) << name;
+}
+
+TEST(TypeHash, IsTheOnePublishedForTypesThatNestOthersOfTheirPackage) {
+  const auto event = from_msg("rcl_interfaces/msg/ParameterEvent",
+                              "builtin_interfaces/Time stamp\n"
+                              "string node\n"
+                              "Parameter[] new_parameters\n"
+                              "Parameter[] changed_parameters\n"
+                              "Parameter[] deleted_parameters\n"
+                              "================\n"
+                              "MSG: builtin_interfaces/Time\n"
+                              "int32 sec\n"
+                              "uint32 nanosec\n"
+                              "================\n"
+                              "MSG: rcl_interfaces/Parameter\n"
+                              "string name\n"
+                              "ParameterValue value\n"
+                              "================\n"
+                              "MSG: rcl_interfaces/ParameterValue\n"
+                              "uint8 type\n"
+                              "bool bool_value\n"
+                              "int64 integer_value\n"
+                              "float64 double_value\n"
+                              "string string_value\n"
+                              "byte[] byte_array_value\n"
+                              "bool[] bool_array_value\n"
+                              "int64[] integer_array_value\n"
+                              "float64[] double_array_value\n"
+                              "string[] string_array_value\n");
+  EXPECT_EQ(hash_of(event), "RIHS01_043e627780fcad87a22d225bc2a037361dba713fca6a6b9f4b869a5aa0393204");
 }
 
 TEST(TypeHash, CountsBoundsAndConstantsAsRosDoes) {

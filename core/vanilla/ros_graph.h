@@ -1,0 +1,87 @@
+// The nodes of this process in the graph of ROS 2, as `ros2 node list` and `ros2 topic info` show it, and the
+// names of the other nodes there. All of them are told on the topic "ros_discovery_info", in messages of two
+// sizes (participant_entities.h). A message of the wrong size can end the nodes that read it, so nothing is
+// written before the size is known: it is that of the messages that have come, or else that of the
+// distribution that the environment names. While messages of both sizes come, nothing is written.
+#pragma once
+
+#include <dds/dds.h>
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "core/sync/mutex.h"
+#include "core/vanilla/participant_entities.h"
+#include "core/vanilla/raw_sample.h"
+#include "core/vanilla/ros_nodes.h"
+
+namespace sft::core {
+
+class RosGraph {
+ public:
+  /// `expected`: the size for the distribution of ROS 2 that the environment names.
+  RosGraph(dds_entity_t participant, std::optional<GuidBytes> expected);
+  /// Waits until no listener runs any more. Must be called before the participant is deleted.
+  ~RosGraph();
+  RosGraph(const RosGraph&) = delete;
+  RosGraph& operator=(const RosGraph&) = delete;
+
+  /// Returns the name of the ROS 2 node, as "/left/camera", that has this reader or writer. The result is
+  /// empty if it is unknown. Any thread.
+  std::string node_of(const Guid& endpoint) const;
+  /// Returns true if messages of both sizes have come from nodes that are there. Any thread.
+  bool is_divided() const;
+
+  /// A node of this process, which is in the graph from show() on. Used by one thread at a time.
+  class LocalNode {
+   public:
+    /// `changed` is called by threads of Cyclone when names or the size have become other ones. It must
+    /// return at once.
+    LocalNode(RosGraph& graph, std::function<void()> changed);
+    ~LocalNode();
+    LocalNode(const LocalNode&) = delete;
+    LocalNode& operator=(const LocalNode&) = delete;
+
+    /// Tells the others what the node is and has. Must be called after `changed`, too.
+    void show(ParticipantEntities::Node node);
+    /// Returns true if `changed` was called since the last call.
+    bool take_news();
+
+   private:
+    friend class RosGraph;
+    RosGraph& graph_;
+    const std::function<void()> changed_;
+    // Guarded by the mutex of the graph:
+    ParticipantEntities::Node shown_;  ///< without a name: not shown yet
+    bool has_news_ = false;
+  };
+
+ private:
+  std::optional<GuidBytes> guid_bytes() const SFT_REQUIRES(mutex_);
+  void write();
+  bool open_writer() SFT_REQUIRES(writing_);
+  void close_writer() SFT_REQUIRES(writing_);
+  void take(dds_entity_t reader);
+  bool note(dds_entity_t reader, dds_instance_handle_t writer, const ddsi_serdata* data) SFT_REQUIRES(mutex_);
+  void forget(dds_instance_handle_t writer);
+  void notify() SFT_REQUIRES(mutex_);
+
+  const dds_entity_t participant_;
+  const std::optional<GuidBytes> expected_;
+  const RawReading reading_;
+  const RawTopic topic_;
+  dds_entity_t reader_ = 0;
+  Mutex writing_ SFT_ACQUIRED_BEFORE(mutex_);  ///< keeps the order of messages while two nodes write
+  dds_entity_t writer_ SFT_GUARDED_BY(writing_) = 0;
+  std::vector<std::byte> written_ SFT_GUARDED_BY(writing_);  ///< the last message
+  mutable Mutex mutex_;
+  RosNodes others_ SFT_GUARDED_BY(mutex_);
+  std::set<LocalNode*> nodes_ SFT_GUARDED_BY(mutex_);
+};
+
+}  // namespace sft::core
