@@ -115,6 +115,18 @@ std::span<const std::byte> Sample::cdr() const {
   return {whole.body - encapsulation_bytes, whole.body_bytes + encapsulation_bytes};
 }
 
+Error Sample::error_of_missing(const TypeSupport& type) const {
+  std::size_t leaf = 0;
+  while (leaf < type.leaves() && state_.mask->contains(leaf)) ++leaf;
+  const std::string missing = leaf < type.leaves() ? "the sample lacks '" + type.path(leaf) + "'"
+                                                   : "the sample lacks channels of its points";
+  return {
+      Errc::unavailable,
+      missing + (record_ != nullptr ? ", which was not requested yet: now all fields are, and later samples "
+                                      "have them"
+                                    : ": select all fields, or use fill_partial()")};
+}
+
 void Sample::reset() noexcept {
   if (core::is_forked_copy()) return leave_to_the_parent();
   if (auto* record = std::exchange(record_, nullptr)) core::Recorder::end(record);
@@ -198,10 +210,10 @@ Result<PublishStatus> Loan::publish_cdr() && {
 // A forked copy of a process must not even read objects that other threads were using at the time of the
 // fork. No function waits for a lock in such a copy.
 
-PublishStatus Publisher::publish(const void* value) {
+PublishStatus Publisher::publish(const Message& message) {
   if (core::is_forked_copy()) [[unlikely]]
     return PublishStatus::forked;
-  return core_->publish(value);
+  return core_->publish(message);
 }
 
 PublishedSpan Publisher::publish(const void* values, std::size_t count, std::size_t stride) {

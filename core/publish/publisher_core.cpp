@@ -76,20 +76,21 @@ void PublisherCore::vanilla_readers_changed() {
   if (readers_changed_.is_set()) readers_changed_(status());
 }
 
-PublishStatus PublisherCore::publish(const void* value) {
+PublishStatus PublisherCore::publish(const detail::Message& message) {
   const Dispatch::Call call(dispatch_);
-  if (!maker_.accepts(call.outlets(), value)) return PublishStatus::invalid;
+  if (!maker_.accepts(call.outlets(), message)) return PublishStatus::invalid;
   if (!call.outlets().is_wanted) return dispatch_.withhold();
   std::chrono::nanoseconds timeout = spec_.max_blocking;
-  return publish_one(call, value, realtime_ns(), timeout);
+  return publish_one(call, message, realtime_ns(), timeout);
 }
 
-PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
-                                         std::chrono::nanoseconds& timeout) {
-  const auto fields = detail::FieldSource::of_message(value);
+PublishStatus PublisherCore::publish_one(const Dispatch::Call& call, const detail::Message& message,
+                                         std::int64_t stamp_ns, std::chrono::nanoseconds& timeout) {
+  const auto fields = &message.type == &spec_.type->type() ? detail::FieldSource::of_message(message.value)
+                                                           : detail::FieldSource::of_other_struct(message);
   Dispatch::Admission admission = dispatch_.admit(fields, stamp_ns);
   if (!admission.passes) return dispatch_.withhold();
-  const SampleMaker::Made made = maker_.encode(call.outlets(), value, dispatch_.may_postpone(), timeout);
+  const SampleMaker::Made made = maker_.encode(call.outlets(), message, dispatch_.may_postpone(), timeout);
   if (!made.sample) [[unlikely]] {
     if (made.why_not == PublishStatus::no_memory)
       return dispatch_.miss(std::move(admission), made.body_bytes);
@@ -128,9 +129,9 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   PublishedSpan done;
   std::optional<Batch> batch = is_wanted ? dispatch_.batch(share) : std::nullopt;
   for (std::size_t i = 0; i < count; ++i) {
-    const std::byte* const value = values + i * stride;
-    const PublishStatus status = !maker_.accepts(call.outlets(), value) ? PublishStatus::invalid
-                                 : is_wanted ? publish_one(call, value, stamp_ns, timeout)
+    const detail::Message message{spec_.type->type(), values + i * stride};
+    const PublishStatus status = !maker_.accepts(call.outlets(), message) ? PublishStatus::invalid
+                                 : is_wanted ? publish_one(call, message, stamp_ns, timeout)
                                              : dispatch_.withhold();
     done.published += status == PublishStatus::ok ? 1 : 0;
     if (done.status == PublishStatus::ok) done.status = status;

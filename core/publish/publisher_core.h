@@ -60,7 +60,9 @@ class PublisherCore {
   /// the network.
   PublisherCore(Spec spec, std::shared_ptr<BufferPool> heap, std::shared_ptr<NetworkWriter> network);
 
-  PublishStatus publish(const void* value);
+  /// Publishes a message that is in a struct of its own, or in the generated one.
+  PublishStatus publish(const detail::Message& message);
+  PublishStatus publish(const void* value) { return publish({spec_.type->type(), value}); }
   /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
@@ -126,7 +128,7 @@ class PublisherCore {
   void give_history() { late_readers_.give_history(); }
 
  private:
-  PublishStatus publish_one(const Dispatch::Call& call, const void* value, std::int64_t stamp_ns,
+  PublishStatus publish_one(const Dispatch::Call& call, const detail::Message& message, std::int64_t stamp_ns,
                             std::chrono::nanoseconds& timeout);
   PublishedSpan publish_some(const std::byte* values, std::size_t count, std::size_t stride,
                              BatchTimeout share, std::chrono::nanoseconds& timeout);

@@ -55,8 +55,8 @@ SampleMaker::SampleMaker(Product product, std::shared_ptr<BufferPool> heap)
       heap_(std::move(heap)),
       onto_itself_(type_.type(), full_) {}
 
-bool SampleMaker::is_sendable(const void* message) {
-  const detail::EncodedSize size = detail::encoded_size(type_.type(), message, full_);
+bool SampleMaker::is_sendable(const detail::Message& message) {
+  const detail::EncodedSize size = detail::encoded_size(message.type, message.value, full_);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]] {
     refuse(message, full_);
     return false;
@@ -65,10 +65,9 @@ bool SampleMaker::is_sendable(const void* message) {
   return true;
 }
 
-SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* message, bool may_postpone,
-                                      std::chrono::nanoseconds& timeout) {
-  const StructType& type = type_.type();
-  const detail::EncodedSize size = detail::encoded_size(type, message, outlets.mask);
+SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const detail::Message& message,
+                                      bool may_postpone, std::chrono::nanoseconds& timeout) {
+  const detail::EncodedSize size = detail::encoded_size(message.type, message.value, outlets.mask);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes) [[unlikely]]
     return {{}, refuse(message, outlets.mask), 0};
   Made made{lend(outlets, size.bytes, timeout), PublishStatus::ok, size.bytes};
@@ -79,14 +78,15 @@ SampleMaker::Made SampleMaker::encode(const Outlets& outlets, const void* messag
   SampleBuffer& sample = *made.sample;
   fill_header(sample, outlets.mask, size.bytes);
   if (!outlets.whole) sample.whole_bytes = whole_bytes_;
-  sft::detail::encode(type, message, outlets.mask, {sample.data + layout_.body_offset, size.bytes},
-                      {sample.index(), type_.index_slots()}, {}, may_postpone ? &postponed_ : nullptr);
+  sft::detail::encode(message.type, message.value, outlets.mask,
+                      {sample.data + layout_.body_offset, size.bytes}, {sample.index(), type_.index_slots()},
+                      {}, may_postpone ? &postponed_ : nullptr);
   if (!postponed_.empty()) sample.postponed = &postponed_;
   return made;
 }
 
 /// Determines the reason why the message is invalid, and reports it. Called only after encoding has failed.
-PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
+PublishStatus SampleMaker::refuse(const detail::Message& message, const FieldMask& mask) {
   why_invalid_ = fault_of(message, mask).message;
   if (const Time now = std::chrono::steady_clock::now(); now >= next_refusal_logged_) {
     next_refusal_logged_ = now + refusals_pause;
@@ -95,12 +95,12 @@ PublishStatus SampleMaker::refuse(const void* message, const FieldMask& mask) {
   return PublishStatus::invalid;
 }
 
-Error SampleMaker::fault_of(const void* message, const FieldMask& mask,
+Error SampleMaker::fault_of(const detail::Message& message, const FieldMask& mask,
                             std::span<const detail::Reservation> reservations) const {
   const std::size_t most = product_.max_sample_bytes;
   std::string text =
       "topic '" + product_.topic + "': " + detail::encode_fault(type_, message, mask, most, reservations);
-  const detail::EncodedSize size = detail::encoded_size(type_.type(), message, mask, reservations);
+  const detail::EncodedSize size = detail::encoded_size(message.type, message.value, mask, reservations);
   if (size.status != detail::EncodeStatus::ok) return {Errc::invalid_argument, std::move(text)};
   return {Errc::limit_exceeded, text + what_to_do_about(most)};
 }
@@ -142,7 +142,7 @@ Result<SampleHandle> SampleMaker::loan(const Outlets& outlets, const void* proto
                                        detail::ReservedMemory memory, std::chrono::nanoseconds& timeout) {
   const detail::EncodedSize size = detail::encoded_size(type_.type(), prototype, full_, reservations);
   if (size.status != detail::EncodeStatus::ok || size.bytes > product_.max_sample_bytes)
-    return tl::unexpected(fault_of(prototype, full_, reservations));
+    return tl::unexpected(fault_of({type_.type(), prototype}, full_, reservations));
   SampleHandle sample = lend(outlets, size.bytes, timeout);
   if (!sample) return no_loan();
   fill_header(*sample, full_, size.bytes);

@@ -40,7 +40,9 @@ class SampleMaker {
   /// Returns false if the message is invalid, that is, could not be sent to a reader of all fields;
   /// why_invalid() then returns the reason. If the outlets encode all fields anyway, the function returns
   /// true without a check, and encode() detects the fault.
-  bool accepts(const Outlets& outlets, const void* message) { return outlets.whole || is_sendable(message); }
+  bool accepts(const Outlets& outlets, const detail::Message& message) {
+    return outlets.whole || is_sendable(message);
+  }
   /// A sample, or the status without one: `invalid`, which why_invalid() explains, or `no_memory`.
   struct Made {
     SampleHandle sample;
@@ -51,7 +53,7 @@ class SampleMaker {
   /// Encodes the fields of the message that the outlets need. If `may_postpone` is true, parts of the message
   /// may be copied later, when they are needed (SampleBuffer::postponed). In this case the message must live
   /// until sent() is called. REQUIRES: accepts().
-  Made encode(const Outlets& outlets, const void* message, bool may_postpone,
+  Made encode(const Outlets& outlets, const detail::Message& message, bool may_postpone,
               std::chrono::nanoseconds& timeout);
   /// Called when the message of the last encoded sample is not needed any more: all postponed copies were
   /// made, or will not be.
@@ -89,9 +91,9 @@ class SampleMaker {
   /// The maximum size in bytes of the memory that is kept for the next sample.
   static constexpr std::size_t recycled_bytes_max = 4096;
 
-  bool is_sendable(const void* message);
-  [[gnu::cold, gnu::noinline]] PublishStatus refuse(const void* message, const FieldMask& mask);
-  Error fault_of(const void* message, const FieldMask& mask,
+  bool is_sendable(const detail::Message& message);
+  [[gnu::cold, gnu::noinline]] PublishStatus refuse(const detail::Message& message, const FieldMask& mask);
+  Error fault_of(const detail::Message& message, const FieldMask& mask,
                  std::span<const detail::Reservation> reservations = {}) const;
   tl::unexpected<Error> malformed(detail::WalkStatus why) const;
   Result<void> check_size(std::size_t body_bytes) const;

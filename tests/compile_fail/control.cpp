@@ -37,6 +37,25 @@ std::size_t pixels_of(
          scan->ranges<float>().value().size();
 }
 
+struct Stamp {
+  std::int32_t sec;
+  std::uint32_t nanosec;
+};
+struct HeaderOfProgram {
+  Stamp stamp;
+  std::string frame_id;
+};
+auto pass_on(const sft::Sample<std_msgs::msg::Header>& sample,
+             sft::Publisher<std_msgs::msg::Header>& publisher) {
+  HeaderOfProgram header{};
+  (void)sample.fill(header);
+  return publisher.publish(header);
+}
+auto recorded_header(const sft::Sample<std_msgs::msg::Header, sft::recorded>& sample,
+                     HeaderOfProgram& header) {
+  return sample.fill(header).has_value() && sample.fill_partial(header).has_value();
+}
+
 PointCloud2 owned(const sft::Sample<PointCloud2>& sample) { return sample.to_owned().value(); }
 
 auto subscribe(sft::Node& node) {

@@ -21,6 +21,8 @@ expect_skipped(documents.check python3)
 expect_skipped(wireshark.dissector python3)
 expect_skipped(python.messages "pybind11-dev, python3-numpy and python3-pytest")
 expect_skipped(every_type_law_test "python3-rosidl and ros2-test-interface-files")
+expect_skipped(ros_structs_test "rosidl-generator-c-cpp and libfastcdr-dev")
+expect_skipped(documents.recipes_with_ros rosidl-generator-c-cpp)
 
 run(${programs}/ctest --test-dir ${WORK}/build --show-only)
 expect("${output}" MATCHES "core_test_not_built")

@@ -13,6 +13,7 @@
 #include <utility>
 
 #include "sft/detail/loan_view.h"
+#include "sft/detail/struct_in.h"
 #include "sft/detail/untyped.h"
 #include "sft/detail/view.h"
 
@@ -149,7 +150,16 @@ class [[nodiscard]] Publisher {
   /// without a copy, as far as the receive buffer of that process allows; only the rest is copied. Loans,
   /// and messages for several processes, are sent by a thread of the node. The message may be changed or
   /// destroyed when the function returns.
-  PublishStatus publish(const T& message) { return publisher_.publish(&message); }
+  PublishStatus publish(const T& message) {
+    return publisher_.publish({detail::TypeTable<T>::type, &message});
+  }
+
+  /// Does the same for a struct that ROS 2's rosidl made of the same .msg file as T, without a copy to a T.
+  /// The bytes are those of ROS 2. A struct that has other members than T does not compile.
+  template <detail::OtherStruct<T> S>
+  PublishStatus publish(const S& message) {
+    return publisher_.publish({detail::StructIn<T, S>::type, &message});
+  }
 
   /// Publishes a span, vector or array of messages. Each message becomes a separate sample, as if the
   /// messages were published one after the other. For small messages to other hosts this is much cheaper

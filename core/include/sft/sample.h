@@ -21,6 +21,7 @@
 
 #include "sft/detail/decode.h"
 #include "sft/detail/misuse.h"
+#include "sft/detail/struct_in.h"
 #include "sft/detail/untyped.h"
 #include "sft/detail/view.h"
 
@@ -144,6 +145,33 @@ class Sample {
     return decode_to(partial.value);
   }
 
+  /// Copies the message to a struct that ROS 2's rosidl made of the same .msg file as T, or to a T. The
+  /// sample must have all fields: if the subscriber declares fewer, the call does not compile. If a sample
+  /// of recorded or selected fields lacks a field, the function returns an error that names it; if the
+  /// subscriber records, the call requests all fields. Of fields of which a part was declared, the struct
+  /// gets this part. Other errors are those of to_owned().
+  template <class S>
+  requires std::is_class_v<S>
+  [[nodiscard]] Result<void> fill(S& message) const {
+    static_assert(R.may_lack() || R.mask == all<T>,
+                  "fill() needs all fields: open the subscriber without a list of fields, or call "
+                  "fill_partial(), which returns the fields that it has filled");
+    if (!sample_) return empty_error();
+    if constexpr (R.may_lack()) {
+      if (!detail::note_leaves(sample_.state(), 0, detail::leaf_count_of<T>))
+        return tl::unexpected(sample_.error_of_missing(type_support<T>()));
+    }
+    return decode_to(message);
+  }
+  /// Copies the fields that this sample has to a struct as above, and returns these fields. The other fields
+  /// of the struct keep their values.
+  template <class S>
+  requires std::is_class_v<S>
+  [[nodiscard]] Result<FieldMask> fill_partial(S& message) const {
+    if (!sample_) return empty_error();
+    return decode_to(message).map([&] { return mask(); });
+  }
+
   /// Returns the encoded sample, valid as long as the sample: 4 bytes of encapsulation, and standard CDR of
   /// the members of the type that are in mask(). If parts of fields were requested, the first call on the
   /// publisher's host makes a copy; the result is empty if there is no memory for the copy.
@@ -158,9 +186,10 @@ class Sample {
 
   static constexpr bool fits_the_stack = sizeof(T) <= (1 << 20);
 
-  Result<void> decode_to(T& value) const {
+  template <class S>
+  Result<void> decode_to(S& value) const {
     const detail::WalkStatus status =
-        detail::decode(sample_.whole_state(), detail::TypeTable<T>::type, &value);
+        detail::decode(sample_.whole_state(), *detail::struct_type_of<T, S>(), &value);
     if (status != detail::WalkStatus::ok) return malformed_error(status);
     return {};
   }

@@ -22,7 +22,7 @@ template <class T>
 std::string fault(const T& value, std::size_t bytes_max = no_limit, const Mask<T>& mask = all<T>,
                   std::span<const Reservation> reservations = {}) {
   const TypeSupport& type = sft::type_support<T>();
-  return encode_fault(type, &value, type.closed(FieldMask(mask)), bytes_max, reservations);
+  return encode_fault(type, {type.type(), &value}, type.closed(FieldMask(mask)), bytes_max, reservations);
 }
 
 TEST(EncodeFaultTest, AMessageThatCanBeEncodedHasNone) {

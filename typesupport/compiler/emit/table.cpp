@@ -25,8 +25,9 @@ std::string options(const sft_member& member) {
 
 void emit_row(Code& code, const Field& field) {
   const sft_member& member = *field.idl;
-  code.line("      sft::detail::member<{}>(\"{}\", {}, offsetof(T, {}){}),", owned_type(member.type),
-            member.name, kind_name(member.type.kind), field.name, options(member));
+  code.line(
+      "      sft::detail::member<decltype(T::{0}), decltype(S_::{0})>(\"{1}\", {2}, offsetof(S_, {0}){3}),",
+      field.name, member.name, kind_name(member.type.kind), options(member));
 }
 
 }  // namespace
@@ -48,9 +49,11 @@ void emit_table(Code& code, const Message& message) {
   code.line("template <>");
   code.line("struct sft::detail::TypeTable<{}> {{", message.qualified);
   code.line("  using T = {};", message.qualified);
-  code.line("  static constexpr std::array members{{");
+  code.line("  template <class S_>");
+  code.line("  static constexpr std::array members_in{{");
   for (const Field& field : message.fields) emit_row(code, field);
   code.line("  }};");
+  code.line("  static constexpr auto& members = members_in<T>;");
   code.line("  static constexpr sft::StructType type{{\"{}\", members}};", message.idl_name);
   code.line("}};");
   code.blank();

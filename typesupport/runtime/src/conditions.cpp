@@ -265,9 +265,13 @@ bool Conditions::has_changed(const Field& field, const Condition& condition, con
   return is_beyond(number_of(field.kind, bits), number_of(field.kind, field.bits), condition);
 }
 
+const std::byte* Conditions::find_in_message(const Field& field, const FieldSource& sample) {
+  return sample.message_ + (sample.other_ == nullptr ? field.offset : offset_of(*sample.other_, field.leaf));
+}
+
 /// Returns the address of the field's value; null if the bytes of an encoded sample are malformed.
 const std::byte* Conditions::find(const Field& field, const FieldSource& sample) {
-  if (sample.message_ != nullptr) return sample.message_ + field.offset;
+  if (sample.message_ != nullptr) return find_in_message(field, sample);
   if (sample.sample_ == nullptr) return nullptr;
   const SampleState& s = *sample.sample_;
   const std::uint32_t offset = __atomic_load_n(s.index + field.slot, __ATOMIC_RELAXED);
@@ -294,7 +298,7 @@ std::uint64_t Conditions::bits_at(const Field& field, const FieldSource& sample)
 
 std::string_view Conditions::text_at(const Field& field, const FieldSource& sample) {
   if (sample.message_ != nullptr)
-    return *reinterpret_cast<const std::string*>(sample.message_ + field.offset);
+    return *reinterpret_cast<const std::string*>(find_in_message(field, sample));
   if (sample.sample_ == nullptr) return {};
   const SampleState& s = *sample.sample_;
   const std::uint32_t offset = __atomic_load_n(s.index + field.slot, __ATOMIC_RELAXED);

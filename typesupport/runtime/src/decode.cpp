@@ -34,6 +34,7 @@ class Decoder {
     const std::size_t element_leaf = m.kind == Kind::structure ? leaf + 1 : leaf;
     if (length.count > most_elements(m, element_leaf)) return WalkStatus::bad_length;
     auto* first = static_cast<std::byte*>(m.access->resize(value, length.count));
+    if (m.access->data == nullptr) return bits(m, value, length.count);
     return elements(m, first, length.count, element_leaf);
   }
 
@@ -89,6 +90,17 @@ class Decoder {
     if (at == no_offset) return WalkStatus::truncated;
     if (n != 0) std::memcpy(to, s_.body + at, n * element_bytes);
     at_ = at + n * element_bytes;
+    return WalkStatus::ok;
+  }
+
+  /// Reads the elements of a std::vector<bool>.
+  WalkStatus bits(const Member& m, void* vector, std::size_t n) {
+    for (std::size_t i = 0; i < n; ++i) {
+      std::byte b{};
+      if (const WalkStatus status = block(&b, 1, 1, 1); status != WalkStatus::ok) return status;
+      if (b > std::byte{1}) return WalkStatus::bad_boolean;
+      m.access->set(vector, i, b == std::byte{1});
+    }
     return WalkStatus::ok;
   }
 

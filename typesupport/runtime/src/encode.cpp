@@ -86,6 +86,7 @@ class Encoder {
     }
     at = length(m, n, at);
     if (status_ != EncodeStatus::ok) return at;
+    if (m.access->data == nullptr) return bits(m, value, n, at);
     return elements(m, static_cast<const std::byte*>(m.access->data(value)), n,
                     m.kind == Kind::structure ? leaf + 1 : leaf, at);
   }
@@ -106,6 +107,15 @@ class Encoder {
   std::uint64_t reserved(const Member& m, std::uint32_t n, std::uint64_t at) {
     at = length(m, n, at);
     return n == 0 ? at : out_.align(at, size_of(m.kind)) + n * size_of(m.kind);
+  }
+
+  /// Puts the elements of a std::vector<bool>.
+  std::uint64_t bits(const Member& m, const void* vector, std::size_t n, std::uint64_t at) {
+    for (std::size_t i = 0; i < n; ++i) {
+      const bool bit = m.access->get(vector, i);
+      at = out_.put(at, &bit, 1);
+    }
+    return at;
   }
 
   std::uint64_t elements(const Member& m, const std::byte* first, std::size_t n, std::size_t leaf,

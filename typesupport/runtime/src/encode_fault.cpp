@@ -51,7 +51,7 @@ class FaultFinder {
     const std::uint64_t most = m.bound != 0 ? m.bound : no_offset - 1;
     bytes_[leaf] += 4;
     if (n > most) return fail(path, std::to_string(n) + " elements", most);
-    if (reserved != nullptr) {
+    if (reserved != nullptr || m.access->data == nullptr) {
       bytes_[leaf] += n * size_of(m.kind);
     } else {
       elements(m, static_cast<const std::byte*>(m.access->data(value)), n, is_struct ? leaf + 1 : leaf, path);
@@ -112,11 +112,11 @@ class FaultFinder {
 
 }  // namespace
 
-std::string encode_fault(const TypeSupport& type, const void* value, const FieldMask& mask,
+std::string encode_fault(const TypeSupport& type, const Message& message, const FieldMask& mask,
                          std::size_t bytes_max, std::span<const Reservation> reservations) {
   FaultFinder finder(type.leaves(), mask, reservations);
-  if (std::string fault = finder.fault_of(type.type(), value); !fault.empty()) return fault;
-  const EncodedSize size = encoded_size(type.type(), value, mask, reservations);
+  if (std::string fault = finder.fault_of(message.type, message.value); !fault.empty()) return fault;
+  const EncodedSize size = encoded_size(message.type, message.value, mask, reservations);
   const bool is_endless = size.status != EncodeStatus::ok;
   if (!is_endless && size.bytes <= bytes_max) return "";
   const auto largest = std::max_element(finder.bytes().begin(), finder.bytes().end());

@@ -82,6 +82,8 @@ class Sample {
   const Selection* selection() const { return record_ == nullptr ? selection_.get() : nullptr; }
   /// Returns the requested channels that the message lacks. `type` is the type of the message.
   std::vector<std::string> missing_channels(const TypeSupport& type) const;
+  /// Returns the error for a program that needs all fields, if the sample does not have all of them.
+  Error error_of_missing(const TypeSupport& type) const;
   /// Returns encapsulation and body: standard CDR of the type projected to the mask. The result is empty for
   /// an empty sample.
   std::span<const std::byte> cdr() const;
@@ -140,7 +142,7 @@ class Publisher {
   Publisher(Publisher&&) = default;
   Publisher& operator=(Publisher&&) = default;
 
-  PublishStatus publish(const void* value);
+  PublishStatus publish(const Message& message);
   /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   /// Publishes an encoded payload of the whole type, see Publisher::publish_cdr().

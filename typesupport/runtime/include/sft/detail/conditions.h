@@ -25,6 +25,10 @@ class FieldSource {
   static FieldSource of_message(const void* message) {
     return {static_cast<const std::byte*>(message), nullptr};
   }
+  /// Makes the source of a message in another struct than that of the type of the conditions (struct_in.h).
+  static FieldSource of_other_struct(const Message& message) {
+    return {static_cast<const std::byte*>(message.value), nullptr, &message.type};
+  }
   /// Makes the source of an unknown message: its numbers count as 0, and its texts as empty.
   static FieldSource of_nothing() { return {nullptr, nullptr}; }
   /// Makes the source of an encoded sample with an index.
@@ -32,9 +36,11 @@ class FieldSource {
 
  private:
   friend class Conditions;
-  FieldSource(const std::byte* message, const SampleState* sample) : message_(message), sample_(sample) {}
+  FieldSource(const std::byte* message, const SampleState* sample, const StructType* other = nullptr)
+      : message_(message), sample_(sample), other_(other) {}
   const std::byte* message_;
   const SampleState* sample_;  ///< the encoded sample; null: message_ is used
+  const StructType* other_;    ///< where the fields are in message_, if not where Conditions::Field says
 };
 
 /// The conditions of one gate, and the values in the last sample that passed that the conditions need. Not
@@ -71,7 +77,7 @@ class Conditions {
     Kind kind{};
     std::uint32_t leaf = 0;
     std::size_t slot = 0;
-    std::size_t offset = 0;  ///< the offset in a message of the program
+    std::size_t offset = 0;  ///< the offset in the generated struct
     // The value in the last sample that passed. Set only for fields whose conditions compare with this
     // value.
     std::uint64_t bits = 0;  ///< the bits of a number; a hash of a text
@@ -91,6 +97,7 @@ class Conditions {
   bool compares(const Node& node, const FieldSource& sample) const;
   static bool has_changed(const Field& field, const Condition& condition, const FieldSource& sample);
   static const std::byte* find(const Field& field, const FieldSource& sample);
+  static const std::byte* find_in_message(const Field& field, const FieldSource& sample);
   static std::uint64_t bits_at(const Field& field, const FieldSource& sample);
   static std::string_view text_at(const Field& field, const FieldSource& sample);
 

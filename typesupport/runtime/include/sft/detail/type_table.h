@@ -52,21 +52,33 @@ constexpr std::size_t size_of(Kind kind) {
 
 constexpr bool is_primitive(Kind kind) { return kind < Kind::string; }
 
-/// Accesses the elements of one std::vector instantiation without knowing its element type.
+/// Accesses the elements of one type of vector without knowing its element type.
 struct SequenceAccess {
+  std::size_t bytes;  ///< the size of the vector itself
   std::size_t (*size)(const void* vector);
+  /// Returns the first element. Null for a std::vector<bool>, whose elements have no addresses.
   const void* (*data)(const void* vector);
-  /// Returns the first element; existing elements are kept.
+  /// Returns the first element, or null for a std::vector<bool>; existing elements are kept.
   void* (*resize)(void* vector, std::size_t elements);
+  // Only for a std::vector<bool>:
+  bool (*get)(const void* vector, std::size_t element) = nullptr;
+  void (*set)(void* vector, std::size_t element, bool value) = nullptr;
 };
 
 /// Specialised for every generated enumeration, with `static constexpr EnumType type`.
 template <class E>
 struct EnumTable;
 
-/// Specialised for every generated type, with `static constexpr StructType type`.
+/// Specialised for every generated type, with `static constexpr StructType type`. `members_in<S>` has the
+/// same members as they lie in another struct S (struct_in.h).
 template <class T>
 struct TypeTable;
+
+/// A message in an object of the program.
+struct Message {
+  const StructType& type;  ///< has the places of the members in that object
+  const void* value;
+};
 
 constexpr bool is_collection(const Member& m) {
   return m.kind == Kind::structure && m.shape != Shape::single;
@@ -153,15 +165,38 @@ constexpr std::size_t slot_offset(const StructType& type, std::size_t member) {
 template <class T>
 inline constexpr std::size_t leaf_count_of = leaf_count(TypeTable<T>::type);
 
+/// Returns the first element, or null. ROS 2's BoundedVector has no data() that could be called.
+template <class V>
+constexpr auto first_of(V& vector) {
+  if constexpr (requires { vector.data(); }) {
+    return vector.data();
+  } else {
+    return vector.empty() ? nullptr : &vector.front();
+  }
+}
+
+template <class V>
+constexpr SequenceAccess sequence_access() {
+  SequenceAccess access{};
+  access.bytes = sizeof(V);
+  access.size = [](const void* v) -> std::size_t { return static_cast<const V*>(v)->size(); };
+  if constexpr (std::is_same_v<typename V::reference, typename V::value_type&>) {
+    access.data = [](const void* v) -> const void* { return first_of(*static_cast<const V*>(v)); };
+    access.resize = [](void* v, std::size_t n) -> void* {
+      static_cast<V*>(v)->resize(n);
+      return first_of(*static_cast<V*>(v));
+    };
+  } else {
+    access.resize = [](void* v, std::size_t n) -> void* { return static_cast<V*>(v)->resize(n), nullptr; };
+    access.get = [](const void* v, std::size_t i) -> bool { return (*static_cast<const V*>(v))[i]; };
+    access.set = [](void* v, std::size_t i, bool value) { (*static_cast<V*>(v))[i] = value; };
+  }
+  return access;
+}
+
 template <class V>
 struct SequenceAccessOf {
-  static constexpr SequenceAccess access{
-      [](const void* v) { return static_cast<const V*>(v)->size(); },
-      [](const void* v) { return static_cast<const void*>(static_cast<const V*>(v)->data()); },
-      [](void* v, std::size_t n) {
-        static_cast<V*>(v)->resize(n);
-        return static_cast<void*>(static_cast<V*>(v)->data());
-      }};
+  static constexpr SequenceAccess access = sequence_access<V>();
 };
 
 template <class V>
@@ -169,6 +204,7 @@ struct ShapeOf {
   using Element = V;
   static constexpr Shape shape = Shape::single;
   static constexpr std::uint32_t count = 1;
+  static constexpr std::uint32_t bound = 0;
   static constexpr const SequenceAccess* access = nullptr;
 };
 
@@ -179,25 +215,41 @@ struct ShapeOf<std::array<E, N>> {
                 "an array of sequences needs a struct around the sequence");
   static constexpr Shape shape = Shape::array;
   static constexpr std::uint32_t count = N * ShapeOf<E>::count;
+  static constexpr std::uint32_t bound = 0;
   static constexpr const SequenceAccess* access = nullptr;
 };
 
-template <class E>
-struct ShapeOf<std::vector<E>> {
+template <class V, class E, std::size_t Bound>
+struct SequenceShape {
   using Element = E;
   static_assert(ShapeOf<E>::shape == Shape::single,
                 "a sequence of collections needs a struct around the inner one");
   static constexpr Shape shape = Shape::sequence;
   static constexpr std::uint32_t count = 1;
-  static constexpr const SequenceAccess* access = &SequenceAccessOf<std::vector<E>>::access;
+  static constexpr std::uint32_t bound = Bound;  ///< the bound that the C++ type has itself; 0: none
+  static constexpr const SequenceAccess* access = &SequenceAccessOf<V>::access;
 };
 
-template <class E>
+template <class E, class Allocator>
+struct ShapeOf<std::vector<E, Allocator>> : SequenceShape<std::vector<E, Allocator>, E, 0> {};
+
+/// A vector with a bound, as rosidl_runtime_cpp::BoundedVector.
+template <template <class, std::size_t, class> class Vector, class E, std::size_t Bound, class Allocator>
+struct ShapeOf<Vector<E, Bound, Allocator>> : SequenceShape<Vector<E, Bound, Allocator>, E, Bound> {};
+
+/// Says where the members of T lie in the struct S, which has the same members (struct_in.h).
+template <class T, class S>
+struct StructIn;
+
+/// Returns the type of a nested struct T, which is an S in memory.
+template <class T, class S>
 constexpr const StructType* struct_type_of() {
-  if constexpr (std::is_class_v<E> && !std::is_same_v<E, std::string>) {
-    return &TypeTable<E>::type;
-  } else {
+  if constexpr (!std::is_class_v<T> || std::is_same_v<T, std::string>) {
     return nullptr;
+  } else if constexpr (std::is_same_v<T, S>) {
+    return &TypeTable<T>::type;
+  } else {
+    return &StructIn<T, S>::type;
   }
 }
 
@@ -218,21 +270,30 @@ struct MemberOptions {
   std::string_view layout{};
 };
 
-/// Makes one row of a generated table. V is the member's type in the owned struct. `kind` is the kind of
-/// one element in IDL. It is needed to distinguish octet from uint8, and a sequence of booleans, held as
-/// std::uint8_t, from a sequence of octets.
-template <class V>
+/// Refuses to compile if a member of type M differs in more than its C++ type from the member V of the
+/// message (struct_in.h).
+template <class V, class M>
+struct SameMember;
+
+/// Makes one row of a generated table. V is the member's type in the owned struct, and M the type of the
+/// same member in the struct that the table describes. `kind` is the kind of one element in IDL. It is
+/// needed to distinguish octet from uint8, and a sequence of booleans, held as std::uint8_t, from a sequence
+/// of octets.
+template <class V, class M = V>
 constexpr Member member(std::string_view name, Kind kind, std::size_t offset, MemberOptions options = {}) {
-  using Place = ShapeOf<V>;
+  using Place = ShapeOf<M>;
   using Element = typename Place::Element;
+  using OwnElement = typename ShapeOf<V>::Element;
+  if constexpr (!std::is_same_v<V, M>) SameMember<V, M>::refuse_bool_unless(kind);
+  const bool is_narrower = Place::bound != 0 && (options.bound == 0 || Place::bound < options.bound);
   return {.name = name,
           .kind = kind,
           .shape = Place::shape,
           .count = Place::count,
-          .bound = options.bound,
+          .bound = is_narrower ? Place::bound : options.bound,
           .string_bound = options.string_bound,
-          .type = struct_type_of<Element>(),
-          .enumeration = enum_type_of<Element>(),
+          .type = struct_type_of<OwnElement, Element>(),
+          .enumeration = enum_type_of<OwnElement>(),
           .offset = offset,
           .stride = sizeof(Element),
           .access = Place::access,

@@ -1,0 +1,20 @@
+// The bytes of ROS 2's structs as ROS 2 makes them: Fast CDR writes and reads the members that
+// rosidl_typesupport_introspection_cpp lists, as rmw_fastrtps_dynamic_cpp does. SFT has no part in it.
+#pragma once
+
+#include <cstddef>
+#include <rosidl_typesupport_introspection_cpp/message_introspection.hpp>
+#include <span>
+#include <vector>
+
+namespace sft::test {
+
+using RosMembers = rosidl_typesupport_introspection_cpp::MessageMembers;
+
+/// Returns the CDR of a struct, without encapsulation. Padding is zero. Throws if the CDR has more than
+/// `bytes_max` bytes.
+std::vector<std::byte> serialized_by_ros(const RosMembers& type, const void* message, std::size_t bytes_max);
+/// Reads the CDR of a message into a struct.
+void deserialize_by_ros(const RosMembers& type, std::span<const std::byte> body, void* message);
+
+}  // namespace sft::test
