@@ -25,9 +25,9 @@ constexpr auto reader_time = 2s;     // readers on the other side find a new pub
 constexpr auto dds_match_time = 1s;  // DDS writers match within this time
 constexpr std::size_t turn_samples = 64, turn_bytes = 1 << 20;  // before other topics have their turn
 
-/// Bounds what comes late after a pause of the network: 8 MiB take 1.3 s at 50 Mbit/s.
+/// Bounds what comes late after a pause of the network: 4 MiB take 0.7 s at 50 Mbit/s.
 constexpr std::size_t kept_bytes(Durability durability) {
-  return std::size_t{durability == transient_local ? 64U : 8U} << 20;
+  return std::size_t{durability == transient_local ? 64U : 4U} << 20;
 }
 
 /// Returns an error that names the fields that are left out, although a message of the type has them.
