@@ -221,9 +221,9 @@ PublishedSpan Publisher::publish(const void* values, std::size_t count, std::siz
   return core_->publish(values, count, stride);
 }
 
-Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload) {
+Result<PublishStatus> Publisher::publish_cdr(std::span<const std::byte> payload, std::int64_t stamp_ns) {
   if (core::is_forked_copy()) return PublishStatus::forked;
-  return core_->publish_cdr(payload);
+  return core_->publish_cdr(payload, stamp_ns);
 }
 
 Result<Loan> Publisher::loan(const void* prototype, std::span<const Reservation> reservations,

@@ -143,7 +143,7 @@ PublishedSpan PublisherCore::publish_some(const std::byte* values, std::size_t c
   return done;
 }
 
-Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> bytes) {
+Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> bytes, std::int64_t stamp_ns) {
   const Result<detail::Payload> payload = detail::parse_payload(bytes);
   if (!payload) return tl::unexpected(payload.error());
   const Dispatch::Call call(dispatch_);
@@ -153,7 +153,7 @@ Result<PublishStatus> PublisherCore::publish_cdr(std::span<const std::byte> byte
   if (!size) return tl::unexpected(size.error());
   if (!is_wanted) return dispatch_.withhold();
   std::chrono::nanoseconds timeout = spec_.max_blocking;
-  const std::int64_t stamp_ns = realtime_ns();
+  if (stamp_ns == 0) stamp_ns = realtime_ns();
   const Result<SampleMaker::Made> made = maker_.convert(call.outlets(), *payload, *size, timeout);
   if (!made) return tl::unexpected(made.error());
   Dispatch::Admission admission = dispatch_.admit(made->sample, stamp_ns);

@@ -65,7 +65,8 @@ class PublisherCore {
   PublishStatus publish(const void* value) { return publish({spec_.type->type(), value}); }
   /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes);
+  /// `stamp_ns` is the time of publication; 0: the present time.
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> bytes, std::int64_t stamp_ns = 0);
   Result<SampleHandle> loan(const void* prototype, std::span<const detail::Reservation> reservations,
                             detail::ReservedMemory memory);
   /// Publishes a loan. `has_gaps`: sequences of the loan were shortened, and the unused bytes after them

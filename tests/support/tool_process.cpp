@@ -101,6 +101,13 @@ bool ToolProcess::prints(std::string_view expected) {
   return true;
 }
 
+bool ToolProcess::says(std::string_view expected) {
+  while (ended_.err.find(expected) == std::string::npos) {
+    if (err_ < 0 || !read_some()) return false;
+  }
+  return true;
+}
+
 void ToolProcess::press(std::string_view keys) const {
   if (write(terminal_, keys.data(), keys.size()) < 0) return;
 }

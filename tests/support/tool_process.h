@@ -29,6 +29,8 @@ class ToolProcess {
   /// Reads until the command has printed the text to its standard output. Returns false if the command has
   /// ended without printing it.
   bool prints(std::string_view expected);
+  /// Does the same for the standard error.
+  bool says(std::string_view expected);
   void press(std::string_view keys) const;
   /// Writes to the standard input of the command, which must not be a terminal. Returns when the command has
   /// read nearly all of the text, or has ended.

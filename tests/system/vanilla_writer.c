@@ -5,7 +5,8 @@
    vanilla_writer DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH KIND
 
    KIND is plain, or xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot hear. With
-   the kind "door" it writes doors with that number in place of clouds. */
+   the kind "door" it writes doors with that number in place of clouds; with the kind "points" BYTES is the
+   number of points, which have x, y, z and intensity. */
 #include <dds/dds.h>
 #include <signal.h>
 #include <stdint.h>
@@ -65,6 +66,24 @@ static void write_door(dds_entity_t writer, uint32_t number) {
   if (dds_write(writer, &door) != DDS_RETCODE_OK) exit(4);
 }
 
+static void write_points(dds_entity_t writer, uint32_t number, uint32_t points) {
+  sensor_msgs_msg_dds__PointField_ fields[4] = {
+      {.name_ = "x"}, {.name_ = "y"}, {.name_ = "z"}, {.name_ = "intensity"}};
+  for (uint32_t i = 0; i < 4; ++i) fields[i].offset_ = 4 * i, fields[i].datatype_ = 7, fields[i].count_ = 1;
+  uint8_t* data = malloc(16 * points);
+  for (uint32_t i = 0; i < 16 * points; ++i) data[i] = (uint8_t)(i * 7 + number);
+  const sensor_msgs_msg_dds__PointCloud2_ cloud = {
+      .header_ = {.stamp_ = {.sec_ = (int32_t)number}, .frame_id_ = ""},
+      .height_ = 1,
+      .width_ = points,
+      .fields_ = {._maximum = 4, ._length = 4, ._buffer = fields},
+      .point_step_ = 16,
+      .row_step_ = 16 * points,
+      .data_ = {._maximum = 16 * points, ._length = 16 * points, ._buffer = data}};
+  if (dds_write(writer, &cloud) != DDS_RETCODE_OK) exit(4);
+  free(data);
+}
+
 int main(int argc, char** argv) {
   if (argc != 7) return 2;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
@@ -79,8 +98,10 @@ int main(int argc, char** argv) {
   const dds_entity_t writer = dds_create_writer(participant, topic, qos_of(argv + 3), listener);
   if (writer < 0) return 3;
   unsigned number, bytes;
+  const int has_points = strcmp(argv[6], "points") == 0;
+  void (*const write)(dds_entity_t, uint32_t, uint32_t) = has_points ? write_points : write_cloud;
   while (scanf("%u %u", &number, &bytes) == 2)
-    is_door ? write_door(writer, number) : write_cloud(writer, number, bytes);
+    is_door ? write_door(writer, number) : write(writer, number, bytes);
   dds_wait_for_acks(writer, DDS_SECS(10));
   dds_delete(participant);
   return 0;

@@ -35,11 +35,13 @@ struct Parsed {
   RecordOptions record{.version = SFT_VERSION};
   PlayOptions play;
   BagOptions bag;
+  BridgeOptions bridge;
   PerfOptions perf;
   std::vector<std::string> beside;
   std::string host;
-  bool csv = false;
-  bool yaml = false;
+  struct {
+    bool csv = false, yaml = false;
+  } forms{};  ///< of samples, for echo
 };
 
 NodeOptions::VanillaDds dds_choice(const std::string& name) {
@@ -168,14 +170,17 @@ void declare_echo(CLI::App& app, Parsed& parsed) {
   command
       ->add_option("--rate", echo.max_rate_hz, "Ask for at most this many samples a second of each selection")
       ->check(CLI::Range(SubscriberOptions::slowest_rate_hz, SubscriberOptions::fastest_rate_hz));
-  CLI::Option* yaml = command->add_flag("--yaml", parsed.yaml, "Write YAML (the default)");
-  CLI::Option* csv = command->add_flag("--csv", parsed.csv, "Write a table, with a column for each field");
+  CLI::Option* yaml = command->add_flag("--yaml", parsed.forms.yaml, "Write YAML (the default)");
+  CLI::Option* csv =
+      command->add_flag("--csv", parsed.forms.csv, "Write a table, with a column for each field");
   command->get_option("--json")->excludes(yaml)->excludes(csv);
   csv->excludes(yaml);
   add_includes(command, parsed.line.common);
   command->add_flag("--full", echo.full, "Do not shorten long arrays and texts on terminals");
   command->callback([&parsed] {
-    parsed.echo.format = parsed.line.common.json ? Format::json : parsed.csv ? Format::csv : Format::yaml;
+    parsed.echo.format = parsed.line.common.json ? Format::json
+                         : parsed.forms.csv      ? Format::csv
+                                                 : Format::yaml;
     parsed.line.command = parsed.echo;
   });
 }
@@ -351,6 +356,45 @@ void declare_bag(CLI::App& app, Parsed& parsed) {
   command->callback([&parsed] { parsed.line.command = parsed.bag; });
 }
 
+void declare_bridge(CLI::App& app, Parsed& parsed) {
+  BridgeOptions& bridge = parsed.bridge;
+  CommonOptions& common = parsed.line.common;
+  CLI::App* command = declare(app, parsed, "bridge", "Carry topics from one domain to another, by rules");
+  command->add_option("RULES", bridge.rules,
+                      "What is carried, and under which name: 'points{data{x,y,z}}[::4] -> robot/points', "
+                      "'cmd_vel <- robot/cmd_vel' from the second side, 'chatter <-> chatter' both ways, "
+                      "'camera/* -> robot/camera/*@at most 5 Hz'");
+  command->add_option("-f,--file", bridge.file, "Read both sides and rules from this file (TOML)");
+  const auto dds = CLI::IsMember({"auto", "always", "never"});
+  const auto domains = CLI::Range(0, static_cast<int>(NodeOptions::domain_max));
+  command->add_option("--from", common.domain, "The domain of the first side; as --domain")->check(domains);
+  command
+      ->add_option("--from-dds", bridge.from_dds,
+                   "When unmodified DDS nodes of the first side are heard and served")
+      ->check(dds);
+  command->add_option("--to", bridge.to, "The domain of the second side")->check(domains);
+  command->add_option("--to-interface", bridge.to_interfaces, "As --interface, for the second side")
+      ->allow_extra_args(false);
+  command->add_option("--to-peer", bridge.to_peers, "As --peer, for the second side")
+      ->allow_extra_args(false);
+  command->add_option("--to-dds", bridge.to_dds, "As --from-dds, for the second side")->check(dds);
+  command
+      ->add_option("--defaults", bridge.each.defaults,
+                   "These fields, which rules leave out, may be zero or empty on the other side; * is all")
+      ->allow_extra_args(false);
+  command
+      ->add_option("--priority", bridge.priorities,
+                   "TOPIC=NUMBER: of two large samples the one with the greater number is sent first")
+      ->allow_extra_args(false);
+  command->add_flag("--reliable", bridge.each.reliable,
+                    "Send lost samples again, also if the publisher does not offer that");
+  command->add_option("--type", bridge.each.type,
+                      "The type of topics that only unmodified DDS nodes publish: sensor_msgs/PointCloud2");
+  command->add_option("--for", bridge.for_s, "End after this many seconds")->check(CLI::Range(0.1, 1e9));
+  add_includes(command, common);
+  command->callback([&parsed] { parsed.line.command = parsed.bridge; });
+}
+
 void add_message(CLI::App* command, Parsed& parsed) {
   PerfOptions& perf = parsed.perf;
   CLI::Option* type =
@@ -499,7 +543,7 @@ std::variant<CommandLine, ExitCode> parse_command_line(int argc, char** argv) {
   Parsed parsed;
   for (const auto add : {declare_ls, declare_info, declare_type, declare_echo, declare_pub, declare_hz,
                          declare_bw, declare_delay, declare_why, declare_top, declare_doctor, declare_record,
-                         declare_play, declare_bag, declare_perf}) {
+                         declare_play, declare_bag, declare_bridge, declare_perf}) {
     add(app, parsed);
   }
   try {

@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "tools/sft/bag.h"
+#include "tools/sft/bridge.h"
 #include "tools/sft/bw.h"
 #include "tools/sft/common_options.h"
 #include "tools/sft/delay.h"
@@ -26,7 +27,7 @@ namespace sft::tool {
 /// The options of the chosen subcommand.
 using Command = std::variant<LsOptions, InfoOptions, TypeOptions, EchoOptions, PubOptions, HzOptions,
                              BwOptions, DelayOptions, WhyOptions, TopOptions, DoctorOptions, RecordOptions,
-                             PlayOptions, BagOptions, PerfOptions>;
+                             PlayOptions, BagOptions, BridgeOptions, PerfOptions>;
 
 struct CommandLine {
   std::string name;  ///< the name of the subcommand

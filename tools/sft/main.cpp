@@ -14,6 +14,8 @@ ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
   if (const auto* doctor = std::get_if<DoctorOptions>(&line.command))
     return run(*doctor, line.common, stop, output);
   if (const auto* bag = std::get_if<BagOptions>(&line.command)) return run(*bag, line.common, stop, output);
+  if (const auto* bridge = std::get_if<BridgeOptions>(&line.command))
+    return run(*bridge, line.common, stop, output);
   sft::Result<Session> session = Session::open(line.common, line.name, stop, output);
   if (!session) {
     complain(session.error().message);
@@ -22,7 +24,8 @@ ExitCode run(const CommandLine& line, Stop& stop, Output& output) {
   return std::visit(
       [&](const auto& options) {
         using Options = std::decay_t<decltype(options)>;
-        if constexpr (std::is_same_v<Options, DoctorOptions> || std::is_same_v<Options, BagOptions>) {
+        if constexpr (std::is_same_v<Options, DoctorOptions> || std::is_same_v<Options, BagOptions> ||
+                      std::is_same_v<Options, BridgeOptions>) {
           return ExitCode::done;  // these commands have been run above
         } else {
           return run(options, line.common, *session);

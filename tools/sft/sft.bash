@@ -15,7 +15,7 @@ _sft_messages() { # prints the messages that are installed with sft, as package/
 
 _sft() {
   local word=${COMP_WORDS[COMP_CWORD]} command=${COMP_WORDS[1]} before=${COMP_WORDS[COMP_CWORD - 1]}
-  local commands="ls info type echo pub hz bw delay why top doctor record play bag perf"
+  local commands="ls info type echo pub hz bw delay why top doctor record play bag bridge perf"
   local common="--json --no-color --domain --interface --peer --dds --wait --timeout --help"
   COMPREPLY=()
 
@@ -45,13 +45,13 @@ _sft() {
         mapfile -t COMPREPLY < <(compgen -W "$(_sft_names type --fields "${COMP_WORDS[2]}")" -- "$word")
         return
       fi ;;
-    --dds)
+    --dds | --from-dds | --to-dds)
       mapfile -t COMPREPLY < <(compgen -W "auto always never" -- "$word")
       return ;;
-    --interface)
+    --interface | --to-interface)
       mapfile -t COMPREPLY < <(compgen -W "$(ls /sys/class/net)" -- "$word")
       return ;;
-    --output | -o | --html)
+    --output | -o | --html | --file | -f)
       mapfile -t COMPREPLY < <(compgen -f -- "$word")
       return ;;
     --compression)
@@ -62,7 +62,7 @@ _sft() {
       return ;;
     --domain | --peer | --wait | --timeout | --for | --window | --count | -n | --rate | -r | --every | --wait-for | \
       -w | --split-mb | --split-time | --last | --on | --memory-mb | --start | --remap | --field | --value | --size | \
-      --sides | --fail-if | --beside)
+      --sides | --fail-if | --beside | --from | --to | --to-peer | --defaults | --priority)
       [[ $command == bw && $before == --every ]] || return ;;
   esac
 
@@ -86,6 +86,9 @@ _sft() {
       own+=" --include" ;;
     play) own="--topics --remap --rate --start --for --loop --wait-for-subscribers --clock --include" ;;
     bag) own="--like --output --html --include" ;;
+    bridge)
+      own="--file --from --from-dds --to --to-interface --to-peer --to-dds --defaults --priority --reliable"
+      own+=" --type --for --include" ;;
   esac
   if [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$own $common" -- "$word")
@@ -97,7 +100,7 @@ _sft() {
     mapfile -t COMPREPLY < <(compgen -d -- "$word"; compgen -f -X '!*.@(mcap|db3)' -- "$word")
   elif [[ $command == pub ]] && ((COMP_CWORD == 3)); then
     mapfile -t COMPREPLY < <(compgen -W "auto $(_sft_messages)" -- "$word"; compgen -f -X '!*.msg' -- "$word")
-  elif [[ $command == @(info|type|echo|hz|bw|delay|why|record) || $command == pub && $COMP_CWORD == 2 ]]; then
+  elif [[ $command == @(info|type|echo|hz|bw|delay|why|record|bridge) || $command == pub && $COMP_CWORD == 2 ]]; then
     local slash=
     [[ $word == /* ]] && slash=/
     mapfile -t COMPREPLY < <(compgen -P "$slash" -W "$(_sft_names ls topics --names)" -- "${word#/}")

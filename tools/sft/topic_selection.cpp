@@ -17,6 +17,15 @@ std::size_t closing_brace(std::string_view text) {
   return text.npos;
 }
 
+/// Returns true if the text names several fields.
+bool has_several(std::string_view fields) {
+  int depth = 0;
+  return std::ranges::any_of(fields, [&](char c) {
+    depth += c == '{' || c == '[' ? 1 : c == '}' || c == ']' ? -1 : 0;
+    return c == ',' && depth == 0;
+  });
+}
+
 /// "every 2" is what people write for "every 2nd".
 std::string with_ordinals(const std::string& gate) {
   static const std::regex bare(R"(\bevery\s+(\d+)(?=\s*($|\)|or\b|and\b|at\b)))");
@@ -43,6 +52,13 @@ Result<TopicSelection> parse_topic_selection(std::string_view text) {
     if (parsed.text.find_first_not_of(' ') == parsed.text.npos)
       return wrong("there is nothing in the braces");
     rest.remove_prefix(close + 1);
+    if (rest.starts_with('[')) {  // behind the braces as well as within
+      const std::size_t end_of_part = rest.find(']');
+      if (end_of_part == rest.npos) return wrong("a bracket is not closed");
+      if (has_several(parsed.text)) return wrong("[...] behind the braces is for a single field within");
+      parsed.text += rest.substr(0, end_of_part + 1);
+      rest.remove_prefix(end_of_part + 1);
+    }
   }
   if (rest.empty()) return parsed;
   if (!rest.starts_with('@')) return wrong("behind the braces comes @ or nothing");

@@ -2,6 +2,7 @@
 //
 //   imu                                     all of it
 //   points{header.stamp, data{x,y,z}[::2]}  these fields, and parts of fields
+//   points{data{x,y,z}}[::2]                the same part of a single field
 //   battery{voltage}@changed 1%             and these samples
 #pragma once
 

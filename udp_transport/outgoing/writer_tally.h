@@ -11,8 +11,10 @@ namespace sft::udp {
 
 /// Counts and limits of one writer, over all its lanes.
 struct WriterTally {
-  explicit WriterTally(std::uint64_t max_bytes_per_s = 0) : limit(max_bytes_per_s) {}
+  explicit WriterTally(std::uint64_t max_bytes_per_s = 0, std::int8_t writer_priority = 0)
+      : limit(max_bytes_per_s), priority(writer_priority) {}
   RateLimit limit;
+  const std::int8_t priority;  ///< large samples of the writer with the greatest number are sent first
   std::atomic<std::uint64_t> bytes_sent{0};
   std::atomic<std::uint64_t> dropped{0};  ///< number of samples that were taken from a lane and then not sent
   /// The number of lanes with data for the sending thread to send, including lanes that get no new samples

@@ -23,6 +23,9 @@ class ChannelFlows {
   /// Sends a part of a large sample of one channel. `which` is the index of the channel, less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return attended_.size(); }
+  int priority(std::size_t which) const {
+    return attended_[which].channel ? attended_[which].channel->tally().priority : 0;
+  }
   /// Removes the channels that need no maintenance until their next sample.
   void forget_resting();
   void clear() { attended_.clear(); }

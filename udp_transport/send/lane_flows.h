@@ -28,6 +28,7 @@ class LaneFlows {
   /// Sends a part of a large job of one lane. `which` is the index of the lane, less than count().
   void send_large(std::size_t which);
   std::size_t count() const { return flows_.size(); }
+  int priority(std::size_t which) const { return flows_[which].lane ? flows_[which].tally().priority : 0; }
   /// Removes the lanes that have become idle.
   void forget_idle();
   void clear() { flows_.clear(); }

@@ -2,6 +2,8 @@
 
 #include <sys/prctl.h>
 
+#include <algorithm>
+
 namespace sft::udp {
 
 namespace {
@@ -61,15 +63,25 @@ void Sender::take_over_scheduled() {
   taken_.channels.clear();
 }
 
-/// Sends a part of the large sample of each flow. Each call begins with a different flow, so that all flows
-/// get a first turn even if only a few can send. Deferred work is carried out between the turns. It takes
-/// little time, since a deferred sample is small, or becomes a flow itself.
+int Sender::priority(std::size_t flow) const {
+  return flow < lanes_.count() ? lanes_.priority(flow) : channels_.priority(flow - lanes_.count());
+}
+
+/// Sends a part of the large sample of each flow, of those with the greatest priority first. Each call begins
+/// with a different flow, so that all flows get a first turn even if only a few can send. Deferred work is
+/// carried out between the turns. It takes little time, since a deferred sample is small, or becomes a flow
+/// itself.
 void Sender::send_large() {
   const std::size_t count = lanes_.count() + channels_.count();
   if (count == 0) return;
   ++turn_;
-  for (std::size_t i = 0; i < count; ++i) {
-    const std::size_t which = (turn_ + i) % count;
+  order_.clear();
+  for (std::size_t i = 0; i < count; ++i) order_.push_back((turn_ + i) % count);
+  const auto turn = [&](std::size_t which) {
+    return std::pair(-priority(which), (which + count - turn_ % count) % count);
+  };
+  if (!std::ranges::is_sorted(order_, {}, turn)) std::ranges::sort(order_, {}, turn);
+  for (const std::size_t which : order_) {
     if (which < lanes_.count())
       lanes_.send_large(which);
     else

@@ -1,6 +1,8 @@
 // The sending thread sends the samples that publishers have queued, as fast as each destination accepts
 // them. No destination waits for another: if the send buffer of one connection is full, the thread continues
-// with the other ones. Small samples are sent before large ones, and large samples take turns.
+// with the other ones. Small samples are sent before large ones. Large samples of one priority take turns.
+// Flows to one destination share what it accepts, so those with a greater priority, which come first in each
+// round, leave to the others only what they do not need.
 #pragma once
 
 #include <atomic>
@@ -10,6 +12,7 @@
 #include <span>
 #include <thread>
 #include <utility>
+#include <vector>
 
 #include "core/platform/thread.h"
 #include "udp_transport/flow/rate_limit.h"
@@ -81,6 +84,7 @@ class Sender {
   void run();
   void take_over_scheduled();
   void send_large();
+  int priority(std::size_t flow) const;
 
   const std::unique_ptr<DatagramSender> io_;
   RateLimit limit_;
@@ -96,7 +100,8 @@ class Sender {
   LaneFlows lanes_;
   ChannelFlows channels_;
   ScheduledWork::Taken taken_;
-  std::size_t turn_ = 0;  ///< determines which large flow has the first turn in a round
+  std::size_t turn_ = 0;            ///< determines which large flow has the first turn in a round
+  std::vector<std::size_t> order_;  ///< the large flows of a round in the order of their turns
 };
 
 }  // namespace sft::udp

@@ -126,6 +126,13 @@ class [[nodiscard]] DynamicPublisher {
   [[nodiscard]] Result<PublishStatus> publish_cdr(std::span<const std::byte> payload) {
     return publisher_.publish_cdr(payload);
   }
+  /// Does the same for a message that was published before, such as one that a bridge passes on.
+  /// SampleInfo::source_stamp at its readers is `source_stamp`, and lifespans and maximum rates count from
+  /// it. The stamps of one publisher should not go back.
+  [[nodiscard]] Result<PublishStatus> publish_cdr(
+      std::span<const std::byte> payload, std::chrono::sys_time<std::chrono::nanoseconds> source_stamp) {
+    return publisher_.publish_cdr(payload, source_stamp.time_since_epoch().count());
+  }
   /// Lends memory for an encoded message with a body of this number of bytes. Returns an error if the message
   /// is larger than PublisherOptions::max_sample_bytes, or if no memory is free.
   [[nodiscard]] Result<Loan> loan_cdr(std::size_t bytes);

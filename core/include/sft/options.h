@@ -240,6 +240,9 @@ struct PublisherOptions {
   /// limit. Small samples are sent first. If the limit makes a queue full, its oldest samples are dropped
   /// and counted.
   std::uint64_t max_bytes_per_s = 0;
+  /// Decides which large samples of several publishers of the node are sent first by UDP: those of the
+  /// publisher with the greatest number. Small samples are sent before all large ones.
+  std::int8_t priority = 0;
   /// True: publish() copies a sample of more than 16 KiB for readers on other hosts and returns; then a
   /// thread of the node sends the copy. False: publish() itself sends the sample to at least one process,
   /// without a copy, so that it arrives earlier. The option has no effect if max_blocking is not 0.

@@ -146,7 +146,7 @@ class Publisher {
   /// Publishes `count` values, which lie at distances of `stride` bytes.
   PublishedSpan publish(const void* values, std::size_t count, std::size_t stride);
   /// Publishes an encoded payload of the whole type, see Publisher::publish_cdr().
-  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload);
+  Result<PublishStatus> publish_cdr(std::span<const std::byte> payload, std::int64_t stamp_ns = 0);
   Result<Loan> loan(const void* prototype, std::span<const Reservation> reservations, ReservedMemory memory);
   /// Lends memory for a body that the program encodes.
   Result<Loan> loan_cdr(std::size_t body_bytes);

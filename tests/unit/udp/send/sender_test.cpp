@@ -27,6 +27,7 @@ class FullIo final : public DatagramSender {
     std::vector<const Connection*> waiting;
     std::function<void()> when_one_waits;
     std::promise<void> one_closed;
+    bool is_one_closed = false;
     std::size_t awaited_closed = 0;
   };
   explicit FullIo(Seen& seen) : seen_(seen) {}
@@ -57,7 +58,7 @@ class FullIo final : public DatagramSender {
     explicit Full(Seen& seen) : seen_(seen) { seen_.open.insert(this); }
     ~Full() override {
       seen_.open.erase(this);
-      seen_.one_closed.set_value();
+      if (!std::exchange(seen_.is_one_closed, true)) seen_.one_closed.set_value();
     }
     Sent try_send(std::span<const OutgoingBatch>) noexcept override { return {0, SendOutcome::would_wait}; }
     void reconnect() noexcept override {}
@@ -97,6 +98,36 @@ TEST(SenderTest, WaitsForNoConnectionOfAChannelThatIsAtRest) {
   EXPECT_EQ(seen.one_closed.get_future().wait_for(sft::test::hang_timeout), std::future_status::ready);
   sender.stop();
   EXPECT_EQ(seen.awaited_closed, 0U);
+}
+
+TEST(SenderTest, GivesLargeSamplesOfTheGreaterPriorityTheFirstTurn) {
+  const auto jobs = JobPool::make();
+  FullIo::Seen seen;
+  Sender sender(std::make_unique<FullIo>(seen));
+  DestinationDirectory destinations({}, [&](const SocketAddress& to) { return sender.connect(to); });
+  const auto channel_with_large_sample = [&](std::uint16_t port, std::int8_t priority) {
+    auto channel = std::make_shared<Channel>(1, port, destinations.find({.ip = 0x7F000001, .port = port}),
+                                             std::make_shared<WriterTally>(0, priority), 7);
+    const JobHandle job = test::make_job(*jobs, 1, 100'000);
+    channel->post(job, job->first, false);
+    return channel;
+  };
+  std::promise<std::vector<const Connection*>> round;
+  bool is_told = false;
+  seen.when_one_waits = [&] {
+    if (seen.waiting.size() == 2 && !std::exchange(is_told, true)) round.set_value(seen.waiting);
+  };
+  // The first round would begin with the second channel.
+  const auto urgent = channel_with_large_sample(1, 1);
+  const auto usual = channel_with_large_sample(2, 0);
+  sender.schedule(urgent);
+  sender.schedule(usual);
+  ASSERT_TRUE(sender.start("sender"));
+  auto waited = round.get_future();
+  ASSERT_EQ(waited.wait_for(sft::test::hang_timeout), std::future_status::ready);
+  sender.stop();
+  EXPECT_EQ(waited.get(),
+            (std::vector<const Connection*>{&urgent->destination().bulk(), &usual->destination().bulk()}));
 }
 
 }  // namespace

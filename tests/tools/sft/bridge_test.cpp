@@ -1,0 +1,296 @@
+// The verb bridge between domains of this host. tests/system/bridge_test.cpp has bridges of two hosts.
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <csignal>
+#include <cstdlib>
+#include <fstream>
+#include <geometry_msgs/msg/PoseWithCovariance.hpp>
+#include <map>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <set>
+#include <std_msgs/msg/UInt32.hpp>
+
+#include "tests/support/temporary_directory.h"
+#include "tests/support/xyz_cloud.h"
+#include "tests/tools/sft/tool_fixture.h"
+
+namespace sft::test {
+namespace {
+
+using geometry_msgs::msg::PoseWithCovariance;
+using std_msgs::msg::UInt32;
+using ::testing::ElementsAre;
+using ::testing::IsSupersetOf;
+using ::testing::Not;
+
+/// Collects the numbers that come to a topic, with the threads of a node.
+class Listener {
+ public:
+  Listener(Node& node, const std::string& topic, SubscriberOptions options = {}) {
+    options.depth = 1000;
+    subscriber_ = node.subscriber<UInt32>(
+                          topic,
+                          [this](const auto& sample) {
+                            const std::lock_guard lock(mutex_);
+                            ++heard_[sample->data()];
+                            last_ = sample->data();
+                          },
+                          options)
+                      .value();
+  }
+  bool has(std::uint32_t number) {
+    return eventually([&] {
+      const std::lock_guard lock(mutex_);
+      return heard_.contains(number);
+    });
+  }
+  /// Waits until a number greater than this one comes.
+  bool hears_more_than(std::uint32_t number) {
+    return eventually([&] {
+      const std::lock_guard lock(mutex_);
+      return last_ > number;
+    });
+  }
+  std::vector<std::uint32_t> numbers() {
+    const std::lock_guard lock(mutex_);
+    std::vector<std::uint32_t> all;
+    for (const auto& [number, times] : heard_) all.push_back(number);
+    return all;
+  }
+  /// The numbers that came more than once.
+  std::set<std::uint32_t> repeated() {
+    const std::lock_guard lock(mutex_);
+    std::set<std::uint32_t> several;
+    for (const auto& [number, times] : heard_) {
+      if (times > 1) several.insert(number);
+    }
+    return several;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::map<std::uint32_t, int> heard_;
+  std::uint32_t last_ = 0;
+  std::optional<Subscriber<UInt32>> subscriber_;
+};
+
+class BridgeTest : public ::testing::Test {
+ protected:
+  static Node open(std::uint32_t domain) {
+    NodeOptions options{.name = "robot", .domain = domain, .transport = TransportChoice::udp};
+    return Node::open(options).value();
+  }
+  using Bridge = std::unique_ptr<ToolProcess>;
+  /// A bridge from one of the domains 41, 42 and 43 to another one.
+  static Bridge bridge(std::uint32_t from, std::uint32_t to, std::vector<std::string> more) {
+    std::vector<std::string> words{"bridge", "--from", std::to_string(from), "--to", std::to_string(to)};
+    words.insert(words.end(), more.begin(), more.end());
+    return std::make_unique<ToolProcess>(std::move(words));
+  }
+  static Ended end(const Bridge& bridge) {
+    bridge->send(SIGINT);
+    return bridge->end();
+  }
+};
+
+TEST_F(BridgeTest, PartsOfAMessageAreAWholeMessageOnTheOtherSideWithTheTimeOfThePublisher) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto subscriber = there.subscriber<PointCloud2>("robot/points", {.reliability = reliable}).value();
+  const Bridge work = bridge(41, 42, {"points{data{x,y,z}}[::4] -> robot/points"});
+  ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout));
+  const auto before = std::chrono::system_clock::now();
+  publisher.publish(xyz_cloud(7));
+  const auto after = std::chrono::system_clock::now();
+  ASSERT_TRUE(subscriber.wait(hang_timeout));
+  const auto sample = subscriber.take();
+  EXPECT_EQ(sample->header().stamp().sec(), 7);
+  EXPECT_EQ(sample->width(), points / 4);
+  EXPECT_EQ(sample->point_step(), 12U);
+  EXPECT_EQ(sample->row_step(), points / 4 * 12);
+  EXPECT_EQ(sample->fields().size(), 3U);
+  const auto data = sample->data();
+  EXPECT_EQ(std::vector<std::uint8_t>(data.begin(), data.end()), thinned(xyz_cloud(7)));
+  EXPECT_GE(sample.info().source_stamp, before);
+  EXPECT_LE(sample.info().source_stamp, after) << "it is not the time of the bridge";
+  const Ended ended = end(work);
+  EXPECT_EQ(ended.code, 0) << ended.err;
+  EXPECT_THAT(ended.out, HasSubstr("1 sample carried"));
+}
+
+TEST_F(BridgeTest, LateReadersGetWhatEachPublisherRetains) {
+  Node here = open(41), there = open(42);
+  const auto latched = [&](std::uint32_t depth) {
+    return here
+        .publisher<UInt32>("map",
+                           {.reliability = reliable, .durability = transient_local, .history_depth = depth})
+        .value();
+  };
+  auto one = latched(2), other = latched(1);
+  for (const std::uint32_t number : {1U, 2U, 3U}) one.publish({.data = number});
+  for (const std::uint32_t number : {11U, 12U}) other.publish({.data = number});
+  const Bridge work = bridge(41, 42, {"map"});
+  const SubscriberOptions late{.reliability = reliable, .durability = transient_local};
+  Listener first(there, "map", late);
+  EXPECT_TRUE(first.has(2) && first.has(3) && first.has(12));
+  Listener second(there, "map", late);
+  EXPECT_TRUE(second.has(2) && second.has(3) && second.has(12));
+  one.publish({.data = 4});
+  EXPECT_TRUE(first.has(4) && second.has(4));
+  EXPECT_THAT(first.numbers(), ElementsAre(2, 3, 4, 12));
+  EXPECT_THAT(second.numbers(), ElementsAre(2, 3, 4, 12));
+  EXPECT_THAT(first.repeated(), ElementsAre());
+  EXPECT_THAT(second.repeated(), ElementsAre());
+}
+
+TEST_F(BridgeTest, ThreeBridgesInARingGiveEachReaderEachSampleOnceWhicheverOfThemStartsAnew) {
+  constexpr std::array<std::uint32_t, 3> domains{41, 42, 43};
+  Node a = open(41), b = open(42), c = open(43);
+  auto publisher = a.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener at_a(a, "chatter"), at_b(b, "chatter"), at_c(c, "chatter");
+  std::atomic<std::uint32_t> published{0};
+  const auto start = [&](std::size_t i) {
+    return bridge(domains[i], domains[(i + 1) % 3], {"chatter <-> chatter"});
+  };
+  std::array<Bridge, 3> bridges{start(0), start(1), start(2)};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    publisher.publish({.data = number});
+    published = number;
+  });
+  EXPECT_TRUE(at_b.hears_more_than(0) && at_c.hears_more_than(0));
+  for (std::size_t i = 0; i < 6; ++i) {
+    Bridge& one = bridges[i % 3];
+    EXPECT_EQ(end(one).code < 2, true);
+    const std::uint32_t at_end = published;
+    EXPECT_TRUE(at_b.hears_more_than(at_end) && at_c.hears_more_than(at_end)) << "the others carry both ways";
+    one = start(i % 3);
+    const std::uint32_t at_start = published + 200;
+    EXPECT_TRUE(at_a.hears_more_than(at_start) && at_b.hears_more_than(at_start) &&
+                at_c.hears_more_than(at_start));
+  }
+  EXPECT_THAT(at_a.repeated(), ElementsAre());
+  EXPECT_THAT(at_b.repeated(), ElementsAre());
+  EXPECT_THAT(at_c.repeated(), ElementsAre());
+}
+
+TEST_F(BridgeTest, OfTwoBridgesSideBySideOneWaitsSaysSoAndTakesOver) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<UInt32>("chatter").value();
+  Listener heard(there, "chatter");
+  const Bridge first = bridge(41, 42, {"chatter"});
+  std::atomic<std::uint32_t> published{0};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    publisher.publish({.data = number});
+    published = number;
+  });
+  EXPECT_TRUE(heard.hears_more_than(0));
+  const Bridge second = bridge(41, 42, {"chatter"});
+  ASSERT_TRUE(second->says("another bridge carries 'chatter' to side 'domain 42'; this one waits"));
+  const std::uint32_t at_end = published;
+  EXPECT_EQ(end(first).code, 0);
+  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
+  EXPECT_EQ(end(second).code, 0);
+  EXPECT_THAT(heard.repeated(), ElementsAre());
+}
+
+TEST_F(BridgeTest, RulesThatCannotWorkAreRefusedInASentence) {
+  const TemporaryDirectory folder;
+  const std::string file = (folder.path() / "bridge.toml").string();
+  std::ofstream(file) << "[[side]]\ndomain = 41\n[[side]]\ndomain = 42\nradio = true\n";
+  struct Wrong {
+    std::vector<std::string> words;
+    const char* says;
+  };
+  const std::vector<Wrong> wrong{
+      {{"--from", "5", "--to", "5", "chatter"}, "both sides are in domain 5"},
+      {{"--from", "5", "--to", "6"}, "name rules"},
+      {{"--from", "5", "--to", "6", "chatter", "chatter -> chatter"}, "twice: remove one of them"},
+      {{"--from", "5", "--to", "6", "chatter <-> chatter", "chatter <- chatter"}, "twice"},
+      {{"--from", "5", "--to", "6", "points->robot/points"}, "is no name of a topic; write TOPIC -> NAME"},
+      {{"--from", "5", "--to", "6", "camera/* -> robot/camera"}, "both names have a *, or none"},
+      {{"--from", "5", "--to", "6", "points{data{x -> robot/points"}, "a brace is not closed"},
+      {{"--from", "5", "--to", "6", "points{data{x}, width}[::4] -> p"}, "for a single field"},
+      {{"--from", "5", "--to", "6", "points", "--priority", "points=high"}, "write TOPIC=NUMBER"},
+      {{"--from", "5", "--to", "6", "points", "--priority", "imu=1"}, "no rule has the topic 'imu'"},
+      {{"--from", "5", "--to", "6", "points", "--type", "sensor_msgs/Nothing"},
+       "there is no sensor_msgs/msg/Nothing.msg"},
+      {{"-f", file, "chatter"}, "bridge.toml:5: 'radio' is no key here; there are name, domain"}};
+  for (Wrong one : wrong) {
+    SCOPED_TRACE(one.says);
+    one.words.insert(one.words.begin(), "bridge");
+    const Ended ended = run_tool(one.words);
+    EXPECT_EQ(ended.code, 2);
+    EXPECT_THAT(ended.err, StartsWith("sft: "));
+    EXPECT_THAT(ended.err, HasSubstr(one.says));
+  }
+}
+
+TEST_F(BridgeTest, TheFilesOfTheExampleAreRead) {
+  for (const char* file : {"robot.toml", "station.toml"}) {
+    const Ended ended =
+        run_tool({"bridge", "-f", std::string(SFT_EXAMPLES) + "/bridge/" + file, "--for", "0.5", "--json"});
+    EXPECT_EQ(ended.code, 1) << "nothing was there to be carried: " << ended.err;
+    EXPECT_EQ(Json::parse(ended.out)["rules"].size(), 3U);
+  }
+}
+
+TEST_F(BridgeTest, FieldsThatAMessageCannotLackAreSelectedOrNamedAsDefaults) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<PoseWithCovariance>("pose", {.reliability = reliable}).value();
+  const Ended refused = bridge(41, 42, {"pose{pose}"})->end();
+  EXPECT_EQ(refused.code, 2);
+  EXPECT_THAT(refused.err, HasSubstr("cannot lack 'covariance': select it, or name it in --defaults"));
+
+  auto subscriber = there.subscriber<PoseWithCovariance>("pose", {.reliability = reliable}).value();
+  const Bridge work = bridge(41, 42, {"pose{pose}", "--defaults", "covariance"});
+  ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout));
+  PoseWithCovariance message;
+  message.pose.position.x = 0.1;
+  message.covariance.fill(3);
+  publisher.publish(message);
+  ASSERT_TRUE(subscriber.wait(hang_timeout));
+  const auto sample = subscriber.take();
+  EXPECT_EQ(sample->pose().position().x(), 0.1);
+  EXPECT_EQ(sample->covariance()[0], 0);
+}
+
+TEST_F(BridgeTest, ATopicWithoutARuleOrAReaderIsNotSubscribedTo) {
+  Node here = open(41), there = open(42);
+  auto denied = here.publisher<UInt32>("denied").value();
+  auto unread = here.publisher<UInt32>("unread").value();
+  auto wanted = here.publisher<UInt32>("wanted").value();
+  Listener also_denied(there, "denied"), also_wanted(there, "wanted");
+  const Bridge work = bridge(41, 42, {"wanted", "unread", "--json"});
+  ASSERT_TRUE(wanted.wait_for_subscribers(1, hang_timeout));
+  ASSERT_TRUE(work->says("'unread' has no subscriber on side 'domain 42' yet"));
+  EXPECT_THAT(denied.status().readers, ElementsAre());
+  EXPECT_THAT(unread.status().readers, ElementsAre());
+}
+
+TEST_F(BridgeTest, ARuleThatMeetsNothingIsNamedWithTheNearestTopic) {
+  Node here = open(41);
+  auto publisher = here.publisher<UInt32>("points").value();
+  const Bridge work = bridge(41, 42, {"point -> robot/points"});
+  ASSERT_TRUE(
+      work->says("rule 'point -> robot/points': topic 'point' has no publisher on side 'domain 41' yet"));
+  EXPECT_THAT(end(work).err, HasSubstr("points"));
+}
+
+TEST_F(BridgeTest, PatternsCarryTheTopicsOfANamespaceIntoAnother) {
+  Node here = open(41), there = open(42);
+  auto left = here.publisher<UInt32>("camera/left", {.reliability = reliable}).value();
+  auto tf = there.publisher<UInt32>("station/tf", {.reliability = reliable}).value();
+  const Bridge work = bridge(41, 42, {"camera/* -> robot/camera/*", "* <- station/*"});
+  Listener heard(there, "robot/camera/left", {.reliability = reliable}),
+      back(here, "tf", {.reliability = reliable});
+  ASSERT_TRUE(left.wait_for_subscribers(1, hang_timeout) && tf.wait_for_subscribers(1, hang_timeout));
+  left.publish({.data = 1});
+  tf.publish({.data = 2});
+  EXPECT_TRUE(heard.has(1) && back.has(2));
+}
+
+}  // namespace
+}  // namespace sft::test

@@ -1,0 +1,140 @@
+// One topic with one type that a rule of `sft bridge` carries to the other side.
+//
+// Each publisher of the topic has a publisher of its own there, with its QoS, so that readers there get the
+// retained samples of each, and match as they would match it. Publishers of a topic may offer different QoS:
+// each kind of offer has a subscriber that requests just that, as in recorded_topic.h. A topic without
+// retained samples is subscribed to only while somebody on the other side reads it.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <list>
+#include <map>
+#include <optional>
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "tools/sft/bridge_claims.h"
+#include "tools/sft/bridge_rules.h"
+
+namespace sft::tool {
+
+/// One side at work.
+struct BridgeEnd {
+  std::string name;       ///< for messages
+  std::string node_name;  ///< the name of `node`
+  Node node;
+  BridgeClaims claims;
+  DomainSnapshot domain{};  ///< as it was at the last look
+};
+
+class BridgeFlow {
+ public:
+  using Time = std::chrono::steady_clock::time_point;
+  struct Counts {
+    std::uint64_t carried = 0;
+    std::uint64_t bytes = 0;    ///< of the messages that were carried
+    std::uint64_t lost = 0;     ///< on the way to this bridge, or in it
+    std::uint64_t refused = 0;  ///< malformed ones, or such that could not be published
+  };
+  /// What the flow waits for.
+  struct State {
+    std::size_t publishers = 0, carried = 0, read = 0;
+    bool is_held_by_another = false;
+  };
+
+  /// Returns an error if the rule's selection does not suit the type, or leaves out fields that the type has.
+  /// `epoll` gets the file descriptors of subscribers, with this object as their data: it must not move any
+  /// more once look() was called. `rule`, `from`, `to` and `counts` must outlive this object.
+  static Result<BridgeFlow> open(const BridgeRule& rule, std::string topic, std::string target,
+                                 const DynamicType& type, int epoll, Counts& counts);
+
+  /// Looks for publishers and readers. Adds what it claims to the lists of both sides.
+  Result<void> look(BridgeEnd& from, BridgeEnd& to, Time now, std::vector<BridgeClaims::Claim>& here,
+                    std::vector<BridgeClaims::Claim>& there);
+  /// Carries some of the samples that have come.
+  void carry();
+
+  const BridgeRule& rule() const { return *rule_; }
+  const std::string& topic() const { return topic_; }
+  const std::string& target() const { return target_; }
+  std::uint64_t type_hash() const { return type_.hash(); }
+  State state() const;
+  /// The size of a sample, about.
+  std::size_t sample_bytes() const { return sample_bytes_; }
+  /// Returns the reason why samples were refused, once.
+  std::string take_fault() { return std::exchange(fault_, {}); }
+
+ private:
+  struct Offer {
+    Reliability reliability = best_effort;
+    Durability durability = volatile_;
+    friend bool operator==(const Offer&, const Offer&) = default;
+  };
+  struct Subscription {
+    Offer offer;
+    DynamicSubscriber subscriber;
+  };
+  /// A publisher of the topic.
+  struct Source {
+    Qos qos{};
+    bool is_known = false;  ///< false: a sample has come before it was seen
+    bool is_dds = false;    ///< it is a writer that knows nothing of SFT
+    Time seen{};
+    std::optional<BridgeClaims::Source> origin{};
+    BridgeClaims::Verdict verdict = BridgeClaims::Verdict::settles;
+    std::optional<DynamicPublisher> publisher{};
+    std::uint64_t publisher_id = 0;
+    Time opened{};               ///< when the publisher was
+    bool is_read = false;        ///< somebody reads it on the other side
+    std::uint64_t sequence = 0;  ///< of the last sample that was carried
+    /// Samples that came before it was decided that they are carried, and to whom.
+    std::deque<std::pair<Offer, DynamicSample>> early{};
+    std::size_t early_bytes = 0;
+
+    Offer offer() const { return {qos.reliability, qos.durability}; }
+    bool is_retained() const { return qos.durability == transient_local; }
+  };
+
+  BridgeFlow(const BridgeRule& rule, std::string topic, std::string target, const DynamicType& type,
+             Selection selection, int epoll, Counts& counts)
+      : rule_(&rule),
+        topic_(std::move(topic)),
+        target_(std::move(target)),
+        type_(type),
+        selection_(std::move(selection)),
+        epoll_(epoll),
+        counts_(&counts) {}
+  void find_sources(const BridgeEnd& from, Time now);
+  void find_dds_writers(Time now);
+  Result<void> decide(Source& source, BridgeEnd& to, Time now);
+  Result<void> begin(Source& source, Node& node, Time now);
+  std::vector<Offer> wanted_offers() const;
+  Result<void> subscribe(Node& node);
+  void close(const Offer& offer);
+  void take(const Offer& offer, DynamicSample&& sample, Time now);
+  void pass_on_early(Source& source);
+  void pass_on(Source& source, const DynamicSample& sample);
+  void refuse(const std::string& why);
+
+  const BridgeRule* rule_;
+  std::string topic_, target_;
+  DynamicType type_;
+  Selection selection_;
+  int epoll_;
+  Counts* counts_;
+  std::list<Subscription> subscriptions_{};
+  std::map<std::uint64_t, Source> sources_{};  ///< by the id of the publisher
+  /// The number of kinds of subscriptions by which DDS writers are looked for, beginning with the strongest,
+  /// and when it was last raised.
+  std::size_t dds_kinds_ = 0;
+  Time dds_kinds_since_{};
+  std::size_t sample_bytes_ = 0;
+  std::set<std::string> faults_{};
+  std::string fault_{};
+};
+
+}  // namespace sft::tool

@@ -1,0 +1,66 @@
+// The rules of `sft bridge`, and the two sides that it joins.
+//
+//   points{data{x,y,z}}[::4] -> robot/points    from the first side to the second, under another name
+//   cmd_vel <- robot/cmd_vel                    from the second side to the first
+//   chatter <-> chatter                         both ways
+//   tf                                          to the second side, under the same name
+//   camera/* -> robot/camera/*                  all topics with such names
+#pragma once
+
+#include <sft/options.h>
+#include <sft/result.h>
+#include <array>
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace sft::tool {
+
+/// What a rule says besides the topic and its way.
+struct BridgeRuleOptions {
+  std::string type{};                   ///< the type of a topic that no node announces with its fields
+  std::vector<std::string> defaults{};  ///< fields that may be zero on the other side; "*": all
+  std::int8_t priority = 0;             ///< PublisherOptions::priority
+  bool reliable = false;                ///< offer reliability, also if the publisher does not
+};
+
+/// One way of a rule.
+struct BridgeRule {
+  std::string text{};       ///< as the user has written it
+  std::size_t from = 0;     ///< the side that it takes samples from: 0 or 1
+  std::string topic{};      ///< the name there, without a slash in front; may have one "*"
+  std::string selection{};  ///< as selection_of() takes it; empty: all
+  std::string target{};     ///< the name on the other side; has a "*" if `topic` has one
+  BridgeRuleOptions options{};
+
+  std::size_t to() const { return 1 - from; }
+  bool is_pattern() const { return topic.find('*') != topic.npos; }
+  /// Returns the name on the other side of a topic that the rule is for.
+  std::optional<std::string> target_of(std::string_view name) const;
+};
+
+struct BridgeSide {
+  std::string name{};  ///< for messages; empty: "domain N"
+  NodeOptions node{};
+};
+
+struct BridgePlan {
+  std::array<BridgeSide, 2> sides{};
+  std::vector<BridgeRule> rules{};
+};
+
+/// Returns the ways of a rule, one or two. The error shows the text and says what is wrong with it.
+Result<std::vector<BridgeRule>> parse_bridge_rule(const std::string& text, const BridgeRuleOptions& options);
+
+/// Reads a file of `sft bridge` (docs/bridge.md) into `plan`. The error names file, line, key and value.
+Result<void> read_bridge_file(const std::string& path, BridgePlan& plan);
+
+/// Returns an error if two rules do the same.
+Result<void> check_rules(const std::vector<BridgeRule>& rules);
+
+/// Reads "auto", "always" or "never".
+std::optional<NodeOptions::VanillaDds> vanilla_choice_of(std::string_view word);
+
+}  // namespace sft::tool
