@@ -10,7 +10,6 @@ from dataclasses import dataclass
 import svg
 
 NOTE_WIDTH = 84  # characters in a line of small text
-PAPER_RESPONSE_MS = 1.3
 
 
 @dataclass
@@ -29,7 +28,7 @@ class Plot:
 
 def all_plots(records):
     """Returns the plots whose figures are among the records."""
-    plots = [make(records) for make in (wire_bytes, latency_between_hosts, latency_within_host, throughput, mask_change,
+    plots = [make(records) for make in (wire_bytes, latency_between_hosts, latency_within_host, throughput,
                                         isolation_of_readers, isolation_of_publish, growth)]
     return [plot for plot in plots if plot is not None]
 
@@ -180,29 +179,6 @@ def throughput(records):
                 + in_words(costs, "s/GB"), "udp",
                 stacked([svg.bars(rates, "GB/s (logarithmic), more are better"),
                          svg.bars(costs, "processor seconds per GB (logarithmic), fewer are better")]))
-
-
-def mask_change(records):
-    rows = [row for row in records.tables.get("trace.csv", []) if is_number(row.get("ms"))]
-    messages = [(float(row["ms"]), float(row["bytes"])) for row in rows
-                if row.get("event") == "message" and is_number(row.get("bytes"))]
-    times = {row.get("event"): float(row["ms"]) for row in rows}
-    if not messages or not {"changed", "applied"} <= times.keys():
-        return None
-    changed, applied = times["changed"], times["applied"]
-    response = applied - changed
-    words = (f"A reader of 7 fields of 512 bytes reads 4 of them. {svg.number(response)} ms later the publisher has "
-             f"applied the new mask; the paper has {PAPER_RESPONSE_MS} ms. ")
-    reference = value_of(records, "paper", "response", "reference")
-    if reference is not None:
-        ours = value_of(records, "paper", "response")
-        words += (f"Over many changes the median is {svg.number(ours)} us; a dds_write of Cyclone DDS to a listener "
-                  f"takes {svg.number(reference)} us" + (", which is better." if reference < ours else "."))
-    return plot(records, "mask_change", "A change of the mask, message by message", words, "paper",
-                svg.stems(messages,
-                          [(changed, "the recorded fields change"),
-                           (applied, f"applied {svg.number(response)} ms later (paper: {PAPER_RESPONSE_MS} ms)")],
-                          "time since the first message, ms", "fields received, bytes"))
 
 
 SITUATIONS = (("joined", "it joins"), ("stalled", "it is stopped"), ("lossy", "it loses 20 %"), ("narrow", "50 Mbit/s"),

@@ -166,45 +166,6 @@ def curves(series, x_axis, y_axis, x_label=power, height=220):
     return part
 
 
-def ticks(end):
-    """Returns two to ten round numbers from 0 on."""
-    step = 10.0 ** math.floor(math.log10(end))
-    return [step * i for i in range(math.floor(end / step) + 1)]
-
-
-def stems(points, events, x_axis, y_axis):
-    """Draws vertical lines from 0 to each point (x, y), and dashed ones at events (x, words). Both axes are linear."""
-    if not points:
-        return nothing()
-    left, right, top = 52, WIDTH - 12, LINE * len(events) + 10
-    bottom = top + 150
-    part = Part(bottom + 2 * LINE + 6)
-    longest = max([x for x, _ in points] + [x for x, _ in events] + [1e-9])
-    highest = max([y for _, y in points] + [1e-9])
-
-    def across(x):
-        return left + 8 + max(0.0, x) / longest * (right - left - 16)
-
-    def up(y):
-        return bottom - max(0.0, y) / highest * (bottom - top)
-
-    for y in ticks(highest):
-        part.line(left, up(y), right, up(y))
-        part.text(left - 4, up(y) + 4, f"{y:g}", "end")
-    for x in ticks(longest):
-        part.text(across(x), bottom + LINE + 2, f"{x:g}", "middle")
-    for x, y in points:
-        part.line(across(x), bottom, across(x), up(y), "curve stroke0")
-        part.elements.append(f'<circle cx="{across(x):.1f}" cy="{up(y):.1f}" r="3" class="fill0"/>')
-    for i, (x, words) in enumerate(events):
-        anchor = "start" if across(x) < WIDTH / 2 else "end"
-        part.line(across(x), LINE * i + LINE, across(x), bottom, "curve stroke1", DASHES[i + 1])
-        part.text(across(x) + (4 if anchor == "start" else -4), LINE * i + LINE - 2, words, anchor)
-    part.text((left + right) / 2, part.height - 4, x_axis, "middle")
-    part.text(11, (top + bottom) / 2, y_axis, "middle", turned=True)
-    return part
-
-
 def nothing():
     part = Part(2 * LINE)
     part.text(4, LINE + 2, "This run has none of these figures.", kind="faint")

@@ -100,8 +100,6 @@ class Reader {
   virtual void wait() {}  ///< waits at most a second for a sample
   /// Returns the number of the next sample; 0: no sample has come.
   virtual std::uint64_t take() { return 0; }
-  /// Makes SFT's reader of messages request only these fields from now on. Other readers ignore the call.
-  virtual void ask_for(const std::string& /*fields*/) {}
 };
 
 /// The participants of one process. The object must outlive its writers and readers.
@@ -128,9 +126,6 @@ using Contender = std::unique_ptr<Peer> (*)();
 std::unique_ptr<Peer> sft_peer();
 /// Returns SFT for bulk samples only. Samples are loaned from the publisher, and sent without a copy.
 std::unique_ptr<Peer> sft_loan_peer();
-/// Returns SFT with a receive buffer of 4 MiB, as on a host whose administrator has not raised
-/// net.core.rmem_max beyond that.
-std::unique_ptr<Peer> sft_small_buffer_peer();
 std::unique_ptr<Peer> cyclone_peer();
 std::unique_ptr<Peer> fast_dds_peer();
 
@@ -155,20 +150,13 @@ std::unique_ptr<Peer> fast_dds_local_peer();
 std::unique_ptr<Peer> sft_memory_peer();
 /// Returns SFT for bulk samples only, in loans.
 std::unique_ptr<Peer> sft_memory_loan_peer();
-/// Returns SFT with point clouds as bulk samples. The clouds have the requested number of data bytes, and
-/// readers read two fields of the clouds.
-std::unique_ptr<Peer> sft_cloud_peer();
-/// Returns SFT with the clouds of sft_cloud_peer(), in loans.
+/// Returns SFT with point clouds as bulk samples, in loans. The clouds have the requested number of data
+/// bytes, and readers read two fields of the clouds.
 std::unique_ptr<Peer> sft_cloud_loan_peer();
 /// Returns Cyclone DDS over iceoryx, which connects within iceoryx_connecting_us after writers and readers
 /// have found each other. REQUIRES: the process has entered the namespace of a Roudi.
 std::unique_ptr<Peer> cyclone_memory_peer();
-/// Returns Cyclone DDS over iceoryx with loans of samples of a fixed size, with sent_cloud_bytes of data.
-std::unique_ptr<Peer> cyclone_memory_loan_peer();
 std::unique_ptr<Peer> fast_dds_memory_peer();
-/// Returns Fast DDS with loans of samples of a fixed size by data sharing, where readers access the
-/// writer's memory.
-std::unique_ptr<Peer> fast_dds_memory_loan_peer();
 /// Returns iceoryx alone, which copies each sample into a loan. For bulk samples only, and for readers
 /// without a callback. REQUIRES: sftd runs.
 std::unique_ptr<Peer> iceoryx_peer();
@@ -187,11 +175,5 @@ std::unique_ptr<Peer> raw_udp_peer();
 std::unique_ptr<Peer> raw_udp_copying_peer();
 /// Returns a contender that sends samples over TCP. For bulk samples only.
 std::unique_ptr<Peer> raw_tcp_peer();
-/// Returns the contender of raw_tcp_peer() that also copies each sample.
-std::unique_ptr<Peer> raw_tcp_copying_peer();
-/// Returns a contender that does the least work of a publisher and its readers by UDP without IP fragments.
-/// A message is sent to one multicast group in datagrams that fit into packets, and each reader reads all
-/// of them. Lost datagrams are not sent again, and messages are not decoded. Only for topics with messages.
-std::unique_ptr<Peer> raw_multicast_peer();
 
 }  // namespace sft::bench

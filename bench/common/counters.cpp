@@ -50,9 +50,6 @@ struct EventType {
   std::uint64_t config = 0;
 };
 
-constexpr EventType instructions{PERF_TYPE_HARDWARE, PERF_COUNT_HW_INSTRUCTIONS};
-constexpr EventType cache_misses{PERF_TYPE_HARDWARE, PERF_COUNT_HW_CACHE_MISSES};
-
 /// Returns a counter of one event in one thread. If the event is not available, the counter is not valid,
 /// and errno gives the reason.
 FileDescriptor open_event(const EventType& event, pid_t thread) {
@@ -131,8 +128,6 @@ std::optional<std::int64_t> sum(std::optional<std::int64_t> a, std::optional<std
 }  // namespace
 
 Counts& Counts::operator+=(const Counts& other) {
-  instructions = sum(instructions, other.instructions);
-  cache_misses = sum(cache_misses, other.cache_misses);
   system_calls = sum(system_calls, other.system_calls);
   for (const auto& [name, times] : other.calls) calls[name] += times;
   wake_ups += other.wake_ups;
@@ -144,8 +139,6 @@ Counts& Counts::operator+=(const Counts& other) {
 Counts Counts::since(const Counts& before) const {
   Counts negative;
   const auto minus = [](std::optional<std::int64_t> n) { return n ? std::optional(-*n) : n; };
-  negative.instructions = minus(before.instructions);
-  negative.cache_misses = minus(before.cache_misses);
   negative.system_calls = minus(before.system_calls);
   for (const auto& [name, times] : before.calls) negative.calls[name] = -times;
   negative.wake_ups = -before.wake_ups;
@@ -163,7 +156,7 @@ Counts sum_of(const std::vector<ThreadCounts>& threads) {
 
 struct ProcessCounter::Thread {
   pid_t number = 0;
-  FileDescriptor instructions{}, cache_misses{}, system_calls{};
+  FileDescriptor system_calls{};
   std::vector<std::pair<const char*, FileDescriptor>> calls{};
   Counts before{};
 
@@ -178,8 +171,6 @@ struct ProcessCounter::Thread {
   }
   Counts counts(const std::filesystem::path& task) const {
     Counts counts = noted(task);
-    counts.instructions = value_of(instructions);
-    counts.cache_misses = value_of(cache_misses);
     counts.system_calls = value_of(system_calls);
     for (const auto& [name, counter] : calls) counts.calls[name] = value_of(counter).value_or(0);
     return counts;
@@ -195,10 +186,6 @@ ProcessCounter::ProcessCounter(pid_t process) : process_(process) {
   };
   for (const pid_t number : threads_of(process)) {
     Thread& thread = threads_.emplace_back(Thread{.number = number});
-    thread.instructions = open_event(instructions, number);
-    note("instructions", static_cast<bool>(thread.instructions), errno);
-    thread.cache_misses = open_event(cache_misses, number);
-    note("cache misses", static_cast<bool>(thread.cache_misses), errno);
     if (event) thread.count_system_calls(*event);
     note("system calls", static_cast<bool>(thread.system_calls), event ? errno : no_event);
   }

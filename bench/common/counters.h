@@ -13,11 +13,8 @@
 
 namespace sft::bench {
 
-/// The work of a thread or of a process so far. A count that this machine cannot measure is missing.
+/// The work of a thread or of a process so far. System calls that this machine cannot count are missing.
 struct Counts {
-  /// Instructions of the program, and of the kernel on its behalf.
-  std::optional<std::int64_t> instructions{};
-  std::optional<std::int64_t> cache_misses{};
   std::optional<std::int64_t> system_calls{};
   /// The number of calls of each system call that is counted separately, by name.
   std::map<std::string, std::int64_t> calls{};
@@ -45,7 +42,7 @@ Counts sum_of(const std::vector<ThreadCounts>& threads);
 class ProcessCounter {
  public:
   /// `process` may be the calling process. The caller needs the right to trace that process. To count
-  /// system calls and the work of the kernel, the caller needs root's rights.
+  /// system calls, the caller needs root's rights.
   explicit ProcessCounter(pid_t process);
   ~ProcessCounter();
   ProcessCounter(ProcessCounter&&) noexcept;
@@ -55,7 +52,7 @@ class ProcessCounter {
   /// Returns false if threads have been started or have ended since the construction; read() does not count
   /// these threads.
   bool same_threads() const;
-  /// Returns a text for each count that is not available on this machine or to this user, with the reason.
+  /// Returns the reason if system calls cannot be counted on this machine or by this user.
   const std::vector<std::string>& uncountable() const { return uncountable_; }
 
  private:

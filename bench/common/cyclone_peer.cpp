@@ -8,7 +8,6 @@
 #include "bench/common/contender.h"
 #include "bench/common/cyclone.h"
 #include "bench/common/message_set.h"
-#include "fixed.h"
 #include "messages.h"
 #include "tests/support/cyclone_cdr.h"
 
@@ -32,7 +31,6 @@ constexpr const char* unicast = "<General><AllowMulticast>spdp</AllowMulticast><
 struct Ways {
   std::string config;
   bool in_memory = false;
-  bool loans = false;  ///< true: samples have a fixed size
   bool usual = false;  ///< true: the contender has its default settings
 };
 
@@ -53,9 +51,8 @@ CycloneQos qos_of(const Topic& topic, const Ways& ways) {
   return qos;
 }
 
-const dds_topic_descriptor_t& type_of(const Topic& topic, const Ways& ways) {
+const dds_topic_descriptor_t& type_of(const Topic& topic) {
   if (topic.messages) return topic.messages->cyclone_type();
-  if (ways.loans) return sft_bench_Fixed_desc;
   return topic.bulk_bytes > 0 ? sft_bench_Bulk_desc : sft_bench_Small_desc;
 }
 
@@ -74,13 +71,13 @@ union Message {
 class CycloneWriter : public Writer {
  public:
   CycloneWriter(const CycloneParticipant& participant, const Topic& topic, const Ways& ways)
-      : writer_(participant.writer(type_of(topic, ways), topic.name, qos_of(topic, ways).get())),
+      : writer_(participant.writer(type_of(topic), topic.name, qos_of(topic, ways).get())),
         data_(topic.bulk_bytes, 1) {
     if (ways.in_memory) require_memory(writer_);
     if (topic.bulk_bytes > 0) message_.bulk.data = {topic.bulk_bytes, topic.bulk_bytes, data_.data(), false};
     if (!topic.messages) return;
     for (const auto& body : topic.messages->bodies()) {
-      owners_.push_back(std::make_unique<test::CycloneReader>(type_of(topic, ways)));
+      owners_.push_back(std::make_unique<test::CycloneReader>(type_of(topic)));
       messages_.push_back(owners_.back()->deserialize(body));
       if (messages_.back() == nullptr) std::abort();
     }
@@ -104,31 +101,12 @@ class CycloneWriter : public Writer {
   std::vector<const void*> messages_;
 };
 
-class CycloneLoanWriter : public LendingWriter {
- public:
-  CycloneLoanWriter(const CycloneParticipant& participant, const Topic& topic, const Ways& ways)
-      : writer_(participant.writer(type_of(topic, ways), topic.name, qos_of(topic, ways).get())) {
-    require_memory(writer_);
-  }
-
-  std::size_t readers() const override { return CycloneParticipant::readers(writer_); }
-  void prepare(std::uint64_t number) override {
-    if (dds_loan_sample(writer_, &loan_) != DDS_RETCODE_OK) std::abort();
-    static_cast<sft_bench_Fixed*>(loan_)->number = number;
-  }
-  void publish() override { dds_write(writer_, loan_); }
-
- private:
-  const dds_entity_t writer_;
-  void* loan_ = nullptr;
-};
-
 /// Takes every sample into the same memory, so that nothing is allocated.
 class CycloneReader : public Reader {
  public:
   CycloneReader(const CycloneParticipant& participant, const Topic& topic, const Ways& ways, Arrived arrived)
       : participant_(participant),
-        type_(type_of(topic, ways)),
+        type_(type_of(topic)),
         arrived_(std::move(arrived)),
         reader_(participant.reader(type_, topic.name, qos_of(topic, ways).get(),
                                    arrived_ ? take_all : nullptr, this)) {}
@@ -185,7 +163,6 @@ class CyclonePeer : public Peer {
 
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     set_batching(topic.batching);
-    if (ways_.loans) return std::make_unique<CycloneLoanWriter>(participant_, topic, ways_);
     return std::make_unique<CycloneWriter>(participant_, topic, ways_);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
@@ -223,8 +200,5 @@ std::unique_ptr<Peer> cyclone_peer_with(const std::string& config) {
   return peer({.config = config, .usual = true});
 }
 std::unique_ptr<Peer> cyclone_memory_peer() { return peer({.config = in_memory, .in_memory = true}); }
-std::unique_ptr<Peer> cyclone_memory_loan_peer() {
-  return peer({.config = in_memory, .in_memory = true, .loans = true});
-}
 
 }  // namespace sft::bench

@@ -4,7 +4,6 @@
 
 #include <cstdio>
 #include <cstdlib>
-#include <cstring>
 #include <fastdds/dds/domain/DomainParticipant.hpp>
 #include <fastdds/dds/domain/DomainParticipantFactory.hpp>
 #include <fastdds/dds/publisher/Publisher.hpp>
@@ -13,17 +12,12 @@
 #include <fastdds/dds/subscriber/Subscriber.hpp>
 #include <fastdds/dds/topic/TypeSupport.hpp>
 #include <memory>
-#include <new>
-#include <span>
 
 #include "bench/common/fast_dds_version.h"
 
 namespace sft::bench {
 
 namespace fast {
-
-inline constexpr std::uint32_t encapsulation_bytes = 4;
-inline constexpr std::uint8_t little_endian[encapsulation_bytes] = {0, 1, 0, 0};
 
 [[noreturn]] inline void give_up(const char* what) {
   std::fprintf(stderr, "Fast DDS: %s\n", what);
@@ -35,51 +29,6 @@ T& checked(T* entity, const char* what) {
   if (entity == nullptr) give_up(what);
   return *entity;
 }
-
-/// The type support of a message, in place of code from the generator of Fast DDS.
-template <class T>
-class Type : public AnyType {
- public:
-  Type(const char* name, std::uint32_t bytes) { set(name, encapsulation_bytes + bytes); }
-
- protected:
-  void* make() override { return new T(); }
-  void unmake(void* data) override { delete static_cast<T*>(data); }
-
-  static std::span<std::byte> body(const rtps::SerializedPayload_t& payload, std::size_t end) {
-    return {reinterpret_cast<std::byte*>(payload.data) + encapsulation_bytes, end - encapsulation_bytes};
-  }
-  static void encapsulate(rtps::SerializedPayload_t& payload, std::size_t body_bytes) {
-    payload.encapsulation = CDR_LE;
-    std::memcpy(payload.data, little_endian, encapsulation_bytes);
-    payload.length = static_cast<std::uint32_t>(encapsulation_bytes + body_bytes);
-  }
-};
-
-/// The type support of messages whose bytes in memory are the same as on the wire.
-template <class T>
-class PlainType : public Type<T> {
- public:
-  explicit PlainType(const char* name) : Type<T>(name, sizeof(T)) {}
-
-  bool is_bounded() const override { return true; }
-  bool construct_sample(void* memory) const override {
-    new (memory) T;
-    return true;
-  }
-
- protected:
-  void encode(const void* data, rtps::SerializedPayload_t& payload) override {
-    Type<T>::encapsulate(payload, sizeof(T));
-    std::memcpy(payload.data + encapsulation_bytes, data, sizeof(T));
-  }
-  bool decode(rtps::SerializedPayload_t& payload, void* data) override {
-    std::memcpy(data, payload.data + encapsulation_bytes, sizeof(T));
-    return true;
-  }
-  std::uint32_t encoded_bytes(const void*) override { return encapsulation_bytes + sizeof(T); }
-  bool is_same_in_memory() const override { return true; }
-};
 
 /// Sets the QoS of a writer or reader to best effort, volatile, and keep last 1. The memory of a sample
 /// grows as needed.
@@ -112,7 +61,7 @@ class Participant {
   Participant& operator=(const Participant&) = delete;
 
   /// Returns the topic with this name and type. Takes ownership of `type`.
-  dds::Topic& topic(const char* name, AnyType* type) {
+  dds::Topic& topic(const char* name, BodyType* type) {
     const dds::TypeSupport support(type);
     support.register_type(participant_);
     return checked(participant_->create_topic(name, type->name(), dds::TOPIC_QOS_DEFAULT), "topic");

@@ -1,7 +1,6 @@
 // The contender Fast DDS. A sample is held as CDR, which is copied to the wire and from the wire. That
 // takes less time than code from Fast DDS's own generator.
 #include <algorithm>
-#include <fastdds/dds/core/LoanableSequence.hpp>
 #include <string>
 #include <utility>
 #include <vector>
@@ -24,35 +23,7 @@ struct Ways {
   bool multicast = false;
 };
 
-using Body = std::vector<std::byte>;
-
-/// A sample of fixed size, whose bytes in memory are the same as on the wire.
-struct Fixed {
-  std::uint64_t number;
-  std::uint8_t data[sent_cloud_bytes];
-};
-
-class BodyType : public fast::Type<Body> {
- public:
-  /// Each type has a name of its own, since Fast DDS reserves memory for the size of each type.
-  BodyType(const std::string& name, std::size_t bytes)
-      : Type(name.c_str(), static_cast<std::uint32_t>(bytes)) {}
-
- protected:
-  void encode(const void* data, fast::rtps::SerializedPayload_t& payload) override {
-    const auto& from = *static_cast<const Body*>(data);
-    encapsulate(payload, from.size());
-    std::memcpy(body(payload, payload.length).data(), from.data(), from.size());
-  }
-  bool decode(fast::rtps::SerializedPayload_t& payload, void* data) override {
-    const std::span<const std::byte> from = body(payload, payload.length);
-    static_cast<Body*>(data)->assign(from.begin(), from.end());
-    return true;
-  }
-  std::uint32_t encoded_bytes(const void* data) override {
-    return fast::encapsulation_bytes + static_cast<std::uint32_t>(static_cast<const Body*>(data)->size());
-  }
-};
+using fast::Body, fast::BodyType;
 
 /// Returns the bodies that are sent in turns. If the sample has a number, the body begins with it.
 std::vector<Body> bodies_of(const Topic& topic) {
@@ -218,64 +189,6 @@ class FastDdsPeer : public Peer {
   const std::unique_ptr<fast::Participant> participant_;
 };
 
-class LoanWriter : public LendingWriter {
- public:
-  explicit LoanWriter(dds::DataWriter& writer) : writer_(writer) {}
-  std::size_t readers() const override { return fast::readers(writer_); }
-  void prepare(std::uint64_t number) override {
-    if (!fast::is_ok(writer_.loan_sample(loan_))) fast::give_up("no loan");
-    static_cast<Fixed*>(loan_)->number = number;
-  }
-  void publish() override { fast::write(writer_, loan_); }
-
- private:
-  dds::DataWriter& writer_;
-  void* loan_ = nullptr;
-};
-
-/// A reader that reads samples in place.
-class LoanReader : public Reader, private dds::DataReaderListener {
- public:
-  LoanReader(fast::Participant& participant, dds::Topic& topic, Arrived arrived)
-      : arrived_(std::move(arrived)),
-        reader_(participant.reader(topic, fast::best_effort(dds::DATAREADER_QOS_DEFAULT), this)) {}
-  ~LoanReader() override { reader_.set_listener(nullptr); }
-  std::size_t writers() const override { return fast::writers(reader_); }
-
- private:
-  void on_data_available(dds::DataReader* reader) override {
-    dds::LoanableSequence<Fixed> samples;
-    dds::SampleInfoSeq infos;
-    while (fast::is_ok(reader->take(samples, infos))) {
-      for (dds::LoanableCollection::size_type i = 0; i < infos.length(); ++i) {
-        if (infos[i].valid_data) arrived_(samples[i].number);
-      }
-      reader->return_loan(samples, infos);
-    }
-  }
-
-  const Arrived arrived_;
-  dds::DataReader& reader_;
-};
-
-class FastDdsLoanPeer : public Peer {
- public:
-  std::unique_ptr<Writer> writer(const Topic& topic) override {
-    return std::make_unique<LoanWriter>(
-        participant_.writer(fixed_topic(topic), fast::best_effort(dds::DATAWRITER_QOS_DEFAULT)));
-  }
-  std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
-    return std::make_unique<LoanReader>(participant_, fixed_topic(topic), std::move(arrived));
-  }
-
- private:
-  dds::Topic& fixed_topic(const Topic& topic) {
-    return participant_.topic(topic.name.c_str(), new fast::PlainType<Fixed>("sft_bench::Fixed"));
-  }
-
-  fast::Participant participant_{shared_memory({.over_udp = false, .in_memory = true})};
-};
-
 std::unique_ptr<Peer> peer(const Ways& ways) { return std::make_unique<FastDdsPeer>(ways); }
 
 }  // namespace
@@ -285,6 +198,5 @@ std::unique_ptr<Peer> fast_dds_usual_peer() { return peer({.usual = true}); }
 std::unique_ptr<Peer> fast_dds_multicast_peer() { return peer({.usual = true, .multicast = true}); }
 std::unique_ptr<Peer> fast_dds_local_peer() { return peer({.in_memory = true, .usual = true}); }
 std::unique_ptr<Peer> fast_dds_memory_peer() { return peer({.over_udp = false, .in_memory = true}); }
-std::unique_ptr<Peer> fast_dds_memory_loan_peer() { return std::make_unique<FastDdsLoanPeer>(); }
 
 }  // namespace sft::bench

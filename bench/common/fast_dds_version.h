@@ -12,12 +12,15 @@
 #include <fastrtps/utils/IPLocator.h>
 #endif
 
+#include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <fastdds/dds/publisher/DataWriter.hpp>
 #include <fastdds/dds/subscriber/DataReader.hpp>
 #include <fastdds/dds/topic/TopicDataType.hpp>
 #include <functional>
 #include <string>
+#include <vector>
 
 namespace sft::bench::fast {
 
@@ -39,73 +42,83 @@ inline bool write(dds::DataWriter& writer, void* data) { return writer.write(dat
 #endif
 using rtps::IPLocator;
 
-/// Fast DDS's interface of a type without keys.
-class AnyType : public dds::TopicDataType {
+inline constexpr std::uint32_t encapsulation_bytes = 4;
+inline constexpr std::uint8_t little_endian[encapsulation_bytes] = {0, 1, 0, 0};
+
+using Body = std::vector<std::byte>;
+
+/// The type support of a sample that is held as CDR, in place of code from the generator of Fast DDS.
+class BodyType : public dds::TopicDataType {
  public:
-  AnyType(const AnyType&) = delete;
-  AnyType& operator=(const AnyType&) = delete;
-
- protected:
-  AnyType() = default;
-
-  virtual void* make() = 0;
-  virtual void unmake(void* data) = 0;
-  virtual void encode(const void* data, rtps::SerializedPayload_t& payload) = 0;
-  /// Decodes the payload into `data`. Returns false if the payload is malformed.
-  virtual bool decode(rtps::SerializedPayload_t& payload, void* data) = 0;
-  virtual std::uint32_t encoded_bytes(const void* data) = 0;
-  /// Returns true if the bytes of the type in memory are the same as on the wire.
-  virtual bool is_same_in_memory() const { return false; }
-
+  /// Each type has a name of its own, since Fast DDS reserves memory for the size of each type.
+  BodyType(const std::string& name, std::size_t bytes) {
+    const auto bytes_max = static_cast<std::uint32_t>(encapsulation_bytes + bytes);
 #if FAST_DDS_3
-  void set(const char* name, std::uint32_t bytes) {
     set_name(name);
-    max_serialized_type_size = bytes;
-  }
-
- private:
-  using Representation = dds::DataRepresentationId_t;
-  void* create_data() final { return make(); }
-  void delete_data(void* data) final { unmake(data); }
-  bool compute_key(rtps::SerializedPayload_t&, rtps::InstanceHandle_t&, bool) final { return false; }
-  bool compute_key(const void*, rtps::InstanceHandle_t&, bool) final { return false; }
-  bool serialize(const void* data, rtps::SerializedPayload_t& payload, Representation) final {
-    encode(data, payload);
-    return true;
-  }
-  bool deserialize(rtps::SerializedPayload_t& payload, void* data) final { return decode(payload, data); }
-  std::uint32_t calculate_serialized_size(const void* data, Representation) final {
-    return encoded_bytes(data);
-  }
-  bool is_plain(Representation) const final { return is_same_in_memory(); }
+    max_serialized_type_size = bytes_max;
 #else
-  void set(const char* name, std::uint32_t bytes) {
-    setName(name);
-    m_typeSize = bytes;
+    setName(name.c_str());
+    m_typeSize = bytes_max;
     auto_fill_type_object(false);
     auto_fill_type_information(false);
-  }
-
- private:
-  void* createData() final { return make(); }
-  void deleteData(void* data) final { unmake(data); }
-  bool getKey(void*, rtps::InstanceHandle_t*, bool) final { return false; }
-  bool serialize(void* data, rtps::SerializedPayload_t* payload) final {
-    encode(data, *payload);
-    return true;
-  }
-  bool deserialize(rtps::SerializedPayload_t* payload, void* data) final { return decode(*payload, data); }
-  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) final {
-    return [this, data] { return encoded_bytes(data); };
-  }
-  bool is_plain() const final { return is_same_in_memory(); }
 #endif
+  }
+  BodyType(const BodyType&) = delete;
+  BodyType& operator=(const BodyType&) = delete;
 
- public:
 #if FAST_DDS_3
   const std::string& name() const { return get_name(); }
 #else
   std::string name() { return getName(); }
+#endif
+
+ private:
+  static Body& body(void* data) { return *static_cast<Body*>(data); }
+  static const Body& body(const void* data) { return *static_cast<const Body*>(data); }
+  static bool encode(const Body& from, rtps::SerializedPayload_t& payload) {
+    payload.encapsulation = CDR_LE;
+    std::memcpy(payload.data, little_endian, encapsulation_bytes);
+    std::memcpy(payload.data + encapsulation_bytes, from.data(), from.size());
+    payload.length = static_cast<std::uint32_t>(encapsulation_bytes + from.size());
+    return true;
+  }
+  static bool decode(const rtps::SerializedPayload_t& payload, Body& to) {
+    const auto* bytes = reinterpret_cast<const std::byte*>(payload.data);
+    to.assign(bytes + encapsulation_bytes, bytes + payload.length);
+    return true;
+  }
+  static std::uint32_t encoded_bytes(const Body& from) {
+    return static_cast<std::uint32_t>(encapsulation_bytes + from.size());
+  }
+
+#if FAST_DDS_3
+  using Representation = dds::DataRepresentationId_t;
+  void* create_data() final { return new Body(); }
+  void delete_data(void* data) final { delete static_cast<Body*>(data); }
+  bool compute_key(rtps::SerializedPayload_t&, rtps::InstanceHandle_t&, bool) final { return false; }
+  bool compute_key(const void*, rtps::InstanceHandle_t&, bool) final { return false; }
+  bool serialize(const void* data, rtps::SerializedPayload_t& payload, Representation) final {
+    return encode(body(data), payload);
+  }
+  bool deserialize(rtps::SerializedPayload_t& payload, void* data) final {
+    return decode(payload, body(data));
+  }
+  std::uint32_t calculate_serialized_size(const void* data, Representation) final {
+    return encoded_bytes(body(data));
+  }
+#else
+  void* createData() final { return new Body(); }
+  void deleteData(void* data) final { delete static_cast<Body*>(data); }
+  bool getKey(void*, rtps::InstanceHandle_t*, bool) final { return false; }
+  bool serialize(void* data, rtps::SerializedPayload_t* payload) final {
+    return encode(body(data), *payload);
+  }
+  bool deserialize(rtps::SerializedPayload_t* payload, void* data) final {
+    return decode(*payload, body(data));
+  }
+  std::function<std::uint32_t()> getSerializedSizeProvider(void* data) final {
+    return [data] { return encoded_bytes(body(data)); };
+  }
 #endif
 };
 

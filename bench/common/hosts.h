@@ -10,9 +10,8 @@ namespace sft::bench {
 
 /// The way in which interfaces of hosts send a train of datagrams that one system call hands over.
 enum class Trains {
-  cut,    ///< trains are cut into frames, each of which is counted with its headers
-  whole,  ///< trains are passed on in one piece, as fast as the system can
-  none    ///< the interface does nothing: each frame passes the whole system by itself, with its checksum
+  cut,   ///< trains are cut into frames, each of which is counted with its headers
+  whole  ///< trains are passed on in one piece, as fast as the system can
 };
 
 /// Makes hosts that are joined by a network. Ends the program with a message if it does not run as root.

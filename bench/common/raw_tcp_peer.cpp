@@ -44,8 +44,7 @@ void send_all(int fd, std::span<const std::byte> bytes) {
 
 class RawTcpWriter : public Writer {
  public:
-  RawTcpWriter(const Topic& topic, bool copies)
-      : sample_(topic.bulk_bytes, std::byte{1}), kept_(copies ? topic.bulk_bytes : 0) {
+  explicit RawTcpWriter(const Topic& topic) : sample_(topic.bulk_bytes, std::byte{1}) {
     for (std::size_t i = 0; i < topic.readers; ++i)
       sockets_.push_back(connected_socket(reader_address(topic, i, first_port)));
   }
@@ -58,14 +57,12 @@ class RawTcpWriter : public Writer {
   std::size_t readers() const override { return sockets_.size(); }
   void write(std::uint64_t number) override {
     std::memcpy(sample_.data(), &number, sizeof number);
-    if (!kept_.empty()) kept_ = sample_;
-    for (const int fd : sockets_) send_all(fd, kept_.empty() ? sample_ : kept_);
+    for (const int fd : sockets_) send_all(fd, sample_);
   }
 
  private:
   std::vector<int> sockets_;
   std::vector<std::byte> sample_;
-  std::vector<std::byte> kept_;  ///< the copy of a sample, if the contender makes copies
 };
 
 /// Receives from the first writer that connects.
@@ -128,22 +125,16 @@ class RawTcpReader : public Reader {
 
 class RawTcpPeer : public Peer {
  public:
-  explicit RawTcpPeer(bool copies) : copies_(copies) {}
-
   std::unique_ptr<Writer> writer(const Topic& topic) override {
-    return std::make_unique<RawTcpWriter>(topic, copies_);
+    return std::make_unique<RawTcpWriter>(topic);
   }
   std::unique_ptr<Reader> reader(const Topic& topic, Arrived arrived) override {
     return std::make_unique<RawTcpReader>(topic, std::move(arrived));
   }
-
- private:
-  const bool copies_;
 };
 
 }  // namespace
 
-std::unique_ptr<Peer> raw_tcp_peer() { return std::make_unique<RawTcpPeer>(false); }
-std::unique_ptr<Peer> raw_tcp_copying_peer() { return std::make_unique<RawTcpPeer>(true); }
+std::unique_ptr<Peer> raw_tcp_peer() { return std::make_unique<RawTcpPeer>(); }
 
 }  // namespace sft::bench

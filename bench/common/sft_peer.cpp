@@ -23,10 +23,9 @@ using CloudField = PointCloud2::Field;
 struct Ways {
   TransportChoice transport = TransportChoice::udp;
   bool loans = false;
-  bool clouds = false;  ///< true: bulk samples are point clouds
+  bool clouds = false;  ///< true: bulk samples are point clouds in loans
   bool usual = false;   ///< true: the contender has its default settings
   bool multicast = true;
-  std::size_t receive_buffer_bytes = UdpSettings{}.receive_buffer_bytes;
 };
 
 Bulk bulk(const Topic& topic) {
@@ -105,21 +104,6 @@ class CloudLoanWriter : public LendingWriter {
   std::optional<Loan<PointCloud2>> loan_;
 };
 
-/// A writer that publishes a cloud from the program's own memory.
-class CloudWriter : public LendingWriter {
- public:
-  CloudWriter(Node& node, const Topic& topic)
-      : publisher_(node.publisher<PointCloud2>(topic.name).value()), cloud_(cloud(topic.bulk_bytes)) {}
-
-  std::size_t readers() const override { return served_by(publisher_); }
-  void prepare(std::uint64_t number) override { cloud_.width = static_cast<std::uint32_t>(number); }
-  void publish() override { publisher_.publish(cloud_); }
-
- private:
-  Publisher<PointCloud2> publisher_;
-  PointCloud2 cloud_;
-};
-
 /// A reader that reads the height and width of a cloud. The number of points is the number of the sample.
 class CloudReader : public Reader {
  public:
@@ -160,30 +144,23 @@ void read_fields(const DynamicSample& sample, FieldSet fields) {
 /// A reader that reads the wanted fields of messages.
 class SftFieldReader : public Reader {
  public:
-  SftFieldReader(Node& node, const Topic& topic, Arrived arrived)
-      : node_(node), topic_(topic), arrived_(std::move(arrived)) {
-    ask_for(topic.wanted.fields.value_or("*"));
-  }
-
-  std::size_t writers() const override { return connected_to(subscriber_->status()); }
-  void ask_for(const std::string& fields) override {
-    auto callback = [read = topic_.wanted.read, arrived = arrived_](const DynamicSample& sample) {
+  SftFieldReader(Node& node, const Topic& topic, Arrived arrived) {
+    auto callback = [read = topic.wanted.read, arrived = std::move(arrived)](const DynamicSample& sample) {
       read_fields(sample, read);
       arrived(0);
     };
-    const SubscriberOptions options = subscriber_options(topic_);
-    subscriber_.reset();
+    const DynamicType type = DynamicType::parse(detail::describe(topic.messages->type().type())).value();
+    const SubscriberOptions options = subscriber_options(topic);
     subscriber_ =
-        (topic_.wanted.recorded ? node_.subscriber(topic_.name, type_, recorded, options, std::move(callback))
-                                : node_.subscriber(topic_.name, type_, fields, options, std::move(callback)))
+        (topic.wanted.recorded ? node.subscriber(topic.name, type, recorded, options, std::move(callback))
+                               : node.subscriber(topic.name, type, topic.wanted.fields.value_or("*"), options,
+                                                 std::move(callback)))
             .value();
   }
 
+  std::size_t writers() const override { return connected_to(subscriber_->status()); }
+
  private:
-  Node& node_;
-  const Topic topic_;
-  const DynamicType type_ = DynamicType::parse(detail::describe(topic_.messages->type().type())).value();
-  const Arrived arrived_;
   std::optional<DynamicSubscriber> subscriber_;
 };
 
@@ -194,8 +171,7 @@ class SftPeer : public Peer {
   std::unique_ptr<Writer> writer(const Topic& topic) override {
     const PublisherOptions options = publisher_options(topic, ways_);
     if (topic.messages) return topic.messages->writer(node_, topic.name, options);
-    if (ways_.clouds && ways_.loans) return std::make_unique<CloudLoanWriter>(node_, topic);
-    if (ways_.clouds) return std::make_unique<CloudWriter>(node_, topic);
+    if (ways_.clouds) return std::make_unique<CloudLoanWriter>(node_, topic);
     if (ways_.loans) return std::make_unique<SftLoanWriter>(node_, topic, options);
     if (topic.bulk_bytes > 0)
       return std::make_unique<SftWriter<Bulk>>(node_, topic.name, options, std::vector{bulk(topic)});
@@ -224,7 +200,6 @@ class SftPeer : public Peer {
   static Node open(const Ways& ways) {
     NodeOptions options = node_options("bench", ways.transport);
     if (ways.usual) options = {.name = "bench", .transport = ways.transport};
-    options.udp.receive_buffer_bytes = ways.receive_buffer_bytes;
     if (!ways.multicast) options.udp.multicast = UdpSettings::Multicast::off;
     return Node::open(options).value();
   }
@@ -239,7 +214,6 @@ std::unique_ptr<Peer> peer(const Ways& ways) { return std::make_unique<SftPeer>(
 
 std::unique_ptr<Peer> sft_peer() { return peer({}); }
 std::unique_ptr<Peer> sft_loan_peer() { return peer({.loans = true}); }
-std::unique_ptr<Peer> sft_small_buffer_peer() { return peer({.receive_buffer_bytes = 4 << 20}); }
 std::unique_ptr<Peer> sft_usual_peer() { return peer({.usual = true}); }
 std::unique_ptr<Peer> sft_unicast_peer() { return peer({.usual = true, .multicast = false}); }
 std::unique_ptr<Peer> sft_local_peer() {
@@ -249,9 +223,8 @@ std::unique_ptr<Peer> sft_memory_peer() { return peer({.transport = TransportCho
 std::unique_ptr<Peer> sft_memory_loan_peer() {
   return peer({.transport = TransportChoice::shm, .loans = true});
 }
-std::unique_ptr<Peer> sft_cloud_peer() { return peer({.transport = TransportChoice::shm, .clouds = true}); }
 std::unique_ptr<Peer> sft_cloud_loan_peer() {
-  return peer({.transport = TransportChoice::shm, .loans = true, .clouds = true});
+  return peer({.transport = TransportChoice::shm, .clouds = true});
 }
 
 }  // namespace sft::bench

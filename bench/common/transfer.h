@@ -2,7 +2,6 @@
 #pragma once
 
 #include <cstdint>
-#include <functional>
 #include <vector>
 
 #include "bench/common/contender.h"
@@ -26,10 +25,5 @@ void receive_each(Exchange& exchange, const Transfer& transfer, Reader& reader);
 
 /// Returns the one-way times in microseconds from publish() until the reader has taken the sample.
 std::vector<double> transfer_times(Contender contender, const Topic& topic, const Transfer& transfer);
-/// Returns the one-way times until the contender has called the reader's callback. Both processes first
-/// call `enter`. The writer begins `connecting_us` after writer and reader are matched.
-std::vector<double> called_times(
-    Contender contender, const Topic& topic, const Transfer& transfer,
-    const std::function<void()>& enter = [] {}, std::int64_t connecting_us = 0);
 
 }  // namespace sft::bench

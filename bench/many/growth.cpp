@@ -30,8 +30,8 @@ namespace {
 constexpr std::size_t topics = 5;  // number of topics that each node publishes, and to which it subscribes
 constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
 
-/// `all_s` is the time limit of a contender for all sizes together, or for each size if rings keep running.
-/// Nodes are idle for `settled_s` before they are observed for `window_s`.
+/// `all_s` is the time limit of a contender for all sizes together. Nodes are idle for `settled_s` before
+/// they are observed for `window_s`.
 struct Times {
   double all_s, settled_s, window_s;
 };
@@ -155,17 +155,12 @@ class Ring {
   const std::int64_t begin_ns_;
 };
 
-/// Returns the bytes per second that node 0 of each ring receives.
-std::vector<double> received_per_s(const std::vector<const HostProcesses*>& crowds, double seconds) {
-  std::vector<double> bytes;
-  for (const HostProcesses* processes : crowds)
-    bytes.push_back(-static_cast<double>(processes->link_bytes(0).received));
-  const std::int64_t begin_ns = now_ns();
+/// Returns the bytes per second that node 0 of the ring receives.
+double received_per_s(const Ring& ring, double seconds) {
+  const std::int64_t begin_ns = now_ns(), before = ring.processes().link_bytes(0).received;
   sleep_us(static_cast<std::int64_t>(seconds * 1e6));
-  const double elapsed_s = static_cast<double>(now_ns() - begin_ns) / 1e9;
-  for (std::size_t i = 0; i < crowds.size(); ++i)
-    bytes[i] = (bytes[i] + static_cast<double>(crowds[i]->link_bytes(0).received)) / elapsed_s;
-  return bytes;
+  const std::int64_t bytes = ring.processes().link_bytes(0).received - before;
+  return static_cast<double>(bytes) * 1e9 / static_cast<double>(now_ns() - begin_ns);
 }
 
 using Add = void (Curve::*)(std::size_t size, const std::vector<double>& values);
@@ -183,60 +178,10 @@ void measure_alone(const Member& member, Curve& curve, const std::vector<std::si
       return;
     }
     sleep_us(static_cast<std::int64_t>(times.settled_s * 1e6));
-    costs->push_back(received_per_s({&ring.processes()}, times.window_s).front());
+    costs->push_back(received_per_s(ring, times.window_s));
     costs->push_back(ring.newcomer_s(times.window_s));
     (curve.*add)(nodes, *costs);
   }
-}
-
-/// The rings of one contender. Each keeps running while others join.
-struct Rings {
-  void add(std::size_t nodes, double timeout_s) {
-    rings.push_back(std::make_unique<const Ring>(member, nodes));
-    costs.push_back(rings.back()->join(timeout_s).value_or(std::vector(3, unknown)));
-  }
-
-  /// Returns the costs of a ring. `received_per_s` is the number of bytes per second that it has received.
-  std::vector<double> all_costs(std::size_t ring, double received_per_s) const {
-    std::vector<double> all = costs[ring];
-    all.push_back(std::isfinite(all[0]) ? received_per_s : unknown);
-    return all;
-  }
-
-  Member member;
-  std::vector<std::unique_ptr<const Ring>> rings{};
-  std::vector<std::vector<double>> costs{};
-};
-
-/// All rings are idle and observed in the same seconds. Existing rings use some processor time while others
-/// join. So the contenders take turns at joining first.
-void measure_together(Curve& curve, const std::vector<std::size_t>& sizes, const Times& times, int round) {
-  Rings ours{sft_member}, theirs{cyclone_member};
-  for (const std::size_t nodes : sizes) {
-    if (round % 2 == 0) ours.add(nodes, times.all_s);
-    theirs.add(nodes, times.all_s);
-    if (round % 2 == 1) ours.add(nodes, times.all_s);
-  }
-  sleep_us(static_cast<std::int64_t>(times.settled_s * 1e6));
-  std::vector<const HostProcesses*> crowds;
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    crowds.push_back(&ours.rings[i]->processes());
-    crowds.push_back(&theirs.rings[i]->processes());
-  }
-  const std::vector<double> idle = received_per_s(crowds, times.window_s);
-  for (std::size_t i = 0; i < sizes.size(); ++i) {
-    curve.add_ours(sizes[i], ours.all_costs(i, idle[2 * i]));
-    curve.add_reference(sizes[i], theirs.all_costs(i, idle[2 * i + 1]));
-  }
-}
-
-const std::vector<Curve::Cost> costs_of_ring{{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}};
-
-/// Returns the costs of a ring, and those of one more node.
-std::vector<Curve::Cost> costs_of_growth() {
-  std::vector<Curve::Cost> costs = costs_of_ring;
-  costs.push_back({"newcomer", "s"});
-  return costs;
 }
 
 }  // namespace
@@ -245,17 +190,10 @@ std::vector<Figure> growth(const ManyScale& scale) {
   const std::vector<std::size_t> sizes =
       scale.quick ? std::vector<std::size_t>{12, 25, 50} : std::vector<std::size_t>{25, 50, 100, 200};
   const Times times = scale.quick ? Times{60, 3, 5} : Times{150, 10, 10};
-  Curve curve("growth", sizes, costs_of_growth());
+  Curve curve("growth", sizes,
+              {{"time", "s"}, {"bytes", "MB"}, {"cpu", "s"}, {"idle", "B/s"}, {"newcomer", "s"}});
   measure_alone(sft_member, curve, sizes, times, &Curve::add_ours);
   measure_alone(cyclone_member, curve, sizes, times, &Curve::add_reference);
-  return curve.report();
-}
-
-std::vector<Figure> nodes(const ManyScale& scale) {
-  const std::vector<std::size_t> sizes{2, 8, 16, 32};
-  const Times times = scale.quick ? Times{20, 1, 3} : Times{60, 10, 10};
-  Curve curve("growth_nodes", sizes, costs_of_ring);
-  for (int round = 0; round < scale.rounds; ++round) measure_together(curve, sizes, times, round);
   return curve.report();
 }
 

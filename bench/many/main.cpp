@@ -1,5 +1,4 @@
-// Measures how costs grow with readers, masks, nodes, fields and the size of samples, compared with Cyclone
-// DDS and raw sockets in the same run.
+// Measures how costs grow with masks and nodes, compared with Cyclone DDS in the same run.
 // Hosts are network namespaces with an MTU of 1500. Unless a group says otherwise, the system chooses the
 // cores of the processes.
 #include "bench/common/program.h"
@@ -17,20 +16,11 @@ void shorten(sft::bench::ManyScale& scale) {
 int main(int argc, char** argv) {
   using namespace sft::bench;
   ManyScale scale;
-  Program program(
-      "How costs grow with readers, masks, nodes, fields and sizes, against references of the same run",
-      {{"bytes_masks_16", [&] { return masks_16(scale); }},
-       {"masks_64", [&] { return masks_64(scale); }},
-       {"bytes_paper_three", [&] { return three_masks(scale); }},
-       {"join_64", [&] { return join_64(scale); }},
-       {"growth", [&] { return growth(scale); }},
-       {"readers", [&] { return readers(scale); }},
-       {"nodes", [&] { return nodes(scale); }},
-       {"fields", [&] { return fields(scale); }},
-       {"sizes", [&] { return sizes(scale); }},
-       {"idle", [&] { return idle(scale); }},
-       {"paced", [&] { return paced(scale); }},
-       {"bulk", [&] { return bulk_without(scale); }}});
+  Program program("How costs grow with masks and nodes, against references of the same run",
+                  {{"masks_64", [&] { return masks_64(scale); }},
+                   {"join_64", [&] { return join_64(scale); }},
+                   {"growth", [&] { return growth(scale); }},
+                   {"idle", [&] { return idle(scale); }}});
   program.options().add_flag_callback(
       "--quick", [&] { shorten(scale); }, "one short round of each contender");
   if (const auto code = program.parse(argc, argv)) return *code;

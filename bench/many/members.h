@@ -23,12 +23,4 @@ using Fields = std::function<std::string(std::size_t)>;
 
 /// Returns the topic of clouds with this number of data bytes, best effort.
 Topic cloud_topic(std::size_t data_bytes, const std::string& name = "points");
-/// Returns the topic of messages of this number of bytes in CDR, which are sent reliably.
-Topic bulk_topic(std::size_t bytes);
-/// Returns the topic of messages whose members are numbers, all of them 0, best effort.
-template <class T>
-Topic zeros_topic(const dds_topic_descriptor& cyclone_type) {
-  return {.name = "points", .messages = shared(std::vector<T>(1), cyclone_type), .reliable = false};
-}
-
 }  // namespace sft::bench

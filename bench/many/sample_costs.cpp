@@ -47,37 +47,34 @@ class Publishing {
   int run() {
     if (!wait_until([&] { return board_.knowing.load() == case_.readers; }, joining_s)) return 1;
     wait_until_settled();
-    for (std::size_t phase = 0; phase < case_.phases.size(); ++phase) {
-      matched_ = (phase + 1) * case_.readers;
-      costs_ = &board_.costs[phase];
-      for (std::size_t i = 0; i < case_.readers; ++i) board_.go[i].give();
-      if (case_.settling_s > 0 ? !settle() : !wait_until([&] { return all_matched(); }, joining_s)) return 1;
-      send(case_.warming);
-      measure();
-    }
+    for (std::size_t i = 0; i < case_.readers; ++i) board_.go[i].give();
+    if (!settle()) return 1;
+    measure();
     return 0;
   }
 
  private:
+  static constexpr std::int64_t quiet_us = 1'000'000;
   static constexpr std::int64_t settling_period_us = 20'000;
   static constexpr std::int64_t settled_bytes_per_s = 50'000;
   static constexpr double calming_s = 20;
   // Required share of arriving samples; the network itself loses none.
   static constexpr double arriving_at_least = 0.95;
   static constexpr double arriving_s = 0.2;  // a sample counts as lost after this time
-  static constexpr double arriving_reliably_s = 20;
 
-  bool all_matched() const { return board_.matched.load() == matched_ && writer_->serves(case_.readers); }
+  bool all_matched() const {
+    return board_.matched.load() == case_.readers && writer_->serves(case_.readers);
+  }
 
   /// Waits until discovery has ended, which its traffic shows.
   void wait_until_settled() const {
     const std::int64_t end = now_ns() + static_cast<std::int64_t>(calming_s * 1e9);
     while (now_ns() < end) {
       const LinkBytes before = link_bytes();
-      sleep_us(case_.settled_us);
+      sleep_us(quiet_us);
       const LinkBytes now = link_bytes();
       if (now.received - before.received + now.sent - before.sent <
-          settled_bytes_per_s * case_.settled_us / 1'000'000)
+          settled_bytes_per_s * quiet_us / 1'000'000)
         return;
     }
   }
@@ -95,19 +92,18 @@ class Publishing {
       matched_ns = now_ns();
       end = matched_ns + static_cast<std::int64_t>(case_.settling_s * 1e9);
     }
-    costs_->settled_ms = settled_ms(samples, matched_ns);
+    board_.costs.settled_ms = settled_ms(samples, matched_ns);
     return matched_ns != 0;
   }
 
   /// Sends samples one by one. Each waits until the previous one has arrived.
   void send(std::uint64_t samples) {
-    const double timeout_s = case_.topic.reliable ? arriving_reliably_s : arriving_s;
     for (std::uint64_t i = 0; i < samples; ++i) {
       const std::uint64_t all = board_.received + case_.readers;
       board_.sent_ns = now_ns();
       writer_->write(0);
       sleep_us(case_.period_us);
-      wait_until([&] { return board_.received >= all; }, timeout_s);
+      wait_until([&] { return board_.received >= all; }, arriving_s);
     }
   }
 
@@ -140,17 +136,14 @@ class Publishing {
       std::fprintf(stderr, "%s: %.0f of %.0f samples arrived\n", name_, received, samples * readers);
       return;
     }
-    costs_->bytes = (sending.bytes - quiet_bytes) / samples;
-    costs_->publisher_cpu_us = 1e6 * sending.publisher_s / samples;
-    costs_->subscriber_cpu_us = 1e6 * sending.readers_s / samples / readers;
-    costs_->latency_us = median_if_any(us_since(received_before));
+    board_.costs.bytes = (sending.bytes - quiet_bytes) / samples;
+    board_.costs.publisher_cpu_us = 1e6 * sending.publisher_s / samples;
+    board_.costs.subscriber_cpu_us = 1e6 * sending.readers_s / samples / readers;
+    board_.costs.latency_us = median_if_any(us_since(received_before));
   }
 
   Board& board_;
   const Case& case_;
-  /// The board's value of `matched` when all readers of the present phase are matched.
-  std::size_t matched_ = 0;
-  Costs* costs_ = nullptr;  ///< the costs of the present phase
   const char* const name_;
   const std::unique_ptr<Peer> peer_;
   const std::unique_ptr<Writer> writer_;
@@ -161,34 +154,26 @@ int read(Board& board, const Member& member, const Case& of, std::size_t number)
   peer->know_writer(of.topic);
   board.readers[number] = getpid();
   ++board.knowing;
-  std::unique_ptr<Reader> reader;
-  for (const Fields& fields : of.phases) {
-    board.go[number].wait();
-    if (reader) {
-      reader->ask_for(fields(number));
-    } else {
-      Topic topic = of.topic;
-      topic.wanted.fields = fields(number);
-      reader = peer->reader(topic, [&](std::uint64_t) { board.note_arrival(); });
-    }
-    while (reader->writers() != 1) sleep_us(5000);
-    ++board.matched;
-  }
+  board.go[number].wait();
+  Topic topic = of.topic;
+  topic.wanted.fields = of.fields(number);
+  const auto reader = peer->reader(topic, [&](std::uint64_t) { board.note_arrival(); });
+  while (reader->writers() != 1) sleep_us(5000);
+  ++board.matched;
   for (;;) pause();
 }
 
 }  // namespace
 
-SampleCosts::SampleCosts(const Member& member, const Case& of)
-    : member_(member), phases_(of.phases.size()), processes_(of.hosts) {
+SampleCosts::SampleCosts(const Member& member, const Case& of) : member_(member), processes_(of.hosts) {
   processes_.start(0, [&] { return Publishing(*board_, member, of).run(); });
   for (std::size_t i = 0; i < of.readers; ++i)
     processes_.start(processes_.host_of_reader(i), [&, i] { return read(*board_, member, of, i); });
 }
 
-std::vector<Costs> SampleCosts::wait() {
+Costs SampleCosts::wait() {
   if (!processes_.first_succeeds()) std::fprintf(stderr, "%s: not all readers were served\n", member_.name);
-  return {board_->costs.begin(), board_->costs.begin() + static_cast<std::ptrdiff_t>(phases_)};
+  return board_->costs;
 }
 
 }  // namespace sft::bench

@@ -19,14 +19,11 @@ namespace sft::bench {
 struct Case {
   std::size_t readers;
   std::size_t hosts;
-  Topic topic;                 ///< the topic of the samples, which has messages
-  std::vector<Fields> phases;  ///< the fields that the same readers request, one phase after the other
-  /// The time for the bytes to settle while samples are sent; 0: they need no time.
-  double settling_s;
+  Topic topic;  ///< the topic of the samples, which has messages
+  Fields fields;
+  double settling_s;  ///< the time for the bytes to settle while samples are sent
   std::uint64_t samples;
   std::int64_t period_us;
-  std::int64_t settled_us = 1'000'000;  ///< discovery has ended if nearly no bytes are sent for this time
-  std::uint64_t warming = 0;            ///< number of samples that are not counted
 };
 
 /// The costs of a sample.
@@ -45,23 +42,23 @@ class SampleCosts {
  public:
   SampleCosts(const Member& member, const Case& of);
 
-  /// Waits for the end of the case, and returns the costs of each phase.
-  std::vector<Costs> wait();
+  /// Waits for the end of the case, and returns its costs.
+  Costs wait();
 
   // The following members are for the processes of the case.
 
-  static constexpr std::size_t readers_max = 64, phases_max = 4, arrivals_max = 16'384;
+  static constexpr std::size_t readers_max = 64, arrivals_max = 16'384;
 
   struct Board {
     std::atomic<std::size_t> knowing{0};     ///< number of readers' nodes that know the publisher
-    std::array<Signal, readers_max> go;      ///< signals that tell each reader to begin the next phase
-    std::atomic<std::size_t> matched{0};     ///< number of matched readers, summed over all phases
+    std::array<Signal, readers_max> go;      ///< signals that tell each reader to begin
+    std::atomic<std::size_t> matched{0};     ///< number of matched readers
     std::atomic<std::int64_t> sent_ns{0};    ///< time when the last sample was sent
     std::atomic<std::uint64_t> received{0};  ///< number of received samples, summed over all readers
     /// The latency of each received sample in microseconds, in a ring.
     std::array<double, arrivals_max> us = {};
     std::array<pid_t, readers_max> readers = {};
-    std::array<Costs, phases_max> costs;
+    Costs costs;
 
     void note_arrival() {
       const std::int64_t ns = now_ns() - sent_ns;
@@ -71,7 +68,6 @@ class SampleCosts {
 
  private:
   const Member member_;
-  const std::size_t phases_;
   const Shared<Board> board_;
   HostProcesses processes_;
 };

@@ -9,12 +9,9 @@ int main(int argc, char** argv) {
   Scale scale;
   Program program("Speed and cost of the negotiation, against references of the same run",
                   {
-                      {"getter_overhead", [&] { return getter_overhead(scale); }},
                       {"response", [&] { return str_response(scale); }},
                       {"new_nodes", [&] { return first_sample_new_nodes(scale); }},
                       {"late_reader", [&] { return first_sample_late_reader(scale); }},
-                      {"masks", [&] { return publish_64_masks(scale); }},
-                      {"memory", [] { return node_anonymous_memory(); }},
                   });
   program.options()
       .add_option("--messages", scale.messages, "messages per round and contender")

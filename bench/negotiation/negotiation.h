@@ -16,9 +16,6 @@ struct Scale {
   std::uint64_t late_readers = 50;  ///< number of late readers per round and contender
 };
 
-/// Measures the time that recording adds to a getter, after the first access to the field in a sample.
-std::vector<Figure> getter_overhead(const Scale& scale);
-
 /// Measures the time from the getter call that widens the mask until the publisher on another host has
 /// applied the mask.
 std::vector<Figure> str_response(const Scale& scale);
@@ -27,12 +24,5 @@ std::vector<Figure> first_sample_new_nodes(const Scale& scale);
 /// Measures the time from before a node subscribes until the first sample. The publisher's node already
 /// knows the subscriber's node.
 std::vector<Figure> first_sample_late_reader(const Scale& scale);
-
-/// Measures the duration of publish() with readers that request different fields, compared with readers
-/// that all request the same fields.
-std::vector<Figure> publish_64_masks(const Scale& scale);
-
-/// Measures the anonymous memory of a node with ten topics, beyond that of Cyclone DDS.
-std::vector<Figure> node_anonymous_memory();
 
 }  // namespace sft::bench

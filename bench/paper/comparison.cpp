@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
 #include "bench/common/statistics.h"
 
@@ -45,17 +44,13 @@ Means means(const Records& all, const Contender& ours, const Contender& theirs, 
     both_mine.push_back(record);
     both_others.push_back(*other);
   }
-  return {spread(both_mine, metric).mean, spread(both_others, metric).mean};
+  return {mean(both_mine, metric), mean(both_others, metric)};
 }
 
-Spread spread(const Records& records, const Metric& metric) {
-  if (records.empty()) return {};
-  const auto count = static_cast<double>(records.size());
-  double sum = 0, squares = 0;
+double mean(const Records& records, const Metric& metric) {
+  double sum = 0;
   for (const Record& record : records) sum += metric(record);
-  const double mean = sum / count;
-  for (const Record& record : records) squares += std::pow(metric(record) - mean, 2);
-  return {mean, std::sqrt(squares / count)};
+  return records.empty() ? unknown : sum / static_cast<double>(records.size());
 }
 
 double p50_us(const Records& records) {

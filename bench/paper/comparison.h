@@ -33,12 +33,8 @@ struct Means {
 Means means(const Records& all, const Contender& ours, const Contender& theirs, const Cases& cases,
             const Metric& metric);
 
-/// The mean and the standard deviation; both unknown if there are no records.
-struct Spread {
-  double mean = unknown;
-  double deviation = unknown;
-};
-Spread spread(const Records& records, const Metric& metric);
+/// Returns the mean; unknown if there are no records.
+double mean(const Records& records, const Metric& metric);
 
 /// Returns the median of the medians in the records.
 double p50_us(const Records& records);

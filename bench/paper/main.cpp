@@ -3,16 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <fstream>
 #include <memory>
 
 #include "bench/common/program.h"
 #include "bench/common/statistics.h"
-#include "bench/negotiation/negotiation.h"
 #include "bench/paper/experiments.h"
 #include "bench/paper/figures.h"
 #include "bench/paper/tables.h"
-#include "bench/paper/trace.h"
 #include "tests/support/isolated_host.h"
 #include "tests/support/recorded_data.h"
 
@@ -43,7 +40,6 @@ class Experiments {
   std::vector<Figure> point_cloud() {
     run_point_cloud_case(stage(), scale, results_);
     print(point_cloud_rows());
-    for (const Row& row : point_cloud_rows()) say(receivers_table(results_.records, row));
     return row_figures(results_.records, point_cloud_rows());
   }
   /// Returns figures over all cases that the previous groups have measured.
@@ -53,19 +49,7 @@ class Experiments {
     for (Figure& figure : overhead_figures(results_.records)) figures.push_back(std::move(figure));
     return figures;
   }
-  std::vector<Figure> response() {
-    trace_ = response_trace();
-    if (trace_) say(fmt::format("\nThe trace has a response of {:.0f} us.\n", trace_->response_us()));
-    Figure figure = str_response({.messages = quick ? 100u : 400u, .rounds = quick ? 1 : 3}).front();
-    figure.name = "response";
-    // One of two bounds has to be kept: 100 us, or 1.5 times the reference.
-    figure.bound_is_of_value = figure.value <= 100;
-    figure.bound = figure.bound_is_of_value ? 100 : 1.5;
-    return {figure};
-  }
-
   void finish() {
-    if (trace_) write(trace, *trace_);
     auto& late_us = results_.late_us;
     fmt::print(
         "Writers ran {:.0f} us (p50) and {:.0f} us (p99) later than planned. {} of {} records "
@@ -75,8 +59,6 @@ class Experiments {
   }
 
   paper::Scale scale{};
-  bool quick = false;
-  std::ofstream trace;
 
  private:
   const Stage& stage() {
@@ -88,24 +70,20 @@ class Experiments {
     }
     return *stage_;
   }
-  void print(const std::vector<Row>& rows) const {
-    say(paper_table(results_.records, rows) + bytes_table(results_.records, rows));
-  }
+  void print(const std::vector<Row>& rows) const { say(paper_table(results_.records, rows)); }
 
   std::unique_ptr<Stage> stage_;
   Results results_;
-  std::optional<Trace> trace_;
 };
 
 void shorten(Experiments& experiments) {
-  experiments.quick = true;
   experiments.scale.repeats = 1;
   experiments.scale.fields = {5};
   experiments.scale.field_bytes = {128, 512};
   experiments.scale.pace = {.samples = 20};
 }
 
-void add_options(CLI::App& to, Experiments& experiments, std::string& trace) {
+void add_options(CLI::App& to, Experiments& experiments) {
   Pace& pace = experiments.scale.pace;
   to.add_flag_callback(
       "--quick", [&] { shorten(experiments); }, "one short repeat of fewer configurations");
@@ -116,15 +94,6 @@ void add_options(CLI::App& to, Experiments& experiments, std::string& trace) {
       ->check(CLI::Range(1, 100));
   to.add_option("--seed", experiments.scale.seed, "which fields receivers require");
   to.add_option("--data", experiments.scale.data, "the directory of recorded messages");
-  to.add_option("--trace", trace, "also write the messages around one change of fields to this file");
-}
-
-/// Opens files before the program is isolated, since it cannot reach them afterwards. Returns an error
-/// text; empty if there is no error.
-std::string prepare(Experiments& experiments, const std::string& trace) {
-  if (!trace.empty()) experiments.trace.open(trace);
-  if (experiments.trace.fail()) return "cannot write " + trace;
-  return check(experiments.scale.pace, all_contenders().size());
 }
 
 }  // namespace
@@ -136,12 +105,10 @@ int main(int argc, char** argv) {
                   {{"parametric", [&] { return experiments.parametric(); }},
                    {"nav2", [&] { return experiments.nav2(); }},
                    {"pointcloud2", [&] { return experiments.point_cloud(); }},
-                   {"bounds", [&] { return experiments.bounds(); }},
-                   {"response", [&] { return experiments.response(); }}});
-  std::string trace;
-  add_options(program.options(), experiments, trace);
+                   {"bounds", [&] { return experiments.bounds(); }}});
+  add_options(program.options(), experiments);
   if (const auto code = program.parse(argc, argv)) return *code;
-  if (const std::string error = prepare(experiments, trace); !error.empty()) {
+  if (const std::string error = check(experiments.scale.pace, all_contenders().size()); !error.empty()) {
     fmt::print(stderr, "{}\n", error);
     return 1;
   }

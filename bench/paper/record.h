@@ -60,11 +60,8 @@ struct Record {
   std::vector<Received> receivers{};
   /// Bytes per message of the sender's host in both directions, without idle traffic.
   double sender_bytes = unknown;
-  double idle_bytes_per_s = unknown;           ///< traffic of the sender's host without messages
-  double idle_receiver_bytes_per_s = unknown;  ///< traffic of all receivers' hosts together
   /// Median time from the writing call until a receiver has its fields.
   double p50_us = unknown;
-  double p99_us = unknown;
   double cpu_us = unknown;          ///< CPU time per message, of all processes, idle work included
   double resident_bytes = unknown;  ///< memory of all processes at the end of the session
 

@@ -107,13 +107,10 @@ Record record_of(const Team& team, const Phase& phase, std::size_t phase_number,
     record.receivers[r].bytes = of_a_message(measured.phase.receiver_bytes[r], idle[r]);
   }
   record.sender_bytes = of_a_message(measured.phase.sender_bytes, measured.idle.sender_bytes);
-  record.idle_bytes_per_s = measured.idle.sender_bytes / measured.idle.s;
-  record.idle_receiver_bytes_per_s = std::accumulate(idle.begin(), idle.end(), 0.) / measured.idle.s;
   record.cpu_us = 1e6 * measured.phase.cpu_s / samples;
   record.resident_bytes = measured.resident_bytes;
   std::vector<double> times = times_us(team.board(), phase_number, pace, record);
   if (!times.empty()) record.p50_us = quantile(times, 0.5);
-  if (!times.empty()) record.p99_us = quantile(times, 0.99);
   return record;
 }
 

@@ -10,8 +10,6 @@ namespace sft::bench::paper {
 
 namespace {
 
-constexpr Way ways[] = {Way::sft_recorded, Way::sft_declared, Way::sft_full, Way::cyclone, Way::fast_dds};
-
 double kbit_s(double bytes_of_a_message) { return bytes_of_a_message * 8 * 10 / 1000; }
 
 std::string percent(double ratio) { return fmt::format("{:+.1f} %", 100 * (ratio - 1)); }
@@ -34,7 +32,7 @@ std::string beside_cyclone(const Records& all, const Row& row, const Metric& met
 }
 
 std::string bandwidth_line(const Records& all, const Row& row) {
-  const auto bytes = [&](Way way) { return spread(records_of(all, {way}, row.cases), received_bytes).mean; };
+  const auto bytes = [&](Way way) { return mean(records_of(all, {way}, row.cases), received_bytes); };
   const auto least = [](const Record& record) { return record.least_bytes(); };
   const std::string saving = row.saving ? percent(1 - *row.saving) : "";
   return fmt::format("{:<32} {:>9} {:>9} {:>9} {:>9} | {:>9.1f} {:>9.1f} {:>18} {:>18} {:>18} {:>18}\n",
@@ -58,17 +56,6 @@ std::string latency_line(const Records& all, const Row& row) {
                      ms(Way::sft_recorded), ms(Way::sft_declared), ms(Way::sft_full));
 }
 
-std::string bytes_line(const Records& all, const Row& row, const Contender& contender) {
-  const Records records = records_of(all, contender, row.cases);
-  const auto mean = [&](const Metric& metric) { return spread(records, metric); };
-  const Spread received = mean(received_bytes), sent = mean(sender_bytes);
-  return fmt::format("  {:<38} {:>9.0f} {:>8.0f} {:>9.0f} {:>9.0f} {:>9.0f} {:>9.1f} {:>9.1f} {:>8.0f}\n",
-                     name_of(contender), received.mean, received.deviation, sent.mean,
-                     mean([](const Record& r) { return r.idle_receiver_bytes_per_s; }).mean,
-                     mean([](const Record& r) { return r.idle_bytes_per_s; }).mean, p50_us(records),
-                     mean([](const Record& r) { return r.p99_us; }).mean, mean(cpu_us).mean);
-}
-
 }  // namespace
 
 std::string paper_table(const Records& all, const std::vector<Row>& rows) {
@@ -86,39 +73,6 @@ std::string paper_table(const Records& all, const std::vector<Row>& rows) {
   text += "Latency from publish() to the callback, ms; the paper has means, this run medians\n";
   for (const Row& row : rows) {
     if (has_records(all, row)) text += latency_line(all, row);
-  }
-  return text;
-}
-
-std::string bytes_table(const Records& all, const std::vector<Row>& rows) {
-  std::string text = fmt::format(
-      "\n{:<40} {:>9} {:>8} {:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n{:<40} {:>9} {:>8} "
-      "{:>9} {:>9} {:>9} {:>9} {:>9} {:>8}\n",
-      "", "receivers", "deviat.", "sender", "idle rec.", "idle send", "p50", "p99", "cpu", "", "B", "B", "B",
-      "B/s", "B/s", "us", "us", "us");
-  for (const Row& row : rows) {
-    if (!has_records(all, row)) continue;
-    text += row.title + "\n";
-    for (const Contender& contender : all_contenders()) text += bytes_line(all, row, contender);
-  }
-  return text;
-}
-
-std::string receivers_table(const Records& all, const Row& row) {
-  std::string text = fmt::format(
-      "\n{}, best effort, unicast: bytes of a message at each receiver, and the "
-      "fewest that can be\n",
-      row.title);
-  for (const Way way : ways) {
-    const Records records = records_of(all, {way}, row.cases);
-    if (records.empty()) continue;
-    text += fmt::format("  {:<18}", name_of(way));
-    for (std::size_t r = 0; r < records.front().receivers.size(); ++r) {
-      const auto bytes = [r](const Record& record) { return record.receivers[r].bytes; };
-      const auto least = [r](const Record& record) { return record.receivers[r].least_bytes; };
-      text += fmt::format(" {:>9.0f} ({:.0f})", spread(records, bytes).mean, spread(records, least).mean);
-    }
-    text += "\n";
   }
   return text;
 }

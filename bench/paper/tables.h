@@ -12,11 +12,6 @@ namespace sft::bench::paper {
 /// Returns a table with mean rates in kbit/s at the receivers for 10 messages per second, the saving of SFT
 /// relative to the full message, and mean latencies.
 std::string paper_table(const Records& all, const std::vector<Row>& rows);
-/// Returns a table with the bytes per message, and the traffic without messages, of each contender, at the
-/// receivers and at the sender.
-std::string bytes_table(const Records& all, const std::vector<Row>& rows);
-/// Returns a table with the bytes at each receiver of a case, compared with the fewest possible ones.
-std::string receivers_table(const Records& all, const Row& row);
 /// Returns a text with the share of fields that receivers drew, and the number of receivers that drew none.
 std::string draws_text(const Records& all);
 

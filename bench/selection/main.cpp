@@ -13,11 +13,8 @@ int main(int argc, char** argv) {
   Program program("Time of taking parts of fields and of conditions, and what they cost between hosts",
                   {{"gathering", [&] { return gathering_parts(rounds); }},
                    {"points", [&] { return reading_points(rounds); }},
-                   {"cells", [&] { return reading_cells(rounds); }},
-                   {"gates", [&] { return closed_gates(rounds, 1000); }},
-                   {"recordings", [] { return parts_of_recordings(); }},
+                   {"gates", [&] { return closed_gates(rounds); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},
-                   {"shared_part", [&] { return shared_part_of_hosts(samples); }},
                    {"window_move", [&] { return moved_windows(moves, pairs); }}});
   program.options()
       .add_option("--rounds", rounds, "rounds of each contender, in turns; the best counts")

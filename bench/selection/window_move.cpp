@@ -25,13 +25,6 @@ using sensor_msgs::msg::PointCloud2;
 constexpr std::uint32_t points = 4000;
 constexpr std::uint32_t window_points = 16;
 
-struct HeightProbe {
-  using Message = PointCloud2;
-  static constexpr auto wanted = Message::Field::height;
-  static void read_usual(const auto& sample) { (void)sample->width(); }
-  static void read_wanted(const auto& sample) { (void)sample->height(); }
-};
-
 std::string window(std::uint64_t begin) {
   return "data[" + std::to_string(begin) + ":" + std::to_string(begin + window_points) + "]";
 }
@@ -129,7 +122,7 @@ std::vector<Figure> moved_windows(std::uint64_t moves, int rounds) {
       (at_once ? whole_us : paced_us).add(std::move(whole));
       if (at_once) in_force_us.add(std::move(in_force));
     }
-    response_us.add(response_times<HeightProbe>(hosts, moves));
+    response_us.add(response_times(hosts, moves));
   }
   return {{"window_move", whole_us.p50(), "us", response_us.p50(), "str_response", 1.3},
           {"window_in_force", in_force_us.p50(), "us", response_us.p50(), "str_response"},

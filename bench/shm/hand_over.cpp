@@ -88,22 +88,6 @@ std::vector<Figure> hand_over(const Scale& scale) {
           {"sleeping_vs_futex", ours.p50(), "us", futex.p50(), "raw futex", 1.15}};
 }
 
-std::vector<Figure> messages(const Scale& scale) {
-  const Transfer transfer{.messages = scale.messages, .preparing_counts = true};
-  const Topic numbered{.reliable = false};
-  const Topic of_64_bytes{.bulk_bytes = 64, .reliable = false};
-  const Topic of_16_kb{.bulk_bytes = 16'000, .reliable = false};
-  Rounds small, medium, iceoryx_small, iceoryx_medium;
-  for (int round = 0; round < scale.rounds; ++round) {
-    small.add(transfer_times(sft_memory_peer, numbered, transfer));
-    iceoryx_small.add(transfer_times(iceoryx_loan_peer, of_64_bytes, transfer));
-    medium.add(transfer_times(sft_cloud_peer, of_16_kb, transfer));
-    iceoryx_medium.add(transfer_times(iceoryx_loan_peer, of_16_kb, transfer));
-  }
-  return {{"message_64B", small.p50(), "us", iceoryx_small.p50(), "iceoryx WaitSet", 1.2},
-          {"message_16kB", medium.p50(), "us", iceoryx_medium.p50(), "iceoryx WaitSet", 1.2}};
-}
-
 std::vector<Figure> size_flatness(const Scale& scale) {
   struct Size {
     const char* name;

@@ -4,7 +4,6 @@
 #include <sensor_msgs/msg/PointCloud2.h>
 
 #include "bench/common/contest.h"
-#include "bench/common/fast_cdr.h"
 #include "bench/typesupport/cyclone.h"
 #include "bench/typesupport/messages.h"
 #include "bench/typesupport/typesupport.h"
@@ -23,27 +22,21 @@ using F = PointCloud2::Field;
 std::vector<Figure> two_scalars(int rounds) {
   Sample sample(cloud(large_bytes));
   CycloneMessage cyclone(sensor_msgs_msg_PointCloud2_desc);
-  PointCloud2 owned;
   const auto best = best_times_ns({batch_of([&] {
                                      const auto view =
                                          view_of<PointCloud2, F::height | F::width>(sample.state());
                                      keep(view.height());
                                      keep(view.width());
                                    }),
-                                   batch_of([&] { cyclone.read(sample.body()); }), batch_of([&] {
-                                     FastCdrReader reader(sample.body());
-                                     reader.all(owned);
-                                   })},
+                                   batch_of([&] { cyclone.read(sample.body()); })},
                                   rounds);
   return {{"read_two_scalars", best[0], "ns", {}, "of 1.66 MB", 20},
-          {"read_two_scalars_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}},
-          {"read_two_scalars_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
+          {"read_two_scalars_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}}};
 }
 
 /// Checks and decodes a message, as for an arriving sample.
 template <class T>
-std::vector<Figure> full(const std::string& name, const T& message, const dds_topic_descriptor_t& type,
-                         int rounds) {
+Figure full(const std::string& name, const T& message, const dds_topic_descriptor_t& type, int rounds) {
   Sample sample(message);
   CycloneMessage cyclone(type);
   T owned;
@@ -51,32 +44,17 @@ std::vector<Figure> full(const std::string& name, const T& message, const dds_to
                                      keep(build_index(sample.state(), TypeTable<T>::type, sample.index()));
                                      keep(decode(sample.state(), TypeTable<T>::type, &owned));
                                    }),
-                                   batch_of([&] { cyclone.read(sample.body()); }), batch_of([&] {
-                                     FastCdrReader reader(sample.body());
-                                     reader.all(owned);
-                                   })},
+                                   batch_of([&] { cyclone.read(sample.body()); })},
                                   rounds);
-  return {{"decode_" + name + "_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}},
-          {"decode_" + name + "_vs_fast_cdr", best[0], "ns", best[2], "Fast CDR's deserializer", {}}};
-}
-
-template <class T>
-Figure index(const std::string& name, const T& message, int rounds) {
-  Sample sample(message);
-  const auto best = best_times_ns(
-      {batch_of([&] { keep(build_index(sample.state(), TypeTable<T>::type, sample.index())); })}, rounds);
-  return {"build_index_" + name, best[0], "ns"};
+  return {"decode_" + name + "_vs_cyclone", best[0], "ns", best[1], "Cyclone's deserializer", {}};
 }
 
 }  // namespace
 
 std::vector<Figure> decoding(int rounds) {
   std::vector<Figure> figures = two_scalars(rounds);
-  const auto add = [&](std::vector<Figure> more) { figures.insert(figures.end(), more.begin(), more.end()); };
-  add(full("full_1.66MB", cloud(large_bytes), sensor_msgs_msg_PointCloud2_desc, rounds));
-  add(full("odometry", odometry(), nav_msgs_msg_Odometry_desc, rounds));
-  add({index("cloud_1.66MB", cloud(large_bytes), rounds), index("scan", scan(), rounds),
-       index("odometry", odometry(), rounds)});
+  figures.push_back(full("full_1.66MB", cloud(large_bytes), sensor_msgs_msg_PointCloud2_desc, rounds));
+  figures.push_back(full("odometry", odometry(), nav_msgs_msg_Odometry_desc, rounds));
   return figures;
 }
 

@@ -11,22 +11,6 @@ nav_msgs::msg::Odometry odometry() {
   return odometry;
 }
 
-sensor_msgs::msg::LaserScan scan() {
-  sensor_msgs::msg::LaserScan scan{.header = header("laser"), .range_max = 30};
-  scan.ranges.assign(1080, 1.5F);
-  scan.intensities.assign(1080, 100.F);
-  return scan;
-}
-
-sensor_msgs::msg::BatteryState battery() {
-  sensor_msgs::msg::BatteryState battery{.header = header("battery"), .voltage = 48, .present = true};
-  battery.cell_voltage.assign(14, 3.4F);
-  battery.cell_temperature.assign(14, 25.F);
-  battery.location = "slot 0";
-  battery.serial_number = "0123456789";
-  return battery;
-}
-
 Sample::Sample(const StructType& type, const void* value, const FieldMask& mask)
     : type_(type),
       mask_(mask),

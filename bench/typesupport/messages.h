@@ -3,8 +3,6 @@
 
 #include <cstddef>
 #include <nav_msgs/msg/Odometry.hpp>
-#include <sensor_msgs/msg/BatteryState.hpp>
-#include <sensor_msgs/msg/LaserScan.hpp>
 #include <string>
 #include <vector>
 
@@ -18,8 +16,6 @@ inline constexpr std::size_t large_bytes = 1'660'000;  ///< bytes of 103,750 poi
 inline constexpr std::size_t small_bytes = 16;
 
 nav_msgs::msg::Odometry odometry();
-sensor_msgs::msg::LaserScan scan();
-sensor_msgs::msg::BatteryState battery();
 
 /// The memory of a sample: its body, index and mask.
 class Sample {

@@ -8,14 +8,12 @@
 namespace sft::bench {
 
 /// Measures the conversion from owned structs to CDR, for all fields, two scalars and small messages,
-/// compared with copies, Cyclone DDS and Fast CDR.
+/// compared with copies and Cyclone DDS.
 std::vector<Figure> encoding(int rounds);
-/// Measures the conversion from CDR to the fields of a reader, for two scalars and for all fields, and the
+/// Measures the conversion from CDR to the fields of a reader, for two scalars, and for all fields with the
 /// check and index of an arriving sample.
 std::vector<Figure> decoding(int rounds);
 /// Measures the time to make the payload of a smaller mask from an encoded sample.
 std::vector<Figure> gathering(int rounds);
-/// Measures the size of generated headers, and the time to compile them.
-std::vector<Figure> generated_code();
 
 }  // namespace sft::bench

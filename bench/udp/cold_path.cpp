@@ -64,9 +64,8 @@ void print_row(const char* side, const std::string& thread, const Counts& counts
   for (const auto& [name, times] : counts.calls) {
     if (per(times) >= 0.005) calls += fmt::format(" {} {:.2f}", name, per(times));
   }
-  fmt::print("    {:<10} {:<16} {:>9} {:>9.2f} {:>9.2f} {:>12} {:>9} {:>8.1f} {}\n", side, thread,
+  fmt::print("    {:<10} {:<16} {:>9} {:>9.2f} {:>9.2f} {:>8.1f} {}\n", side, thread,
              number(counts.system_calls, divisor), per(counts.wake_ups), per(counts.preemptions),
-             number(counts.instructions, divisor), number(counts.cache_misses, divisor),
              per(counts.cpu_ns) / 1000, calls);
 }
 
@@ -81,8 +80,8 @@ void print_side(const char* side, const std::vector<ThreadCounts>& threads, doub
 
 void print(const char* contender, const Rate& rate, const PairCounts& counts) {
   fmt::print("{}, {}, {}:\n", contender, rate.name, rate.unit());
-  fmt::print("    {:<10} {:<16} {:>9} {:>9} {:>9} {:>12} {:>9} {:>8}  {}\n", "side", "thread", "sys calls",
-             "wake-ups", "preempted", "instructions", "misses", "CPU us", "system calls by name");
+  fmt::print("    {:<10} {:<16} {:>9} {:>9} {:>9} {:>8}  {}\n", "side", "thread", "sys calls", "wake-ups",
+             "preempted", "CPU us", "system calls by name");
   print_side("publisher", counts.sender, rate.divisor());
   print_side("subscriber", counts.receiver, rate.divisor());
   std::fflush(stdout);  // otherwise each process that is forked later would have a copy of these lines
@@ -102,8 +101,6 @@ class Contest {
       const std::string name = std::string("cold_") + rate.name + "_" + side;
       columns_.push_back({name + "_calls", [](const Counts& c) { return c.system_calls; }});
       columns_.push_back({name + "_wake_ups", [](const Counts& c) { return std::optional(c.wake_ups); }});
-      columns_.push_back({name + "_instructions", [](const Counts& c) { return c.instructions; }});
-      columns_.push_back({name + "_cache_misses", [](const Counts& c) { return c.cache_misses; }});
     }
   }
 

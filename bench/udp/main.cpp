@@ -14,15 +14,9 @@ int main(int argc, char** argv) {
                    {"small", [&] { return small(scale); }},
                    {"cold_path", [&] { return cold_path(scale); }},
                    {"rate", [&] { return rate(scale); }},
-                   {"bulk_latency", [&] { return bulk_latency(scale); }},
-                   {"worst", [&] { return worst(scale); }},
-                   {"fan_out", [&] { return fan_out(scale); }},
-                   {"wire_overhead", [&] { return wire_overhead(scale); }},
-                   {"ack_overhead", [&] { return ack_overhead(scale); }},
-                   {"diagnostic", [] { return diagnostic_bytes(); }}});
+                   {"wire_overhead", [&] { return wire_overhead(scale); }}});
   program.options()
-      .add_option("--messages", scale.messages,
-                  "messages of 64 bytes per round and contender; a fiftieth of large ones")
+      .add_option("--messages", scale.messages, "messages of 64 bytes per round and contender")
       ->check(CLI::Range(std::size_t{100}, Exchange::samples_max));
   program.options()
       .add_option("--rounds", scale.rounds, "rounds of each contender")

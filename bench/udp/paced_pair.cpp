@@ -107,14 +107,4 @@ bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
   return succeeds(receiver) && sent && passed;
 }
 
-double paced_cpu_us(Contender contender, const Paced& paced, const TwoHosts& hosts) {
-  double before = 0, after = 0;
-  const auto both = [](const PacedPair& pair) { return cpu_s(pair.sender) + cpu_s(pair.receiver); };
-  const bool passed = pass_paced(
-      contender, paced, hosts, [&](const PacedPair& pair) { before = both(pair); },
-      [&](const PacedPair& pair) { after = both(pair); });
-  if (!passed) return std::numeric_limits<double>::quiet_NaN();
-  return (after - before) * 1e6 / static_cast<double>(paced.messages);
-}
-
 }  // namespace sft::bench

@@ -7,9 +7,16 @@
 #include <functional>
 #include <optional>
 
-#include "bench/udp/one_way.h"
+#include "bench/common/contender.h"
+#include "bench/common/hosts.h"
 
 namespace sft::bench {
+
+struct Paced {
+  Topic topic;
+  std::uint64_t messages = 0;
+  std::int64_t period_us = 0;  ///< time between two samples
+};
 
 struct PacedPair {
   pid_t sender, receiver;
@@ -22,9 +29,5 @@ struct PacedPair {
 bool pass_paced(Contender contender, const Paced& paced, const TwoHosts& hosts,
                 const std::function<void(const PacedPair&)>& begin,
                 const std::function<void(const PacedPair&)>& end);
-
-/// Returns the processor time per sample of both processes in microseconds, idle work included. NaN if a
-/// sample did not arrive.
-double paced_cpu_us(Contender contender, const Paced& paced, const TwoHosts& hosts);
 
 }  // namespace sft::bench

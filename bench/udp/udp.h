@@ -10,35 +10,21 @@
 namespace sft::bench {
 
 struct Scale {
-  int rounds = 3;      ///< rounds of each contender, in turns; the median is used
-  double seconds = 1;  ///< the time for which a stream of samples is measured
-  /// Number of messages of 64 bytes per round and contender. For large messages, a fiftieth of it is sent.
-  std::uint64_t messages = 2000;
+  int rounds = 3;                 ///< rounds of each contender, in turns; the median is used
+  double seconds = 1;             ///< the time for which a stream of samples is measured
+  std::uint64_t messages = 2000;  ///< number of messages of 64 bytes per round and contender
 };
 
 /// Measures the highest rate of reliable samples of 4 MiB, and its processor time.
 std::vector<Figure> bulk(const Scale& scale);
 /// Measures the round trip of samples of 64 bytes between hosts, for each way of waiting for samples.
 std::vector<Figure> small(const Scale& scale);
-/// Measures the work of each thread for samples of 64 bytes that are sent from time to time: system calls,
-/// wake-ups and, if the machine counts them, instructions and cache misses.
+/// Measures the work of each thread for samples of 64 bytes that are sent from time to time: system calls and
+/// wake-ups.
 std::vector<Figure> cold_path(const Scale& scale);
 /// Measures the highest rate of reliable samples of 64 bytes, published one by one and together.
 std::vector<Figure> rate(const Scale& scale);
-/// Measures the time from publish to callback of large samples that are sent from time to time.
-std::vector<Figure> bulk_latency(const Scale& scale);
-/// Measures the worst time from publish to callback of samples of 6.3 MB that are sent every 100 ms, the
-/// first one included.
-std::vector<Figure> worst(const Scale& scale);
-/// Measures the bytes that leave the publisher's host for up to eight readers on as many hosts, each of
-/// which requests one of two masks.
-std::vector<Figure> fan_out(const Scale& scale);
 /// Measures the bytes on the link in addition to those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// Measures the control traffic of reliable delivery relative to the samples, with much and with little
-/// data.
-std::vector<Figure> ack_overhead(const Scale& scale);
-/// The bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
-std::vector<Figure> diagnostic_bytes();
 
 }  // namespace sft::bench

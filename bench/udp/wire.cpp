@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <string>
 
 #include "bench/common/contender.h"
 #include "bench/common/hosts.h"
 #include "bench/common/shared.h"
-#include "bench/udp/control_counter.h"
 #include "bench/udp/udp.h"
 
 namespace sft::bench {
@@ -20,19 +20,6 @@ struct Flow {
   Topic topic;
   std::uint64_t samples = 0;
   std::int64_t period_us = 0;
-};
-
-/// The traffic of samples. All numbers are NaN if a sample did not arrive.
-struct Passage {
-  static constexpr double unknown = std::numeric_limits<double>::quiet_NaN();
-
-  /// Bytes sent, minus the bytes that are sent in the same time without samples.
-  double link_bytes = unknown;
-  /// Bytes of SFT's datagrams that carry no part of a sample, in both directions.
-  double control_bytes = unknown;
-  /// Number of datagrams that carry no part of a sample, in both directions.
-  double control_datagrams = unknown;
-  double seconds = unknown;
 };
 
 constexpr std::uint64_t samples_before = 10;
@@ -67,26 +54,22 @@ double link_bytes_per_s_when_quiet(std::int64_t us) {
   return static_cast<double>(link_bytes().sent - before) * 1e6 / static_cast<double>(us);
 }
 
-bool send(Exchange& exchange, const Flow& flow, Passage& passage) {
+/// Returns the bytes that are sent for the samples, without those that are sent in the same time without
+/// samples. Nothing if a sample did not arrive.
+std::optional<double> send(Exchange& exchange, const Flow& flow) {
   const auto peer = sft_peer();
   const auto writer = peer->writer(flow.topic);
-  if (!wait_until([&] { return exchange.ready.load() && writer->readers() == 1; })) return false;
+  if (!wait_until([&] { return exchange.ready.load() && writer->readers() == 1; })) return std::nullopt;
   Sender sender(exchange, *writer);
-  if (!sender.send(samples_before, flow.period_us)) return false;
+  if (!sender.send(samples_before, flow.period_us)) return std::nullopt;
   sleep_us(settling_us);
-  const ControlCounter control;
-  const std::int64_t link_before = link_bytes().sent;
+  const std::int64_t before = link_bytes().sent;
   const std::int64_t begin = now_ns();
-  if (!sender.send(flow.samples, flow.period_us)) return false;
+  if (!sender.send(flow.samples, flow.period_us)) return std::nullopt;
   const double seconds = static_cast<double>(now_ns() - begin) / 1e9;
-  const auto link = static_cast<double>(link_bytes().sent - link_before);
-  const ControlTraffic traffic = control.read();
+  const auto bytes = static_cast<double>(link_bytes().sent - before);
   const auto quiet_us = std::min(quiet_us_max, static_cast<std::int64_t>(seconds * 1e6));
-  passage = {.link_bytes = link - link_bytes_per_s_when_quiet(quiet_us) * seconds,
-             .control_bytes = static_cast<double>(traffic.bytes),
-             .control_datagrams = static_cast<double>(traffic.datagrams),
-             .seconds = seconds};
-  return true;
+  return bytes - link_bytes_per_s_when_quiet(quiet_us) * seconds;
 }
 
 void receive(Exchange& exchange, const Topic& topic) {
@@ -97,16 +80,18 @@ void receive(Exchange& exchange, const Topic& topic) {
   while (exchange.sent.load() == 0 && !exchange.failed.load()) sleep_us(10'000);
 }
 
-Passage pass(const Flow& flow, const TwoHosts& hosts) {
-  const Shared<Passage> passage;
+/// Returns the bytes of send(); NaN if a sample did not arrive.
+double bytes_of(const Flow& flow, const TwoHosts& hosts) {
+  const Shared<double> bytes;
   run_pair(hosts.sides(
                [&](Exchange& exchange) {
-                 exchange.failed = !send(exchange, flow, *passage);
+                 *bytes = send(exchange, flow).value_or(std::numeric_limits<double>::quiet_NaN());
+                 exchange.failed = std::isnan(*bytes);
                  exchange.sent = 1;
                },
                [&](Exchange& exchange) { receive(exchange, flow.topic); }),
            0);
-  return *passage;
+  return *bytes;
 }
 
 // The bytes of a bulk sample's number, stamp, and length of the data.
@@ -130,21 +115,11 @@ Figure overhead(const Size& size, bool reliable, const TwoHosts& hosts) {
                   .samples = size.samples,
                   .period_us = 1'000'000 / static_cast<std::int64_t>(size.samples)};
   return {std::string("wire_overhead_") + size.name + (reliable ? "_reliable" : ""),
-          pass(flow, hosts).link_bytes / static_cast<double>(size.samples),
+          bytes_of(flow, hosts) / static_cast<double>(size.samples),
           "B",
           packed_perfectly(size.body_bytes),
           "CDR and headers, packed perfectly",
           1.03};
-}
-
-double data_bytes(const Flow& flow) {
-  return static_cast<double>(flow.samples) * (flow.topic.bulk_bytes + fixed_body_bytes);
-}
-
-/// Returns the control traffic in percent of the bytes of the samples.
-Figure percentage(const char* name, const Flow& flow, const TwoHosts& hosts) {
-  return {name, 100 * pass(flow, hosts).control_bytes / data_bytes(flow), "%", {}, "of the samples' bytes",
-          1};
 }
 
 }  // namespace
@@ -157,17 +132,6 @@ std::vector<Figure> wire_overhead(const Scale&) {
     for (const bool reliable : {false, true}) figures.push_back(overhead(size, reliable, hosts));
   }
   return figures;
-}
-
-std::vector<Figure> ack_overhead(const Scale&) {
-  const TwoHosts hosts(Trains::cut);
-  const Flow large{.topic = {.bulk_bytes = 100'000}, .samples = 400, .period_us = 5000};
-  const Flow small{.topic = {.bulk_bytes = 1000}, .samples = 4000, .period_us = 500};
-  const Flow slow{.topic = {.bulk_bytes = 64'000}, .samples = 50, .period_us = 200'000};
-  const Passage slowly = pass(slow, hosts);
-  return {percentage("ack_overhead", large, hosts),
-          percentage("ack_overhead_1KB", small, hosts),
-          {"ack_datagrams_per_s", slowly.control_datagrams / slowly.seconds, "/s", {}, "at 0.3 MB/s", 1}};
 }
 
 }  // namespace sft::bench

@@ -37,13 +37,6 @@ struct VanillaParticipant {
   std::string process{};  ///< the same: "talker (4711)"
 };
 
-/// A participant that is not one of SFT.
-struct VanillaParticipant {
-  std::string name;       ///< as name_of_participant() says
-  std::string host{};     ///< what it says of itself; empty: nothing
-  std::string process{};  ///< the same: "talker (4711)"
-};
-
 class VanillaDomain {
  public:
   /// Returns the participant that nodes of this process with an equal plan share, or makes a new one.

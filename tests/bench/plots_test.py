@@ -22,9 +22,9 @@ def figure(value, unit="us", reference=None, **more):
             "ratio": None if reference is None else value / reference, **more}
 
 
-PLOTS = ["bytes", "latency_hosts", "latency_memory", "throughput", "mask_change", "isolation_readers",
-         "isolation_publish", "growth"]
-AXES = {"bytes": "bytes", "latency_hosts": "us", "latency_memory": "us", "throughput": "GB/s", "mask_change": "ms",
+PLOTS = ["bytes", "latency_hosts", "latency_memory", "throughput", "isolation_readers", "isolation_publish",
+         "growth"]
+AXES = {"bytes": "bytes", "latency_hosts": "us", "latency_memory": "us", "throughput": "GB/s",
         "isolation_readers": "ms", "isolation_publish": "ms", "growth": "B/s"}
 
 
@@ -36,7 +36,6 @@ def everything():
     """Returns figures for each plot, in which SFT is better than all others."""
     whole = records.Records()
     whole.figures["paper"] = [named(name + end, 100, 200) for name, _ in plots.MESSAGES for end in ("", "_vs_fast_dds")]
-    whole.figures["paper"].append(named("response", 50, 70))
     whole.figures["udp"] = [named(name + end, value, reference) for name, value, reference, ends in (
         ("bulk_4MiB", 6, 5, ("_reliable", "_vs_cyclone", "_vs_fast_dds")),
         ("cpu_per_GB", 1, 2, ("", "_vs_cyclone", "_vs_fast_dds"))) for end in ends]
@@ -51,9 +50,6 @@ def everything():
          "p999_us": "300"} for group, contenders in (("inter_sleeping", plots.BETWEEN_HOSTS),
                                                      ("intra_sleeping", plots.WITHIN_HOST))
         for contender, _ in contenders for size in (16, 1 << 20)]
-    whole.tables["trace.csv"] = [
-        *({"event": "message", "ms": str(100 * i), "bytes": "3584" if i < 2 else "2048"} for i in range(5)),
-        {"event": "changed", "ms": "100.1", "bytes": ""}, {"event": "applied", "ms": "100.3", "bytes": ""}]
     whole.about = {name: {"command": f"./run bench {name}", "date": "2026-11-23", "processors": "2 x <Fast & Co>",
                           "system": "Linux"} for name in whole.figures}
     return whole
@@ -169,17 +165,17 @@ class RecordsTest(unittest.TestCase):
 
     def test_what_is_kept_is_loaded_and_other_benchmarks_stay(self):
         with tempfile.TemporaryDirectory() as written:
-            (option, path) = records.options_for_files("paper", {"--trace"}, written)
+            (option, path) = records.options_for_files("peers", {"--csv"}, written)
             with open(path, "w", encoding="utf-8") as file:
                 file.write("ms,bytes\n1,2\n")
-            records.keep(self.folder, "paper", [figure(1)], {"date": "today"}, written)
+            records.keep(self.folder, "peers", [figure(1)], {"date": "today"}, written)
         records.keep(self.folder, "udp", [figure(2)], {"date": "tomorrow"}, self.folder)
         loaded = records.load(self.folder)
-        self.assertEqual(option, "--trace")
-        self.assertEqual(loaded.tables, {"trace.csv": [{"ms": "1", "bytes": "2"}]})
-        self.assertEqual((loaded.figure("paper", "figure")["value"], loaded.figure("udp", "figure")["value"]), (1, 2))
+        self.assertEqual(option, "--csv")
+        self.assertEqual(loaded.tables, {"peers.csv": [{"ms": "1", "bytes": "2"}]})
+        self.assertEqual((loaded.figure("peers", "figure")["value"], loaded.figure("udp", "figure")["value"]), (1, 2))
         self.assertEqual(loaded.about["udp"], {"date": "tomorrow"})
-        self.assertEqual(sorted(os.listdir(self.folder)), ["about.json", "paper.json", "trace.csv", "udp.json"])
+        self.assertEqual(sorted(os.listdir(self.folder)), ["about.json", "peers.csv", "peers.json", "udp.json"])
         self.assertEqual(list(records.load(self.folder, ["udp"]).figures), ["udp"])
 
     def test_a_benchmark_without_the_option_writes_no_further_files(self):

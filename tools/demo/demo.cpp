@@ -1,12 +1,18 @@
-#include "tools/demo/demo.h"
-
+// sft_demo shows on one machine what Selective Field Transmission does. A lidar publishes point clouds.
+// Subscribers on other hosts are sent the fields that they need, and one on the lidar's own host reads its
+// fields in shared memory.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cstdio>
+#include <exception>
+#include <fstream>
 
-#include "tools/demo/clouds/scene.h"
-#include "tools/demo/screen/measurement.h"
-#include "tools/demo/screen/report.h"
+#include "tools/demo/display.h"
+#include "tools/demo/scene.h"
+#include "tools/demo/stage.h"
+#include "tools/terminal/stop.h"
 
 namespace sft::demo {
 
@@ -15,192 +21,239 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
+constexpr seconds timeout_for_answer{15};  // a role answers for the first time when its node is open
 constexpr seconds timeout_for_matching{20};
 constexpr seconds timeout_for_shared_memory{8};
 constexpr seconds timeout_for_arrival{2};
 // After DDS participants have found each other, they repeat their announcements for about this long.
 // Meanwhile the daemons that the hosts had to start become ready, and nodes announce that.
-constexpr milliseconds settling{5'000};
-constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
-constexpr milliseconds refresh{250};
+constexpr seconds settling{5};
+constexpr seconds refresh{1};
 constexpr milliseconds poll_interval{20};
-constexpr milliseconds between_notices{200};
 
-/// Returns null if the publisher does not know such a reader.
-const ReaderReport* reader_called(const PublisherReport& publisher, const std::string& name) {
-  const auto reader = std::find_if(publisher.readers.begin(), publisher.readers.end(),
-                                   [&](const ReaderReport& r) { return r.node == name; });
-  return reader == publisher.readers.end() ? nullptr : &*reader;
-}
+/// One run: waits until all nodes have found each other and discovery is quiet, lets the lidar publish, and
+/// measures what that costs.
+class Demo {
+ public:
+  Demo(const RunOptions& options, Stage& stage, tool::Stop& stop, Display& display)
+      : options_(options), stage_(stage), stop_(stop), display_(display) {
+    run_.hz = options.hz;
+    run_.hosts = stage.real_hosts() ? static_cast<unsigned>(subscriber_roles.size()) : 1;
+    for (const SubscriberRole& role : subscriber_roles) {
+      SubscriberFigures s;
+      s.name = role.name;
+      s.max_rate_hz = role.max_rate_hz;
+      s.recorded = options.is_recorded;
+      s.metered = stage.real_hosts();
+      run_.subscribers.push_back(s);
+    }
+  }
 
-std::uint64_t withheld_from(const PublisherReport& publisher, const std::string& name) {
-  const ReaderReport* reader = reader_called(publisher, name);
-  return reader == nullptr ? 0 : reader->withheld;
+  Result<RunFigures> run() {
+    introduce();
+    return await_readiness()
+        .and_then([this] { return let_it_settle(); })
+        .and_then([this] { return publish(); })
+        .and_then([this] { return await_arrival(); })
+        .map([this] { return run_; });
+  }
+
+ private:
+  /// Waits until `then` and returns false, or until the user asks to stop and returns true. A request to stop
+  /// counts once.
+  bool stop_asked_before(Clock::time_point then) {
+    const bool asked = stop_.wait_for(then - Clock::now());
+    stop_.forget();
+    return asked;
+  }
+
+  /// Waits until `then`, before the first cloud is published, and tells the user for what. Returns an error
+  /// if the user asks to stop.
+  Result<void> wait_until(Clock::time_point then, const std::string& what) {
+    display_.status(what + " ...");
+    return stop_asked_before(then) ? fail(Errc::unavailable, stopped_early) : Result<void>();
+  }
+
+  Result<nlohmann::json> report_of(Channel& channel, const std::string& role, const char* order) {
+    return ask(channel, role, order, timeout_for_answer, has_begun_ ? nullptr : &stop_);
+  }
+
+  /// Asks all roles for their reports, one after the other. The publisher is asked last, so that it counts
+  /// all samples that subscribers have received by now.
+  Result<void> look(const char* order = "") {
+    for (std::size_t i = 0; i < run_.subscribers.size(); ++i) {
+      const auto report = report_of(stage_.subscriber(i), run_.subscribers[i].name, "");
+      if (!report) return tl::unexpected(report.error());
+      static_cast<SubscriberReport&>(run_.subscribers[i]) = report->get<SubscriberReport>();
+    }
+    const auto report = report_of(stage_.publisher(), "publisher", order);
+    if (!report) return tl::unexpected(report.error());
+    publisher_ = report->get<PublisherReport>();
+    looked_at_ = Clock::now();
+    run_.samples = publisher_.published;
+    for (SubscriberFigures& s : run_.subscribers) {
+      const ReaderReport* reader = reader_called(s.name);
+      s.withheld = reader == nullptr ? 0 : reader->withheld;
+      s.full_bytes = publisher_.full_bytes;
+    }
+    return {};
+  }
+
+  /// Returns null if the publisher does not know such a reader.
+  const ReaderReport* reader_called(const std::string& name) const {
+    const auto reader = std::ranges::find(publisher_.readers, name, &ReaderReport::node);
+    return reader == publisher_.readers.end() ? nullptr : &*reader;
+  }
+
+  bool is_local(const SubscriberFigures& s) const { return &s == &run_.subscribers.back(); }
+
+  bool served_as_wished(const SubscriberFigures& s, bool any_transport) const {
+    const ReaderReport* reader = reader_called(s.name);
+    if (reader == nullptr || !reader->served || !s.matched) return false;
+    return any_transport || !is_local(s) || (reader->transport == "shm" && s.in_shared_memory());
+  }
+
+  /// Returns the names of the subscribers that are not served yet: "health, localiser".
+  std::string missing(bool any_transport) const {
+    std::string names;
+    for (const SubscriberFigures& s : run_.subscribers)
+      if (!served_as_wished(s, any_transport)) names += (names.empty() ? "" : ", ") + s.name;
+    return names;
+  }
+
+  Error not_ready() const {
+    std::string text = fmt::format("not everybody was served within {} s:", timeout_for_matching.count());
+    for (const SubscriberFigures& s : run_.subscribers) {
+      if (served_as_wished(s, true)) continue;
+      text += fmt::format(" {} ({})", s.name, s.reason.empty() ? "heard of no publisher" : s.reason);
+    }
+    return {Errc::unavailable, text};
+  }
+
+  void introduce() const {
+    display_.say(stage_.real_hosts()
+                     ? "Five hosts, each in namespaces of its own, on an emulated switch:"
+                     : "No real hosts (" + stage_.why_not() +
+                           "): everything runs on this machine, with the network path forced over loopback:");
+    display_.say(fmt::format("  lidar    publishes clouds of {} x {} points, {:g} a second", Scene::rows,
+                             Scene::columns, options_.hz));
+    for (const SubscriberRole& role : subscriber_roles)
+      display_.say(fmt::format("  {:<8} {:<9} {}", role.host, role.name, role.purpose));
+  }
+
+  Result<void> await_readiness() {
+    const auto start = Clock::now();
+    for (;;) {
+      if (Result<void> looked = look(); !looked) return looked;
+      const auto waited = looked_at_ - start;
+      const std::string names = missing(waited > timeout_for_shared_memory);
+      if (names.empty()) {
+        display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
+                                 run_.subscribers.size(), std::chrono::duration<double>(waited).count()));
+        for (const std::string& line : format_refusals(publisher_)) display_.say(line);
+        return {};
+      }
+      if (waited > timeout_for_matching) return tl::unexpected(not_ready());
+      if (Result<void> slept = wait_until(looked_at_ + poll_interval, "Not served yet: " + names); !slept)
+        return slept;
+    }
+  }
+
+  Result<void> let_it_settle() {
+    if (!stage_.real_hosts()) return {};
+    return wait_until(Clock::now() + settling,
+                      fmt::format("Waiting until discovery is quiet, {} s", settling.count()));
+  }
+
+  Result<void> publish() {
+    has_begun_ = true;
+    if (Result<void> looked = look("begin"); !looked) return looked;
+    for (SubscriberFigures& s : run_.subscribers) s.begin = s.counts;
+    const auto start = looked_at_;
+    while (!publisher_.finished) {
+      const bool stop = stop_asked_before(looked_at_ + refresh);
+      Result<void> looked = look(stop ? "end" : "");
+      if (!looked) return looked;
+      display_.status(format_progress(run_, std::chrono::duration<double>(looked_at_ - start).count()));
+    }
+    return {};
+  }
+
+  Result<void> await_arrival() {
+    const auto deadline = Clock::now() + timeout_for_arrival;
+    for (bool is_over = false; !is_over;) {
+      if (Result<void> looked = look(); !looked) return looked;
+      const bool all_there = std::ranges::all_of(run_.subscribers, [this](const SubscriberFigures& s) {
+        return s.counts.samples + s.lost + s.withheld >= run_.samples;
+      });
+      is_over = all_there || looked_at_ > deadline || stop_asked_before(looked_at_ + poll_interval);
+    }
+    for (SubscriberFigures& s : run_.subscribers) s.count_missing_as_lost(run_.samples);
+    return {};
+  }
+
+  const RunOptions& options_;
+  Stage& stage_;
+  tool::Stop& stop_;
+  Display& display_;
+  RunFigures run_;
+  PublisherReport publisher_;
+  Clock::time_point looked_at_;
+  bool has_begun_ = false;  ///< clouds are published, or were
+};
+
+/// `json` is the path of the file for the figures; empty: none is written.
+Result<void> run(const RunOptions& options, const std::string& json) {
+  // A user does not want to learn after the run that the figures cannot be written.
+  if (!json.empty() && !std::ofstream(json, std::ios::app))
+    return fail(Errc::invalid_argument, json + " cannot be written; give another file to --json");
+  Display display;
+  tool::Stop stop;
+  display.status("Setting up the hosts ...");
+  const Result<std::unique_ptr<Stage>> stage = Stage::set_up(options);
+  if (!stage) return tl::unexpected(stage.error());
+  const Result<RunFigures> figures = Demo(options, **stage, stop, display).run();
+  if (!figures) return tl::unexpected(figures.error());
+  display.conclude(*figures);
+  if (json.empty()) return {};
+  std::ofstream file(json);
+  file << to_json(*figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
+  if (file.flush()) return {};
+  return fail(Errc::system, json + " could not be written");
 }
 
 }  // namespace
 
-Result<RunFigures> Demo::run() {
-  return await_readiness()
-      .and_then([this] { return let_it_settle(); })
-      .and_then([this] { return publish(); })
-      .and_then([this] { return await_arrival(); })
-      .map([this] { return figures(last_); });
-}
-
-bool Demo::stop_asked_before(Clock::time_point then) {
-  const bool asked = stop_.wait_for(then - Clock::now());
-  stop_.forget();
-  return asked;
-}
-
-Result<void> Demo::wait_until(Clock::time_point then, const std::string& what) {
-  for (;;) {
-    const auto now = Clock::now();
-    display_.waiting(what, now);
-    if (stop_asked_before(std::min(then, now + between_notices)))
-      return fail(Errc::unavailable, stopped_early);
-    if (now >= then) return {};
-  }
-}
-
-Result<Demo::Snapshot> Demo::look(const Order& order, bool says_so) {
-  const auto waiting = [&](const std::string& name) -> WhileWaiting {
-    if (!says_so) return {};
-    return [this, what = "Waiting until the " + name + " has started"] { return wait_until({}, what); };
-  };
-  Snapshot now;
-  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
-    Result<SubscriberReport> report = stage_.ask(subscriber, waiting(subscriber.name));
-    if (!report) return tl::unexpected(report.error());
-    now.subscribers.push_back(std::move(*report));
-  }
-  // The publisher is asked last, so that it counts all samples that subscribers have received by now.
-  Result<PublisherReport> report = stage_.ask_publisher(order, waiting("lidar"));
-  if (!report) return tl::unexpected(report.error());
-  now.publisher = std::move(*report);
-  now.at = Clock::now();
-  return now;
-}
-
-bool Demo::served_as_wished(const Snapshot& now, std::size_t number, bool any_transport) const {
-  const Stage::Subscriber& subscriber = stage_.subscribers()[number];
-  const ReaderReport* reader = reader_called(now.publisher, subscriber.name);
-  if (reader == nullptr || !reader->served || !now.subscribers[number].matched) return false;
-  return any_transport || !subscriber.local ||
-         (reader->transport == "shm" && now.subscribers[number].transport == "shm");
-}
-
-Error Demo::not_ready(const Snapshot& now) const {
-  std::string text = fmt::format("not everybody was served within {} s:", timeout_for_matching.count());
-  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
-    if (served_as_wished(now, i, true)) continue;
-    const SubscriberReport& report = now.subscribers[i];
-    const std::string& why = report.warning.empty() ? report.reason : report.warning;
-    text +=
-        fmt::format(" {} ({})", stage_.subscribers()[i].name, why.empty() ? "heard of no publisher" : why);
-  }
-  if (!now.publisher.warning.empty()) text += "; the publisher says: " + now.publisher.warning;
-  return {Errc::unavailable, text};
-}
-
-/// Returns the names of the subscribers that are not served yet: "health, localiser".
-std::string Demo::missing(const Snapshot& now, bool any_transport) const {
-  std::string names;
-  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
-    if (served_as_wished(now, i, any_transport)) continue;
-    names += (names.empty() ? "" : ", ") + stage_.subscribers()[i].name;
-  }
-  return names;
-}
-
-void Demo::introduce() const {
-  display_.say(fmt::format("  lidar    publishes clouds of {} x {} points, {:g} a second", Scene::rows,
-                           Scene::columns, options_.hz));
-  for (const Stage::Subscriber& subscriber : stage_.subscribers()) {
-    const std::string host = stage_.real_hosts() ? subscriber.host : subscriber.local ? "shared" : "by UDP";
-    display_.say(fmt::format("  {:<8} {:<9} {}", host, subscriber.name, subscriber.purpose));
-  }
-}
-
-Result<void> Demo::await_readiness() {
-  introduce();
-  const auto start = Clock::now();
-  Result<Snapshot> now = look({}, true);
-  for (;; now = look()) {
-    if (!now) return tl::unexpected(now.error());
-    const auto waited = now->at - start;
-    const bool any_transport = waited > timeout_for_shared_memory;
-    const std::string missing_names = missing(*now, any_transport);
-    if (missing_names.empty()) {
-      display_.say(fmt::format("All {} subscribers found the publisher within {:.1f} s.",
-                               now->subscribers.size(), std::chrono::duration<double>(waited).count()));
-      for (const std::string& line : format_refusals(now->publisher)) display_.say(line);
-      return {};
-    }
-    if (waited > timeout_for_matching) return tl::unexpected(not_ready(*now));
-    const Result<void> waiting = wait_until(now->at + poll_interval, "Not served yet: " + missing_names);
-    if (!waiting) return waiting;
-  }
-}
-
-Result<void> Demo::let_it_settle() {
-  if (!stage_.real_hosts()) return {};
-  return wait_until(Clock::now() + settling, fmt::format("Waiting until discovery is quiet, {} s",
-                                                         std::chrono::floor<seconds>(settling).count()));
-}
-
-Result<void> Demo::publish() {
-  Result<Snapshot> now = look({Order::Kind::publish, options_.hz, options_.samples()});
-  if (!now) return tl::unexpected(now.error());
-  begin_ = std::move(*now);
-  last_ = begin_;
-  while (!last_.publisher.finished) {
-    const bool stop = stop_asked_before(last_.at + refresh);
-    now = look({stop ? Order::Kind::halt : Order::Kind::report});
-    if (!now) return tl::unexpected(now.error());
-    last_ = std::move(*now);
-    display_.show(figures(last_), std::chrono::duration<double>(last_.at - begin_.at).count());
-  }
-  return {};
-}
-
-Result<void> Demo::await_arrival() {
-  const auto deadline = Clock::now() + timeout_for_arrival;
-  for (;;) {
-    Result<Snapshot> now = look();
-    if (!now) return tl::unexpected(now.error());
-    last_ = std::move(*now);
-    bool all_there = true;
-    for (std::size_t i = 0; i < last_.subscribers.size(); ++i) {
-      const SubscriberReport& s = last_.subscribers[i];
-      const std::uint64_t withheld = withheld_from(last_.publisher, stage_.subscribers()[i].name);
-      all_there = all_there && s.received + s.lost + withheld >= last_.publisher.published;
-    }
-    is_over_ = all_there || last_.at > deadline || stop_asked_before(last_.at + poll_interval);
-    if (is_over_) return {};
-  }
-}
-
-RunFigures Demo::figures(const Snapshot& now) const {
-  RunFigures run;
-  run.hz = options_.hz;
-  run.samples = now.publisher.published;
-  run.dropped = now.publisher.dropped;
-  run.hosts = stage_.hosts();
-  for (std::size_t i = 0; i < now.subscribers.size(); ++i) {
-    const Stage::Subscriber& who = stage_.subscribers()[i];
-    const Conditions conditions{options_.arr, stage_.real_hosts(), is_over_,
-                                withheld_from(now.publisher, who.name)};
-    SubscriberFigures subscriber =
-        measure(begin_.subscribers[i], now.subscribers[i], now.publisher.published, conditions);
-    subscriber.name = who.name;
-    subscriber.max_rate_hz = who.max_rate_hz;
-    subscriber.host = stage_.real_hosts() ? who.host : "-";
-    subscriber.full_bytes_per_sample = static_cast<double>(now.publisher.full_bytes);
-    run.subscribers.push_back(std::move(subscriber));
-  }
-  return run;
-}
-
 }  // namespace sft::demo
+
+int main(int argc, char** argv) try {
+  sft::demo::RunOptions options;
+  double seconds = 10;
+  std::string json;
+  CLI::App app("Shows which fields of a lidar's point clouds each subscriber is sent.");
+  app.get_formatter()->column_width(20);
+  app.get_formatter()->label("TEXT", "PATH");
+  app.add_option("--hz", options.hz, "Publish this many clouds per second, 0.1 to 1000")
+      ->capture_default_str()
+      ->type_name("HZ")
+      ->check(CLI::Range(0.1, 1000.0).description(""));
+  app.add_option("--seconds", seconds, "Publish for this many seconds, 0.1 to 86400")
+      ->capture_default_str()
+      ->type_name("S")
+      ->check(CLI::Range(0.1, 86400.0).description(""));
+  app.add_flag("--arr", options.is_recorded,
+               "Record the fields that each subscriber reads, and\ndeclare none");
+  app.add_option("--json", json, "Write the figures to a file");
+  try {
+    app.parse(argc, argv);
+  } catch (const CLI::ParseError& error) {
+    return app.exit(error) == 0 ? 0 : 1;
+  }
+  options.samples = std::max<std::uint64_t>(1, static_cast<std::uint64_t>(options.hz * seconds + 0.5));
+  const sft::Result<void> done = sft::demo::run(options, json);
+  if (!done) std::fprintf(stderr, "sft_demo: %s\n", done.error().message.c_str());
+  return done ? 0 : 1;
+} catch (const std::exception& error) {
+  std::fprintf(stderr, "sft_demo: %s\n", error.what());
+  return 1;
+}

@@ -2,13 +2,9 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <chrono>
 #include <nlohmann/json.hpp>
 
-#include "tools/demo/roles/latency.h"
-#include "tools/demo/screen/figures.h"
-#include "tools/demo/screen/measurement.h"
-#include "tools/demo/screen/report.h"
+#include "tools/demo/figures.h"
 #include "tools/terminal/columns.h"
 #include "tools/terminal/units.h"
 
@@ -20,81 +16,57 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::Not;
 
-SubscriberReport report(std::uint64_t received, std::uint64_t wire, std::uint64_t control) {
-  SubscriberReport r;
-  r.transport = "udp";
-  r.received = received;
-  r.payload_bytes = 12 * received;
-  r.traffic.received = wire;
-  r.traffic.control_received = control;
-  return r;
-}
-
 SubscriberFigures health() {
   SubscriberFigures s;
   s.name = "health";
-  s.host = "monitor";
+  s.metered = true;
   s.transport = "udp";
   s.reason = "another host";
   s.fields = {"height", "width"};
-  s.other_fields = {"header", "fields", "data"};
-  s.received = 100;
-  s.full_bytes_per_sample = 6'291'725;
-  s.payload_bytes_per_sample = 12;
-  s.payload_bytes = 1200;
-  s.wire_bytes_per_sample = 82;
-  s.wire_bytes = 8200;
-  s.learning_bytes = 0;
-  s.latency_p50_us = 120.04;
-  s.latency_p99_us = 310.5;
+  s.counts = {.samples = 100, .payload_bytes = 1200, .wire_bytes = 8200};
+  s.full_bytes = 6'291'725;
+  s.p50_us = 120.04;
+  s.p99_us = 310.5;
   return s;
 }
 
 SubscriberFigures detector() {
   SubscriberFigures s = health();
   s.name = "detector";
-  s.host = "lidar";
   s.transport = "shm";
   s.reason = "same host";
   s.fields = {"header", "height", "width", "fields", "data"};
-  s.other_fields = {};
-  s.wire_bytes_per_sample = 0;
-  s.wire_bytes = 0;
+  s.asks_for_all = true;
+  s.counts.wire_bytes = 0;
   return s;
 }
 
-/// Returns the figures of a subscriber that requests all fields except height, and only every tenth sample.
+/// Returns the figures of a subscriber that requests a part of each tenth sample.
 SubscriberFigures localiser() {
   SubscriberFigures s = health();
   s.name = "localiser";
-  s.host = "nav";
-  s.fields = {"header", "width", "fields", "data"};
-  s.other_fields = {"height"};
+  s.fields = {"data{x,y,z}"};
   s.max_rate_hz = 1;
-  s.received = 10;
   s.withheld = 90;
-  s.payload_bytes_per_sample = 6'291'720;
-  s.payload_bytes = 62'917'200;
-  s.wire_bytes_per_sample = 6'542'152;
-  s.wire_bytes = 65'421'520;
-  s.latency_p50_us = 12'345;
+  s.counts = {.samples = 10, .payload_bytes = 62'917'200, .wire_bytes = 65'421'520};
+  s.p50_us = 12'345;
+  return s;
+}
+
+/// Returns the figures of a subscriber whose first three samples were whole, before its recorded mask had
+/// narrowed.
+SubscriberFigures recorded_health() {
+  SubscriberFigures s = health();
+  s.recorded = true;
+  s.counts = {.samples = 103, .payload_bytes = 30'000'000 + 1200, .wire_bytes = 30'000'000 + 8200};
+  s.learnt = Counts{.samples = 3, .payload_bytes = 30'000'000, .wire_bytes = 30'000'000};
   return s;
 }
 
 RunFigures without_hosts(RunFigures run) {
   run.hosts = 1;
-  for (SubscriberFigures& s : run.subscribers) {
-    s.wire_bytes_per_sample.reset();
-    s.wire_bytes.reset();
-    s.learning_bytes.reset();
-  }
+  for (SubscriberFigures& s : run.subscribers) s.metered = false;
   return run;
-}
-
-std::string joined(const std::vector<std::string>& lines) {
-  std::string text;
-  for (const std::string& line : lines) text += line + "\n";
-  return text;
 }
 
 /// Returns the lines joined by spaces, so that tests can find a sentence that was broken into lines.
@@ -113,80 +85,52 @@ RunFigures run_of(std::vector<SubscriberFigures> subscribers) {
   return run;
 }
 
-TEST(Latency, HasNoPercentilesBeforeTheFirstSample) {
-  EXPECT_EQ(LatencyRecord().percentile_us(0.5), std::nullopt);
-}
-
-TEST(Latency, GivesPercentilesByNearestRank) {
-  LatencyRecord record;
-  for (int i = 100; i >= 1; --i) record.add(std::chrono::microseconds(i));
-  EXPECT_EQ(record.percentile_us(0.50), 50.0);
-  EXPECT_EQ(record.percentile_us(0.99), 99.0);
-  EXPECT_EQ(record.percentile_us(1.0), 100.0);
-  EXPECT_EQ(record.percentile_us(0.0), 1.0);
-}
-
-TEST(Latency, OfOneSampleIsAllPercentiles) {
-  LatencyRecord record;
-  record.add(std::chrono::nanoseconds(1500));
-  EXPECT_EQ(record.percentile_us(0.50), 1.5);
-  EXPECT_EQ(record.percentile_us(0.99), 1.5);
-}
-
-TEST(Measurement, TakesControlTrafficOffWhatTheInterfaceCounted) {
-  const SubscriberFigures s = measure(report(0, 1000, 1000), report(10, 2320, 1500), 10, {.metered = true});
-  EXPECT_EQ(s.wire_bytes_per_sample, 82.0);
-  EXPECT_EQ(s.payload_bytes_per_sample, 12.0);
-  EXPECT_EQ(s.learning_bytes, 0.0);
+TEST(Measurement, CountsFromTheBeginningOfPublishing) {
+  SubscriberFigures s = health();
+  s.begin = {.samples = 90, .payload_bytes = 1080, .wire_bytes = 7380};
+  EXPECT_EQ(s.bytes(), 820.0);
+  EXPECT_EQ(s.bytes_per_sample(), 82.0);
+  EXPECT_EQ(s.learning_bytes(), 0.0);
 }
 
 TEST(Measurement, DividesBySamplesThatArrived) {
-  EXPECT_EQ(measure(report(0, 0, 0), report(0, 500, 0), 10, {.metered = true}).wire_bytes_per_sample,
-            std::nullopt);
+  SubscriberFigures s = health();
+  s.counts.samples = 0;
+  EXPECT_EQ(s.bytes_per_sample(), std::nullopt);
 }
 
 TEST(Measurement, WithoutCountersHasOnlyPayload) {
-  const SubscriberFigures s = measure(report(0, 0, 0), report(10, 0, 0), 10, {.metered = false});
-  EXPECT_EQ(s.wire_bytes_per_sample, std::nullopt);
-  EXPECT_EQ(s.learning_bytes, std::nullopt);
-  EXPECT_EQ(s.payload_bytes_per_sample, 12.0);
+  SubscriberFigures s = health();
+  s.metered = false;
+  EXPECT_EQ(s.bytes_per_sample(), 12.0);
+  EXPECT_EQ(s.learning_bytes(), std::nullopt);
 }
 
 TEST(Measurement, OfARecordedSubscriberKeepsLearningApart) {
-  SubscriberReport now = report(103, 30'000'000 + 8200, 0);
-  now.learning = LearningReport{3, 30'000'000, {.received = 30'000'000}};
-  now.payload_bytes = 30'000'000 + 1200;
-  const SubscriberFigures s = measure(report(0, 0, 0), now, 103, {.recorded = true, .metered = true});
-  EXPECT_EQ(s.learning_bytes, 30'000'000.0);
-  EXPECT_EQ(s.wire_bytes_per_sample, 82.0);
-  EXPECT_EQ(s.payload_bytes_per_sample, 12.0);
+  const SubscriberFigures s = recorded_health();
+  EXPECT_EQ(s.learning_bytes(), 30'000'000.0);
+  EXPECT_EQ(s.bytes_per_sample(), 82.0);
+  EXPECT_EQ(s.bytes(), 30'008'200.0);
 }
 
 TEST(Measurement, OfARecordedSubscriberThatStillLearnsIsAllLearning) {
-  const SubscriberFigures s =
-      measure(report(0, 0, 0), report(2, 2000, 0), 2, {.recorded = true, .metered = true});
-  EXPECT_EQ(s.learning_bytes, 2000.0);
-  EXPECT_EQ(s.wire_bytes_per_sample, 1000.0);
+  SubscriberFigures s = health();
+  s.recorded = true;
+  s.counts = {.samples = 2, .payload_bytes = 24, .wire_bytes = 2000};
+  EXPECT_EQ(s.learning_bytes(), 2000.0);
+  EXPECT_EQ(s.bytes_per_sample(), 1000.0);
 }
 
-TEST(Measurement, CountsTheLastSamplesAsLostOnlyAtTheEnd) {
-  EXPECT_EQ(measure(report(0, 0, 0), report(8, 0, 0), 10, {.is_over = false}).lost, 0U);
-  EXPECT_EQ(measure(report(0, 0, 0), report(8, 0, 0), 10, {.is_over = true}).lost, 2U);
-}
-
-TEST(Measurement, DoesNotCountWhatWasWithheldForALowerRateAsLost) {
-  const SubscriberFigures s =
-      measure(report(0, 0, 0), report(8, 0, 0), 100, {.is_over = true, .withheld = 90});
-  EXPECT_EQ(s.withheld, 90U);
+TEST(Measurement, CountsTheLastSamplesAsLostAtTheEnd) {
+  SubscriberFigures s = health();
+  s.count_missing_as_lost(102);
   EXPECT_EQ(s.lost, 2U);
 }
 
-TEST(Measurement, KeepsWhatCameInAllApartFromWhatASampleTook) {
-  SubscriberReport now = report(103, 30'000'000 + 8200, 0);
-  now.learning = LearningReport{3, 30'000'000, {.received = 30'000'000}};
-  const SubscriberFigures s = measure(report(0, 0, 0), now, 103, {.recorded = true, .metered = true});
-  EXPECT_EQ(s.wire_bytes, 30'008'200.0);
-  EXPECT_EQ(s.wire_bytes_per_sample, 82.0);
+TEST(Measurement, DoesNotCountWhatWasWithheldForALowerRateAsLost) {
+  SubscriberFigures s = localiser();
+  s.count_missing_as_lost(102);
+  EXPECT_EQ(s.lost, 2U);
 }
 
 TEST(Json, HasExactlyTheseKeysInThisOrder) {
@@ -228,8 +172,8 @@ TEST(Json, HasTheFigures) {
 
 TEST(Json, HasNullForWhatWasNotMeasured) {
   SubscriberFigures s = health();
-  s.wire_bytes_per_sample.reset();
-  s.latency_p50_us.reset();
+  s.metered = false;
+  s.p50_us.reset();
   const nlohmann::ordered_json json = to_json(run_of({s}));
   EXPECT_TRUE(json["subscribers"][0]["wire_bytes_per_sample"].is_null());
   EXPECT_TRUE(json["subscribers"][0]["latency_us"]["p50"].is_null());
@@ -248,19 +192,14 @@ TEST(Text, HasUnitsThatPeopleRead) {
   EXPECT_EQ(tool::grouped_count_text(6'291'725), "6,291,725");
 }
 
-TEST(Text, NamesFieldsTheShorterWayAndARateBehindThem) {
+TEST(Text, NamesFieldsAndARateBehindThem) {
   SubscriberFigures s;
   EXPECT_EQ(format_request(s), "none");
-  s.fields = {"height", "width"};
-  EXPECT_EQ(format_request(s), "all");
-  s.other_fields = {"header", "data", "fields"};
-  EXPECT_EQ(format_request(s), "height, width");
-  s.other_fields = {"data"};
+  s.fields = {"height", "data{x,y,z}[::2]"};
+  EXPECT_EQ(format_request(s), "height, data{x,y,z}[::2]");
+  s.asks_for_all = true;
   s.max_rate_hz = 0.5;
-  EXPECT_EQ(format_request(s), "all but data, 0.5 Hz");
-  s.fields = {"header", "data{x,y,z}[::2]"};
-  s.other_fields = {"is_dense"};
-  EXPECT_EQ(format_request(s), "header, data{x,y,z}[::2], 0.5 Hz") << "a part is not the whole field";
+  EXPECT_EQ(format_request(s), "all, 0.5 Hz");
 }
 
 TEST(Text, BreaksAtSpacesSoThatNoLineIsTooLong) {
@@ -281,21 +220,21 @@ TEST(Table, HasALineForEachSubscriber) {
   ASSERT_EQ(table.size(), 4U);
   EXPECT_THAT(table[1],
               AllOf(HasSubstr("health    height, width"), HasSubstr("82 B"), HasSubstr("99.9986 %")));
-  EXPECT_THAT(table[2], AllOf(HasSubstr("all but height, 1 Hz"), HasSubstr("6.54 MB"), HasSubstr("89.6 %")));
+  EXPECT_THAT(table[2],
+              AllOf(HasSubstr("data{x,y,z}, 1 Hz"), HasSubstr("6.54 MB"), HasSubstr("89.6 %")));
   EXPECT_THAT(table[3], AllOf(HasSubstr("detector"), HasSubstr("shm"), HasSubstr("0 B"), HasSubstr("all")));
 }
 
 TEST(Table, DoesNotPraiseSavingsThatAreNone) {
   SubscriberFigures s = health();
-  s.wire_bytes_per_sample = 6'542'152;  // the bytes of the headers exceed those of the missing field
+  s.counts.wire_bytes = 654'215'200;  // the bytes of the headers exceed those of the missing field
   EXPECT_THAT(format_table(run_of({s}))[1], AllOf(HasSubstr("nothing"), Not(HasSubstr("%"))));
 }
 
 TEST(Table, HasNoFiguresOfWhatNobodyHasReceived) {
   SubscriberFigures s = health();
-  s.received = 0;
-  s.wire_bytes_per_sample.reset();
-  s.latency_p50_us.reset();
+  s.counts = {};
+  s.p50_us.reset();
   EXPECT_THAT(format_table(run_of({s}))[1], Not(HasSubstr("%")));
 }
 
@@ -307,7 +246,7 @@ TEST(Summary, BeginsWithWhatWasCarriedInsteadOfWhat) {
 TEST(Summary, SaysFirstOfAllThatSomethingWasLostOrNothingSaved) {
   SubscriberFigures s = health();
   s.lost = 1234;
-  s.wire_bytes = 700'000'000;
+  s.counts.wire_bytes = 700'000'000;
   EXPECT_EQ(format_summary(run_of({s}))[0], "The network carried 700.00 MB: nothing saved; 1,234 lost.");
   RunFigures stopped = run_of({health()});
   stopped.samples = 0;
@@ -322,18 +261,8 @@ TEST(Summary, TellsWhatWasPublishedAndHowItWasMeasured) {
 }
 
 TEST(Summary, OfRecordedFieldsTellsWhatLearningTook) {
-  SubscriberFigures s = health();
-  s.recorded = true;
-  s.learning_bytes = 18'900'000;
-  EXPECT_THAT(unwrapped(format_summary(run_of({s}))),
-              AllOf(HasSubstr("seen to read"), HasSubstr("took 18.90 MB of the bytes")));
-}
-
-TEST(Summary, TellsWhoLostWhat) {
-  SubscriberFigures s = health();
-  s.lost = 3;
-  s.incomplete = 1;
-  EXPECT_THAT(joined(format_summary(run_of({s}))), HasSubstr("health lost 3 of 100 (1 came in part)"));
+  EXPECT_THAT(unwrapped(format_summary(run_of({recorded_health()}))),
+              AllOf(HasSubstr("seen to read"), HasSubstr("took 30.00 MB of the bytes")));
 }
 
 TEST(Summary, SaysPlainlyThatThereWereNoHosts) {
@@ -347,16 +276,12 @@ RunFigures long_run() {
   SubscriberFigures s = localiser();
   s.name = "dashboard";
   s.recorded = true;
-  s.learning_bytes = 123'450'000;
   s.fields = {"fields[].name", "fields[].offset", "point_step", "data"};
-  s.other_fields = {"header", "height", "width", "is_dense", "row_step", "is_bigendian"};
-  s.received = 864'000;
+  s.counts.samples = 864'000;
   s.lost = 1'234;
-  s.incomplete = 56;
-  s.latency_p50_us = 123'456;
+  s.p50_us = 123'456;
   RunFigures run = run_of({s, s, s, s, detector()});
   run.samples = 864'000;
-  run.dropped = 77;
   run.hosts = 5;
   return run;
 }

@@ -153,7 +153,7 @@ class Screen {
     auto from = text.cbegin();
     for (std::sregex_iterator it(text.begin(), text.end(), control), end; it != end; ++it) {
       print(std::string(from, (*it)[0].first));
-      if (*(*it)[2].first == 'A') rows_.resize(rows_.size() - 1 - std::stoul((*it)[1])), rows_.emplace_back();
+      if (*(*it)[2].first == 'K') rows_.back().clear();
       colours_ = colours_ || *(*it)[2].first == 'm';
       from = (*it)[0].second;
     }

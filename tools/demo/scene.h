@@ -1,13 +1,17 @@
-// A generated yard as a spinning lidar sees it: the ground, and a wall around it that moves. Every call with
-// the same time gives the same bytes.
+// A generated yard as a spinning lidar sees it: the ground, and a wall around it that moves. The same time
+// always gives the same bytes.
 #pragma once
 
 #include <cstddef>
 #include <cstdint>
+#include <sensor_msgs/msg/PointCloud2.hpp>
 #include <span>
-#include <vector>
+
+#include "sft/publisher.h"
 
 namespace sft::demo {
+
+using sensor_msgs::msg::PointCloud2;
 
 /// A point in the layout of Ouster's ROS driver.
 struct LidarPoint {
@@ -36,14 +40,14 @@ class Scene {
   Scene();
 
   /// Writes the scan at that time into `cloud`, row by row. REQUIRES: cloud.size() == bytes.
-  void render(double seconds, std::span<std::uint8_t> cloud) const;
+  static void render(double seconds, std::span<std::uint8_t> cloud);
+  /// Publishes the scan at that time.
+  Result<PublishStatus> publish(Publisher<PointCloud2>& publisher, double seconds) const;
+  /// Returns the bytes of the encapsulation and the body of a whole message.
+  std::uint64_t full_bytes() const;
 
  private:
-  struct Direction {
-    float cosine = 1, sine = 0;
-  };
-  std::vector<Direction> elevations_;  // of the rows
-  std::vector<Direction> azimuths_;    // of the columns
+  PointCloud2 layout_;  // all but the points
 };
 
 }  // namespace sft::demo

@@ -1,4 +1,4 @@
-#include "tools/demo/roles/traffic.h"
+#include "tools/demo/traffic.h"
 
 #include <linux/if_ether.h>
 #include <linux/if_packet.h>
@@ -62,31 +62,25 @@ void TrafficMeter::count_control() {
     if (bytes < 0 && errno == EINTR) continue;
     if (bytes < 0) return;
     // PACKET_LOOPBACK marks this host's own copy of a multicast, which never was on the interface.
-    if (from.sll_pkttype <= PACKET_OTHERHOST) control_received_ += static_cast<std::uint64_t>(bytes);
+    if (from.sll_pkttype <= PACKET_OTHERHOST) control_bytes_ += static_cast<std::uint64_t>(bytes);
   }
 }
 
 /// The interface counts a frame a moment before the packet socket receives it. So both are read again until
 /// no frame has come in between. If frames come all the time, one more or less does not matter.
-Traffic TrafficMeter::read() {
+std::int64_t TrafficMeter::data_bytes() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};
-  const auto counters = [this] { return interface_bytes(interface_).value_or(InterfaceBytes{}); };
-  Traffic traffic;
-  InterfaceBytes bytes = counters();
+  const core::Lock lock(mutex_);
+  std::uint64_t received = 0;
   for (int tries = 0; tries < tries_max; ++tries) {
+    const auto now = hosts::interface_bytes(interface_).value_or(InterfaceBytes{}).received;
+    if (tries > 0 && now == received) break;
+    received = now;
     std::this_thread::sleep_for(moment);
-    {
-      const core::Lock lock(mutex_);
-      count_control();
-      traffic.control_received = control_received_;
-    }
-    const InterfaceBytes now = counters();
-    const bool is_quiet = now == std::exchange(bytes, now);
-    if (is_quiet) break;
+    count_control();
   }
-  traffic.received = bytes.received;
-  return traffic;
+  return static_cast<std::int64_t>(received - control_bytes_);
 }
 
 }  // namespace sft::demo

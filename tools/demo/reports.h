@@ -1,0 +1,58 @@
+// What the processes of the demo report when they are asked.
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "tools/demo/channel.h"
+
+namespace sft::demo {
+
+/// What a subscriber has received until a moment.
+struct Counts {
+  std::uint64_t samples = 0;
+  std::uint64_t payload_bytes = 0;
+  std::int64_t wire_bytes = 0;  ///< of the interface, without control traffic; 0 if it is not measured
+};
+
+struct SubscriberReport {
+  bool matched = false;
+  std::string transport;            ///< "shm" or "udp"
+  std::string reason;               ///< why this transport is used
+  std::vector<std::string> fields;  ///< the fields that the subscriber asks for at present
+  bool asks_for_all = false;
+  Counts counts;
+  std::optional<Counts> learnt;  ///< those of the moment when a recorded mask had narrowed
+  std::uint64_t lost = 0;
+  std::optional<double> p50_us;
+  std::optional<double> p99_us;
+};
+
+/// A subscriber as the publisher sees it.
+struct ReaderReport {
+  std::string node;
+  bool served = false;
+  std::string transport;
+  std::uint64_t withheld = 0;  ///< samples that were not sent, since the reader asks for a lower rate
+};
+
+struct PublisherReport {
+  std::uint64_t published = 0;
+  std::uint64_t full_bytes = 0;  ///< encapsulation and body of a whole message
+  bool finished = false;         ///< nothing remains to be published
+  std::vector<ReaderReport> readers;
+  std::string udp;  ///< NodeStatus::udp
+  std::string shm;  ///< NodeStatus::shm
+  bool shm_ready = false;
+};
+
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(Counts, samples, payload_bytes, wire_bytes)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(SubscriberReport, matched, transport, reason, fields, asks_for_all, counts,
+                                   learnt, lost, p50_us, p99_us)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(ReaderReport, node, served, transport, withheld)
+NLOHMANN_DEFINE_TYPE_NON_INTRUSIVE(PublisherReport, published, full_bytes, finished, readers, udp, shm,
+                                   shm_ready)
+
+}  // namespace sft::demo

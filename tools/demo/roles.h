@@ -1,0 +1,41 @@
+// The roles of the demo, each in a process of its own: a lidar publishes, and five subscribers read what they
+// need of its clouds. A role answers each message of the demo with its report until the channel closes.
+#pragma once
+
+#include <array>
+#include <optional>
+#include <string>
+
+#include "sft/node.h"
+#include "tools/demo/channel.h"
+
+namespace sft::demo {
+
+struct RunOptions {
+  double hz = 10;
+  std::uint64_t samples = 0;
+  bool is_recorded = false;  ///< subscribers record their fields, and declare none
+};
+
+struct RolePlan {
+  std::string name;
+  std::uint32_t domain = 0;
+  TransportChoice transport = TransportChoice::automatic;
+  std::optional<std::string> interface {};  ///< its traffic is measured; empty: nothing is measured
+  double max_rate_hz = 0;                   ///< of a subscriber; 0: all clouds
+  RunOptions options{};
+};
+
+/// Publishes from the message "begin" to the last sample, or to the message "end".
+void run_publisher(const RolePlan& plan, Channel& channel);
+
+struct SubscriberRole {
+  const char* name;
+  const char* host;
+  const char* purpose;
+  double max_rate_hz;
+  void (*run)(const RolePlan& plan, Channel& channel);
+};
+extern const std::array<SubscriberRole, 5> subscriber_roles;  ///< the last one is on the publisher's host
+
+}  // namespace sft::demo
