@@ -20,6 +20,7 @@ ALL = [
     Benchmark("selection", 50, 20, ["--rounds", "20", "--host-rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1", "--idle-seconds", "2"]),
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
+    Benchmark("tools", 120, 45, ["--rounds", "1", "--seconds", "1"]),
     Benchmark("udp", 430, 200, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
     Benchmark("many", 1500, 190, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),
