@@ -20,6 +20,7 @@ ALL = [
     Benchmark("selection", 50, 20, ["--rounds", "20", "--host-rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1"]),
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
+    Benchmark("tools", 120, 45, ["--rounds", "1", "--seconds", "1"]),
     Benchmark("udp", 240, 100, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
     Benchmark("many", 1200, 100, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),

@@ -1,5 +1,6 @@
 """Values of Python in messages: what fits arrives, what does not is refused by its path, and messages are values."""
 
+import ast
 import copy
 import pickle
 import time
@@ -9,6 +10,7 @@ import pytest
 
 import sft
 from conftest import HANG_S, cloud
+from sft.stubs import stubs
 
 EVERY = """
 bool yes
@@ -217,3 +219,18 @@ def test_errors_have_the_texts_of_the_library(node):
     assert subscriber.take() is None
     with pytest.raises(AttributeError, match="did you mean 'width'"):
         sft.find_type("sensor_msgs/PointCloud2")().widht = 3
+
+
+def test_stubs_declare_fields_with_their_shapes_and_units(every):
+    other = sft.type_from_msg("other/Inner", "float64 speed  # [m/s]\nfloat32 lambda")
+    text = stubs([every, other, every])
+    ast.parse(text)
+    lines = text.splitlines()
+    assert [line for line in lines if line.startswith("class")] == [
+        "class Every(sft.Sample):", "class Inner(sft.View):", "class other_Inner(sft.Sample):"]
+    for line in ("yes: bool", "small: int", "single: float", "text: str", "triple: NDArray[np.float64]  # 3 elements",
+                 "flags: NDArray[np.bool_]", "few: NDArray[np.int16]  # at most 3", "names: tuple[str, ...]",
+                 "inner: Inner", "inners: tuple[Inner, ...]", "two: tuple[Inner, ...]  # 2 elements",
+                 "speed: float  # [m/s]"):
+        assert "    " + line in lines
+    assert not any("lambda" in line for line in lines), "no class can declare a field of this name"

@@ -1,5 +1,6 @@
 // `sft bag estimate`: the bytes of a recording by topic and field, and what selections would have saved.
 #include <fmt/format.h>
+#include <fmt/ranges.h>
 
 #include <algorithm>
 #include <fstream>
@@ -44,7 +45,7 @@ class Estimate {
   /// The topics; once all is counted, the largest first.
   const std::vector<EstimatedTopic>& topics() const { return topics_; }
   std::vector<std::string> faults() const { return {faults_.begin(), faults_.end()}; }
-  std::uint64_t bytes(std::uint64_t (TopicEstimate::*of)() const) const {
+  std::uint64_t sum(std::uint64_t (TopicEstimate::*of)() const) const {
     std::uint64_t sum = 0;
     for (const EstimatedTopic& topic : topics_) sum += (*topic.estimate.*of)();
     return sum;
@@ -106,9 +107,21 @@ double share(std::uint64_t part, std::uint64_t whole) {
   return whole == 0 ? 0 : static_cast<double>(part) / static_cast<double>(whole);
 }
 
+/// Says what the selections save of all topics, or why that cannot be said.
+std::string sum_text(const Estimate& estimate) {
+  const std::uint64_t bytes = estimate.sum(&TopicEstimate::bytes);
+  const std::uint64_t selected = estimate.sum(&TopicEstimate::selected_bytes);
+  const bool has_samples = estimate.sum(&TopicEstimate::samples) > 0;
+  if (!has_samples && estimate.faults().empty()) return "nothing to estimate: the recording has no messages";
+  if (!has_samples)
+    return fmt::format("nothing to estimate, since no message could be read: {}",
+                       fmt::join(estimate.faults(), "; "));
+  return fmt::format("all: {}; with the selections {}, {:.1f} % less", bytes_text(static_cast<double>(bytes)),
+                     bytes_text(static_cast<double>(selected)), percent * share(bytes - selected, bytes));
+}
+
 void print_text(const Estimate& estimate, Output& output) {
-  const std::uint64_t bytes = estimate.bytes(&TopicEstimate::bytes);
-  const std::uint64_t selected = estimate.bytes(&TopicEstimate::selected_bytes);
+  const std::uint64_t bytes = estimate.sum(&TopicEstimate::bytes);
   for (const EstimatedTopic& topic : estimate.topics()) {
     const TopicEstimate& one = *topic.estimate;
     output.line(output.colored(
@@ -128,9 +141,7 @@ void print_text(const Estimate& estimate, Output& output) {
                               percent * share(field.bytes, one.bytes()), field.path));
     }
   }
-  output.line(fmt::format("all: {}; with the selections {}, {:.1f} % less",
-                          bytes_text(static_cast<double>(bytes)), bytes_text(static_cast<double>(selected)),
-                          percent * (1 - share(selected, bytes))));
+  output.line(printable(sum_text(estimate)));
 }
 
 EstimateJson to_json(const Estimate& estimate) {
@@ -148,8 +159,8 @@ EstimateJson to_json(const Estimate& estimate) {
                       {"selected_bytes", one.selected_bytes()},
                       {"fields", std::move(fields)}});
   }
-  return {{"bytes", estimate.bytes(&TopicEstimate::bytes)},
-          {"selected_bytes", estimate.bytes(&TopicEstimate::selected_bytes)},
+  return {{"bytes", estimate.sum(&TopicEstimate::bytes)},
+          {"selected_bytes", estimate.sum(&TopicEstimate::selected_bytes)},
           {"topics", std::move(topics)},
           {"faults", estimate.faults()}};
 }
@@ -180,8 +191,6 @@ std::string bar(const std::string& name, std::uint64_t bytes, std::uint64_t sele
 }
 
 std::string to_page(const Estimate& estimate, const std::string& title) {
-  const std::uint64_t bytes = estimate.bytes(&TopicEstimate::bytes);
-  const std::uint64_t selected = estimate.bytes(&TopicEstimate::selected_bytes);
   std::uint64_t most = 0;
   for (const EstimatedTopic& topic : estimate.topics()) most = std::max(most, topic.estimate->bytes());
   std::string page = fmt::format(
@@ -190,10 +199,8 @@ std::string to_page(const Estimate& estimate, const std::string& title) {
       "sans-serif;margin:2em;max-width:70em}}table{{width:100%;border-collapse:collapse}}"
       "td{{padding:2px 8px}}td:last-child{{width:60%}}.n{{text-align:right;white-space:nowrap}}"
       ".all{{background:#cbd5e1;height:14px}}.some{{background:#2563eb;height:14px}}</style>\n"
-      "<h1>{0}</h1>\n<p>All topics have {1}. With the selections {2} would have been sent: {3:.1f} % less. "
-      "Grey is what was recorded, blue what the selections need.</p>\n<table>\n",
-      escaped(title), bytes_text(static_cast<double>(bytes)), bytes_text(static_cast<double>(selected)),
-      percent * (1 - share(selected, bytes)));
+      "<h1>{0}</h1>\n<p>{1}. Grey is what was recorded, blue what the selections need.</p>\n<table>\n",
+      escaped(title), escaped(sum_text(estimate)));
   for (const EstimatedTopic& topic : estimate.topics())
     page += bar(topic.topic, topic.estimate->bytes(), topic.estimate->selected_bytes(), most);
   page += "</table>\n";
@@ -236,7 +243,9 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     output.document(to_json(estimate));
   else
     print_text(estimate, output);
-  for (const std::string& fault : estimate.faults()) complain(printable(fault));
+  const bool is_told = !common.json && estimate.sum(&TopicEstimate::samples) == 0;
+  if (!is_told)
+    for (const std::string& fault : estimate.faults()) complain(printable(fault));
   for (const TopicSelection& one : like) {
     if (std::ranges::find(estimate.topics(), one.topic, &EstimatedTopic::topic) == estimate.topics().end())
       complain(printable(fmt::format("The recording has no topic '{}'.", one.topic)));
@@ -249,7 +258,7 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
       return ExitCode::failed;
     }
   }
-  return estimate.topics().empty() ? ExitCode::nothing : ExitCode::done;
+  return estimate.sum(&TopicEstimate::samples) == 0 ? ExitCode::nothing : ExitCode::done;
 }
 
 }  // namespace sft::tool

@@ -29,6 +29,8 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto late_most = 20ms;    // what is later than this is not made up for: all topics slow down
+constexpr auto told_behind = 1s;    // what is behind by more is told at once
+constexpr auto blocking_most = 1s;  // for which a sample waits for reliable subscribers that do not keep up
 constexpr auto last_pause = 200ms;  // time for the last sample to be received before the node closes
 constexpr double ns_of_s = 1e9;
 constexpr double most_ns = 1e17;         // three years: later messages are not waited for
@@ -147,7 +149,8 @@ void Player::add_channel(std::size_t file, const recording::Channel& channel) {
     const bool is_retained = qos.durability == transient_local;
     const PublisherOptions offer{.reliability = qos.reliability,
                                  .durability = qos.durability,
-                                 .history_depth = is_retained ? qos.history_depth : 1};
+                                 .history_depth = is_retained ? qos.history_depth : 1,
+                                 .max_blocking = qos.reliability == reliable ? blocking_most : 0s};
     Result<DynamicPublisher> publisher = session_.node().publisher("/" + new_name(topic), *type, offer);
     if (!publisher) return left_out(publisher.error().message);
     known = channels_
@@ -328,7 +331,9 @@ bool Player::play_once(std::uint64_t from_ns) {
     const auto late = Clock::now() - (begin_ + offset);
     if (late > late_most) {
       begin_ += late;
+      const bool was_told = behind_ > told_behind;
       behind_ += late;
+      if (!was_told && behind_ > told_behind) complain("It cannot keep up: all topics slow down.");
     }
     publish(*message);
     reached_ns = time_ns;

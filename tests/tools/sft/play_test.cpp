@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <fstream>
 #include <memory>
+#include <numeric>
 #include <std_msgs/msg/UInt32.hpp>
 
 #include "sft/json.h"
@@ -33,7 +34,8 @@ class PlayTest : public ToolTest {
     std::uint32_t number;
     std::uint16_t channel = 1;
   };
-  /// Writes a file with the topics `numbers`, best effort, and `map`, of which two samples are retained.
+  /// Writes a file with the topics `numbers`, best effort, `map`, of which two samples are retained, and
+  /// `steps`, reliable.
   std::string write(const std::vector<Timed>& messages, const std::string& name = "run.mcap") const {
     auto writer = recording::McapWriter::create(path(name), {}).value();
     writer.declare({.id = 1, .name = "std_msgs/msg/UInt32", .encoding = "ros2msg", .data = "uint32 data\n"});
@@ -43,6 +45,11 @@ class PlayTest : public ToolTest {
                     .schema = 1,
                     .topic = "/map",
                     .metadata = {{"offered_qos_profiles", recording::to_profile(kept)}}});
+    writer.declare(
+        {.id = 3,
+         .schema = 1,
+         .topic = "/steps",
+         .metadata = {{"offered_qos_profiles", recording::to_profile(Qos{.reliability = reliable})}}});
     for (const Timed& one : messages) {
       std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
       std::memcpy(cdr.data() + 4, &one.number, 4);
@@ -186,6 +193,48 @@ TEST_F(PlayTest, ATerminalIsReadByKeysAndLeftAsItWas) {
   process.send(SIGTERM);
   EXPECT_EQ(process.end().code, 0);
   EXPECT_TRUE(process.echoes());
+}
+
+TEST_F(PlayTest, TheSpaceBarPausesAndGoesOn) {
+  const std::string file = write({{0, 1}, {1000, 2}});
+  auto numbers = listen("numbers", {.depth = 100});
+  ToolProcess process({"play", file, "-w"}, ToolProcess::On::terminal);
+  Heard heard;
+  hear(numbers, 1, heard);
+  process.press(" ");
+  EXPECT_FALSE(numbers.wait(2s)) << "the second number comes only after the pause";
+  process.press(" ");
+  hear(numbers, 2, heard);
+  EXPECT_EQ(heard.numbers, (std::vector<std::uint32_t>{1, 2}));
+  const Ended ended = process.end();
+  EXPECT_EQ(ended.code, 0);
+  EXPECT_THAT(ended.err, HasSubstr("Paused; the space bar goes on."));
+}
+
+TEST_F(PlayTest, AReliableSubscriberThatDoesNotKeepUpSlowsAllTopics) {
+  constexpr std::uint32_t count = 10'000;  // more than UDP buffers (udp::ResendLimits: 4096)
+  std::vector<Timed> messages;
+  for (std::uint32_t i = 1; i <= count; ++i) messages.push_back({i / 10, i, 3});
+  messages.push_back({count / 10, 99});
+  const std::string file = write(messages);
+  auto steps = listen("steps", {.reliability = reliable, .depth = 4});
+  auto numbers = listen("numbers");
+  std::vector<std::uint32_t> taken;
+  bool number_came = false;
+  ToolProcess process({"play", file, "-w"});
+  // The recording has a sample each 100 us.
+  for (Pace pace(500us); !number_came && steps.wait(hang_timeout); pace.await_turn()) {
+    number_came = !!numbers.take();
+    if (const auto sample = steps.take()) taken.push_back(sample->data());
+  }
+  std::vector<std::uint32_t> all(taken.size());
+  std::iota(all.begin(), all.end(), 1U);
+  EXPECT_EQ(taken, all) << "nothing was lost";
+  EXPECT_TRUE(number_came);
+  EXPECT_GT(taken.size(), count / 2) << "the other topic has to slow down, too";
+  const Ended ended = process.end();
+  EXPECT_THAT(ended.err, HasSubstr("It cannot keep up: all topics slow down."));
+  EXPECT_THAT(ended.err, HasSubstr("It was late by"));
 }
 
 TEST_F(PlayTest, ASubscriberOfAnotherTypeIsNamed) {
@@ -344,6 +393,25 @@ TEST_F(BagTest, RepairKeepsAllButTheDamagedChunkAndNamesIt) {
   EXPECT_EQ(json["attachments"]["a"], 2);
   const std::string python = "python3 " SFT_READ_MCAP " '" + path("good.mcap") + "' >/dev/null";
   EXPECT_EQ(std::system(python.c_str()), 0) << "an independent reader reads all of it";
+}
+
+TEST_F(BagTest, EstimateSaysWhyNothingCanBeEstimated) {
+  const auto make = [&](const char* name, const char* definition) {
+    auto writer = recording::McapWriter::create(path(name), {}).value();
+    writer.declare({.id = 1, .name = "my_msgs/msg/Odd", .encoding = "ros2msg", .data = definition});
+    writer.declare({.id = 1, .schema = 1, .topic = "/odd"});
+    const std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
+    const recording::Message message{.channel = 1, .log_ns = begin_ns, .publish_ns = begin_ns, .data = cdr};
+    EXPECT_TRUE(*definition == '\0' || writer.write(message));
+    EXPECT_TRUE(writer.close());
+    return path(name);
+  };
+  const Ended unknown = run_tool({"bag", "estimate", make("odd.mcap", "my_msgs/Unknown part\n")});
+  EXPECT_EQ(unknown.code, 1);
+  EXPECT_THAT(unknown.out, StartsWith("nothing to estimate, since no message could be read: topic 'odd'"));
+  const Ended empty = run_tool({"bag", "estimate", make("empty.mcap", "")});
+  EXPECT_EQ(empty.code, 1);
+  EXPECT_EQ(empty.out, "nothing to estimate: the recording has no messages\n");
 }
 
 TEST_F(BagTest, EstimateSaysWhatSelectionsSaveAsTextJsonAndPage) {
