@@ -11,7 +11,8 @@ using namespace std::chrono_literals;
 class OwnReportsTest : public LocalEndpointTest {
  protected:
   LocalEndpoints ours;
-  Reports reports{negotiation, ours, discovery};
+  VanillaAccess vanilla{{}, log};
+  Reports reports{negotiation, ours, discovery, vanilla};
 };
 
 TEST_F(OwnReportsTest, AreDueAgainOnlyAfterAPause) {
