@@ -14,7 +14,8 @@ int main(int argc, char** argv) {
                    {"small", [&] { return small(scale); }},
                    {"cold_path", [&] { return cold_path(scale); }},
                    {"rate", [&] { return rate(scale); }},
-                   {"wire_overhead", [&] { return wire_overhead(scale); }}});
+                   {"wire_overhead", [&] { return wire_overhead(scale); }},
+                   {"diagnostic", [] { return diagnostic_bytes(); }}});
   program.options()
       .add_option("--messages", scale.messages, "messages of 64 bytes per round and contender")
       ->check(CLI::Range(std::size_t{100}, Exchange::samples_max));

@@ -93,13 +93,13 @@ LinkCare::Due LinkCare::look(Time now) {
 
 /// Returns the announcement that is due on the link. Requests of other participants are answered no more
 /// often than heartbeats are sent. A participant that sends heartbeats, but was not found, is asked to
-/// announce itself with pauses that grow only a little, because the question and its answer may be lost.
+/// announce itself with growing pauses.
 std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
   if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return std::nullopt;
   const bool asks = std::exchange(link.has_unknown, false);
   link.was_asked = false;
   const auto longer = asks ? 2 * link.announce_pause : timing_.heartbeat_every;
-  link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.late);
+  link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
   link.announce_at = now + link.announce_pause;
   return Announcement{id, asks};
 }
