@@ -19,13 +19,18 @@ namespace {
 
 constexpr Timing usual_times;
 
-/// The settings that SFT requires, whatever the user's configuration says. Cyclone and SFT cannot both use
-/// the one iceoryx runtime of a process. Nodes of one host find each other by multicast loopback. Each
-/// participant needs a pair of sockets.
-constexpr std::string_view required = R"(<SharedMemory><Enable>false</></><General>
-<EnableMulticastLoopback>true</></><Compatibility><ManySocketsMode>single</></>)";
-/// Without multicast, nodes are searched at the ports that DDS derives from the index.
-constexpr std::string_view predictable_port = "<Discovery><ParticipantIndex>auto</></>";
+/// A setting that SFT requires, whatever the user's configuration says.
+struct Required {
+  std::string_view section, name, value, why;
+};
+constexpr std::array required{
+    Required{"SharedMemory", "Enable", "false",
+             "Cyclone DDS and SFT cannot both use the one iceoryx runtime of a process"},
+    Required{"General", "EnableMulticastLoopback", "true", "nodes of one host would not find each other"},
+    Required{"Compatibility", "ManySocketsMode", "single", "nodes could not be reached"}};
+constexpr Required predictable_port{
+    "Discovery", "ParticipantIndex", "auto",
+    "without multicast, nodes are looked for at the ports that DDS derives from the index"};
 
 constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
 
@@ -74,6 +79,17 @@ std::vector<std::string> split(const std::string& text) {
   std::vector<std::string> parts;
   for (const auto part : std::views::split(text, ',')) parts.emplace_back(part.begin(), part.end());
   return parts;
+}
+
+/// Returns the required setting as XML, and names a value of the user that does not hold.
+std::string insist_on(const Required& setting, const CycloneSettings& user,
+                      std::vector<std::string>& warnings) {
+  const std::string path = std::string(setting.section) + "/" + std::string(setting.name);
+  if (const auto value = user.value(path); value && !equals(*value, setting.value)) {
+    warnings.push_back(path + " is '" + std::string(setting.value) + "', not '" + *value +
+                       "' as CYCLONEDDS_URI says: " + std::string(setting.why));
+  }
+  return element(setting.section, element(setting.name, setting.value));
 }
 
 std::string loopback_ports(bool finds_by_unicast) {
@@ -233,12 +249,15 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   config.text_has_user_peers = !has_name(config.user_peers);
   config.interfaces = chosen_interfaces(*user, settings);
   const bool has_no_port = equals(user->value("Discovery/ParticipantIndex").value_or(""), "none");
-  const std::string insisted(has_no_port && !config.found_by_multicast ? predictable_port : "");
   config.warnings = remarks_on(config, settings, *user, has_peers);
+  std::string insisted;
+  for (const Required& setting : required) insisted += insist_on(setting, *user, config.warnings);
+  if (has_no_port && !config.found_by_multicast)
+    insisted += insist_on(predictable_port, *user, config.warnings);
   // A later setting overrides an earlier one.
   const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
   config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
-                (users.empty() ? "" : users + ",") + document(std::string(required) + insisted);
+                (users.empty() ? "" : users + ",") + document(insisted);
   return config;
 }
 

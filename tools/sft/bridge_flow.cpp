@@ -15,7 +15,6 @@ namespace {
 using namespace std::chrono_literals;
 using Verdict = BridgeClaims::Verdict;
 
-constexpr const char* dds_node_prefix = "DDS ";      // of the names of nodes that know nothing of SFT
 constexpr std::uint32_t bridge_retained_most = 128;  // PublisherOptions::history_depth
 constexpr std::uint32_t retained_if_unknown = 16;  // of writers that do not tell how many samples they retain
 constexpr std::uint32_t depth_of_bridge = 128;
@@ -82,7 +81,7 @@ Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
 
 void BridgeFlow::find_sources(const BridgeEnd& from, Time now) {
   for (const DomainSnapshot::Endpoint& publisher : from.domain.publishers) {
-    const bool is_dds = publisher.node.starts_with(dds_node_prefix);
+    const bool is_dds = publisher.dds.has_value();
     const bool has_type = is_dds ? publisher.type_name == type_.name() : publisher.type_hash == type_.hash();
     if (publisher.is_own || !has_type || publisher.topic != topic_) continue;
     Source& source = sources_[publisher.id];

@@ -82,7 +82,7 @@ struct DomainSnapshot {
   /// In the order of the publishers, then of the subscribers. Pairs with an endpoint of DDS are the last
   /// ones; there is none of two such endpoints.
   std::vector<Pair> pairs;
-  std::vector<DdsNode> dds_nodes{};  ///< all DDS participants that know nothing of SFT
+  std::vector<DdsNode> dds_nodes;  ///< all DDS participants that know nothing of SFT
 };
 
 /// What DDS tells of an endpoint that knows nothing of SFT.
@@ -115,7 +115,8 @@ struct DomainSnapshot::Progress {
 struct DomainSnapshot::Endpoint {
   std::uint64_t id = 0;       ///< random; a new one each time that an endpoint is opened
   std::uint64_t node_id = 0;  ///< a number that differs between nodes, even if their names are equal
-  /// The name of the endpoint's node. For an endpoint of DDS, "DDS" and the GUID prefix of its participant.
+  /// The name of the endpoint's node. For an endpoint of DDS, that of its node of ROS 2, as "/left/driver",
+  /// or "DDS" and the GUID prefix of its participant.
   std::string node;
   bool is_own = false;          ///< true: the endpoint belongs to the node that was asked
   std::string topic;            ///< the name without a slash at the beginning
