@@ -58,7 +58,7 @@ Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
                               std::vector<BridgeClaims::Claim>& there) {
   Result<void> all;
   find_sources(from, now);
-  find_dds_writers(now);
+  find_dds_writers(from, now);
   std::erase_if(sources_, [&](const auto& one) { return now - one.second.seen > linger; });
   for (auto& [id, source] : sources_) {
     if (!source.is_known) continue;
@@ -99,12 +99,17 @@ void BridgeFlow::find_sources(const BridgeEnd& from, Time now) {
 
 /// Writers that know nothing of SFT are known by the subscriptions that match them. The first one that does
 /// tells what the writer offers.
-void BridgeFlow::find_dds_writers(Time now) {
+void BridgeFlow::find_dds_writers(const BridgeEnd& from, Time now) {
   std::set<std::uint64_t> unmatched;
+  const auto is_dds = [&](const SubscriberStatus::Writer& writer) {
+    return std::ranges::any_of(from.domain.publishers, [&](const DomainSnapshot::Endpoint& publisher) {
+      return publisher.id == writer.id && publisher.dds.has_value();
+    });
+  };
   for (const Subscription& one : subscriptions_) {
     const SubscriberStatus status = one.subscriber.status();
     for (const SubscriberStatus::Writer& writer : status.writers) {
-      if (!writer.node.starts_with(dds_node_prefix)) continue;
+      if (!is_dds(writer)) continue;
       if (!writer.matched) {
         unmatched.insert(writer.id);
         continue;

@@ -109,7 +109,7 @@ class BridgeFlow {
         epoll_(epoll),
         counts_(&counts) {}
   void find_sources(const BridgeEnd& from, Time now);
-  void find_dds_writers(Time now);
+  void find_dds_writers(const BridgeEnd& from, Time now);
   Result<void> decide(Source& source, BridgeEnd& to, Time now);
   Result<void> begin(Source& source, Node& node, Time now);
   std::vector<Offer> wanted_offers() const;
