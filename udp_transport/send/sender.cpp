@@ -77,10 +77,10 @@ void Sender::send_large() {
   ++turn_;
   order_.clear();
   for (std::size_t i = 0; i < count; ++i) order_.push_back((turn_ + i) % count);
-  const auto turn = [&](std::size_t which) {
+  const auto place = [&](std::size_t which) {
     return std::pair(-priority(which), (which + count - turn_ % count) % count);
   };
-  if (!std::ranges::is_sorted(order_, {}, turn)) std::ranges::sort(order_, {}, turn);
+  if (!std::ranges::is_sorted(order_, {}, place)) std::ranges::sort(order_, {}, place);
   for (const std::size_t which : order_) {
     if (which < lanes_.count())
       lanes_.send_large(which);
