@@ -36,7 +36,8 @@ struct TopicOfRecording {
 constexpr TopicOfRecording numbers{"numbers", "sft_bench/msg/Number", "uint64 data\n"};
 constexpr TopicOfRecording bulk{"bulk", "sft_bench/msg/Bytes", "uint8[] data\n"};
 
-/// What is recorded: numbers with the times at which they are due, and large messages with some of them.
+/// The content of the recording: numbers with the times at which they are due, and large messages with some
+/// of them.
 struct Plan {
   std::vector<std::int64_t> due_ns{};
   std::vector<std::byte> large{};  ///< encoded; empty: there are none

@@ -1,4 +1,5 @@
-// What the participant for unmodified nodes of DDS and ROS 2 has discovered, as a part of a DomainSnapshot.
+// The endpoints that the participant for unmodified nodes of DDS and ROS 2 has discovered, as a part of a
+// DomainSnapshot.
 // A pure function.
 #pragma once
 

@@ -20,7 +20,7 @@ constexpr const char* graph_user_data =
 /// more is not read.
 constexpr std::size_t message_bytes_max = 1 << 20;
 
-/// As rmw_dds_common has them.
+/// The topic, its type and its QoS are those of rmw_dds_common.
 DdsQos qos_of_graph() {
   DdsQos qos(dds_create_qos());
   dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));

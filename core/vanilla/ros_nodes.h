@@ -1,5 +1,5 @@
 // The nodes of ROS 2 that other processes have named, and the readers and writers that belong to them.
-// What is kept is bounded, whatever they send.
+// The memory for the names is bounded, whatever the participants send.
 #pragma once
 
 #include <array>

@@ -193,6 +193,22 @@ class VanillaWriter : public VanillaProcess {
   std::uint32_t matched_ = 0;
 };
 
+/// A process of vanilla_forger, which writes any bytes that the test gives it as a sample of "points".
+class VanillaForger : public VanillaProcess {
+ public:
+  explicit VanillaForger(const hosts::NetworkNamespace& host)
+      : VanillaProcess(host, "vanilla_forger", {"rt/points", "sensor_msgs::msg::dds_::PointCloud2_"}) {}
+  void write_sample(const std::vector<std::byte>& bytes) const {
+    const auto size = static_cast<std::uint32_t>(bytes.size());
+    write_all(&size, sizeof size);
+    write_all(bytes.data(), bytes.size());
+  }
+  bool is_matched() { return is_readable(hang_timeout) && read_all(&matched_, sizeof matched_); }
+
+ private:
+  std::uint32_t matched_ = 0;
+};
+
 /// The nodes of SFT are on the first of two hosts.
 class VanillaTest : public ::testing::Test {
  protected:

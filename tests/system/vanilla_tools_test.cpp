@@ -29,22 +29,6 @@ Json json_of(std::vector<std::string> arguments) {
   return Json::parse(ended.out, nullptr, false);
 }
 
-/// A process that writes whatever bytes the test gives it as samples.
-class Forger : public VanillaProcess {
- public:
-  explicit Forger(const hosts::NetworkNamespace& host)
-      : VanillaProcess(host, "vanilla_forger", {"rt/points", "sensor_msgs::msg::dds_::PointCloud2_"}) {}
-  void write_sample(const std::vector<std::byte>& bytes) const {
-    const auto size = static_cast<std::uint32_t>(bytes.size());
-    write_all(&size, sizeof size);
-    write_all(bytes.data(), bytes.size());
-  }
-  bool is_matched() {
-    std::uint32_t readers = 0;
-    return is_readable(hang_timeout) && read_all(&readers, sizeof readers);
-  }
-};
-
 /// Runs the command, and returns what it prints, with a blank in place of each end of a line.
 std::string text_of(std::vector<std::string> arguments) {
   return std::regex_replace(run_tool(std::move(arguments)).out, std::regex("\\s+"), " ");
@@ -191,7 +175,7 @@ TEST_F(VanillaToolsTest, WhyTellsOfEachDdsEndpointWhetherItMatches) {
 TEST_F(VanillaToolsTest, WhySaysThatSamplesCameAndCannotBeRead) {
   Node node = Node::open(options_with_log()).value();
   auto sub = node.subscriber<PointCloud2>("points").value();
-  Forger forger(network_.host(1));
+  VanillaForger forger(network_.host(1));
   ASSERT_TRUE(forger.is_matched());
   forger.write_sample(std::vector<std::byte>(200, std::byte{0}));  // its head says that it is big-endian
   EXPECT_TRUE(eventually([&] { return sub.status().discarded == 1; }));

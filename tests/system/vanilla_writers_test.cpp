@@ -22,22 +22,6 @@ using testing::ElementsAre;
 using testing::HasSubstr;
 using testing::IsEmpty;
 
-/// A process of vanilla_forger.
-class Forger : public VanillaProcess {
- public:
-  explicit Forger(const hosts::NetworkNamespace& host)
-      : VanillaProcess(host, "vanilla_forger", {"rt/points", "sensor_msgs::msg::dds_::PointCloud2_"}) {}
-  void write_sample(const std::vector<std::byte>& bytes) const {
-    const auto size = static_cast<std::uint32_t>(bytes.size());
-    write_all(&size, sizeof size);
-    write_all(bytes.data(), bytes.size());
-  }
-  bool is_matched() { return is_readable(hang_timeout) && read_all(&matched_, sizeof matched_); }
-
- private:
-  std::uint32_t matched_ = 0;
-};
-
 class VanillaHearingTest : public VanillaTest {
  protected:
   template <class S>
@@ -509,7 +493,7 @@ TEST_F(VanillaHearingTest, WhatAPublisherOfSftSendsByDdsDoesNotComeTwice) {
 TEST_F(VanillaHearingTest, MalformedAndForeignEncodingsAreRefusedCountedAndNamedOnce) {
   Node node = Node::open(options_with_log()).value();
   auto sub = node.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 10}).value();
-  Forger forger(network_.host(1));
+  VanillaForger forger(network_.host(1));
   ASSERT_TRUE(forger.is_matched() && hears(sub, 1));
   const std::vector<std::byte> sound = encoded(cloud(1));
   std::vector<std::byte> cut = sound, cut_and_swapped = BigEndianBytes(cloud(1)).bytes(), xcdr2 = sound;
@@ -532,7 +516,7 @@ TEST_F(VanillaHearingTest, MalformedAndForeignEncodingsAreRefusedCountedAndNamed
 TEST_F(VanillaHearingTest, BigEndianNumbersAreSwapped) {
   Node node = open(Way::udp);
   auto sub = node.subscriber<PointCloud2>("points", {.reliability = reliable, .depth = 10}).value();
-  Forger forger(network_.host(1));
+  VanillaForger forger(network_.host(1));
   ASSERT_TRUE(forger.is_matched() && hears(sub, 1));
   for (std::uint32_t i = 1; i <= 4; ++i) {
     PointCloud2 sent = cloud(0x01020304 * i, 1000 + i);
@@ -553,7 +537,7 @@ TEST_F(VanillaHearingTest, MutatedSamplesCostNoMoreThanTheyAreWorth) {
   Node node = Node::open(options_with_log()).value();
   auto sub =
       node.subscriber<PointCloud2, sft::recorded>("points", {.reliability = reliable, .depth = 16}).value();
-  Forger forger(network_.host(1));
+  VanillaForger forger(network_.host(1));
   ASSERT_TRUE(forger.is_matched() && hears(sub, 1));
   const std::array sound{encoded(cloud(1)), BigEndianBytes(cloud(1)).bytes()};
   const std::size_t before = mallinfo2().uordblks;

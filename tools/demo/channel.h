@@ -47,7 +47,7 @@ class Channel {
 inline constexpr const char* stopped_early = "stopped before anything was published, so there are no figures";
 
 /// Sends the order, which may be empty, and waits for the answer. `role` names the other side in errors. If
-/// the user asks `stop` to end the wait, returns an error; null: nobody can.
+/// the user asks `stop` to end the wait, returns an error; null: the wait cannot be ended.
 Result<nlohmann::json> ask(Channel& channel, std::string_view role, std::string_view order,
                            Clock::duration timeout, tool::Stop* stop);
 

@@ -64,7 +64,7 @@ std::vector<std::string> format_table(const RunFigures& run);
 /// Returns one line: "12.0 s: 120 published; the network carried 78.61 MB, not 3.02 GB; 0 lost".
 std::string format_progress(const RunFigures& run, double elapsed_s);
 
-/// Returns lines for people who have not read the code. The first line has the result.
+/// Returns lines for users that have not read the code. The first line has the result.
 std::vector<std::string> format_summary(const RunFigures& run);
 
 /// Returns one line for each service that would make the demo faster, and that this system refuses to the

@@ -1,4 +1,4 @@
-// What the processes of the demo report when they are asked.
+// The reports of the demo's processes, which they send on request.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace sft::demo {
 
-/// What a subscriber has received until a moment.
+/// The counts of a subscriber at one moment.
 struct Counts {
   std::uint64_t samples = 0;
   std::uint64_t payload_bytes = 0;

@@ -127,7 +127,7 @@ class Lidar {
   std::optional<Clock::time_point> next_;  // empty: nothing to publish
 };
 
-// What subscribers need: the fields that each declares, and the code that reads them. With --arr nothing is
+// The subscribers: the fields that each declares, and the code that reads them. With --arr nothing is
 // declared, and the fields that the same code reads are recorded. read() returns something that depends on
 // all points, so that the compiler cannot remove the reading.
 

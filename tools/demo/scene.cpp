@@ -24,7 +24,7 @@ constexpr float elevation_first_deg = 20.95F, elevation_last_deg = -21.82F;
 constexpr std::uint32_t scan_ns = 100'000'000;
 constexpr std::uint16_t reflectivity_of_ground = 12, reflectivity_of_wall = 80;
 
-/// What all points of a column have in common.
+/// The values that all points of a column share.
 struct Column {
   float cosine, sine;  ///< of the azimuth
   float wall;          ///< distance of the wall

@@ -143,17 +143,17 @@ void Bridge::look() {
   const auto now = SteadyClock::now();
   for (BridgeEnd& end : ends_) {
     end.domain = end.node.domain();
-    end.claims.look(end.domain, now);
+    end.routes.look(end.domain, now);
   }
   look_for_topics();
-  std::array<std::vector<BridgeClaims::Claim>, 2> claims;
+  std::array<std::vector<BridgeRoutes::Route>, 2> routes;
   for (BridgeFlow& flow : flows_) {
     const BridgeRule& rule = flow.rule();
     const Result<void> done =
-        flow.look(ends_[rule.from], ends_[rule.to()], now, claims[rule.from], claims[rule.to()]);
+        flow.look(ends_[rule.from], ends_[rule.to()], now, routes[rule.from], routes[rule.to()]);
     if (!done) complain_once(fmt::format("rule '{}': {}", rule.text, done.error().message));
   }
-  for (std::size_t i = 0; i < ends_.size(); ++i) ends_[i].claims.tell(std::move(claims[i]), now);
+  for (std::size_t i = 0; i < ends_.size(); ++i) ends_[i].routes.announce(std::move(routes[i]), now);
 }
 
 void Bridge::carry() {
@@ -350,11 +350,11 @@ Result<BridgeEnd> open_end(const BridgeSide& side, std::uint64_t bridge) {
   options.shm.start_daemon = false;
   Result<Node> node = Node::open(options);
   if (!node) return tl::unexpected(node.error());
-  Result<BridgeClaims> claims = BridgeClaims::open(*node, bridge);
-  if (!claims) return tl::unexpected(claims.error());
+  Result<BridgeRoutes> routes = BridgeRoutes::open(*node, bridge);
+  if (!routes) return tl::unexpected(routes.error());
   DomainSnapshot domain = node->domain();  // from now on it hears of all publishers
   const std::string name = side.name.empty() ? "domain " + std::to_string(node->status().domain) : side.name;
-  return BridgeEnd{name, options.name, *std::move(node), *std::move(claims), std::move(domain)};
+  return BridgeEnd{name, options.name, *std::move(node), *std::move(routes), std::move(domain)};
 }
 
 }  // namespace

@@ -13,7 +13,7 @@ namespace sft::tool {
 namespace {
 
 using namespace std::chrono_literals;
-using Verdict = BridgeClaims::Verdict;
+using Verdict = BridgeRoutes::Verdict;
 
 constexpr std::uint32_t bridge_retained_most = 128;  // PublisherOptions::history_depth
 constexpr std::uint32_t retained_if_unknown = 16;  // of writers that do not tell how many samples they retain
@@ -54,8 +54,8 @@ Result<BridgeFlow> BridgeFlow::open(const BridgeRule& rule, std::string topic, s
 }
 
 Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
-                              std::vector<BridgeClaims::Claim>& here,
-                              std::vector<BridgeClaims::Claim>& there) {
+                              std::vector<BridgeRoutes::Route>& here,
+                              std::vector<BridgeRoutes::Route>& there) {
   Result<void> all;
   find_sources(from, now);
   find_dds_writers(from, now);
@@ -63,14 +63,14 @@ Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
   for (auto& [id, source] : sources_) {
     if (!source.is_known) continue;
     if (source.is_dds) here.push_back({.origin = id, .topic = topic_});
-    const bool is_claimed = std::ranges::any_of(there, [&](const BridgeClaims::Claim& claim) {
-      return source.origin && claim.origin == source.origin->origin && claim.topic == target_;
+    const bool is_served_already = std::ranges::any_of(there, [&](const BridgeRoutes::Route& route) {
+      return source.origin && route.origin == source.origin->origin && route.topic == target_;
     });
-    source.verdict = !source.origin ? Verdict::settles
-                     : is_claimed   ? Verdict::held_by_another
-                                    : to.claims.verdict(*source.origin, target_, now);
+    source.verdict = !source.origin      ? Verdict::settles
+                     : is_served_already ? Verdict::held_by_another
+                                         : to.routes.verdict(*source.origin, target_, now);
     if (const Result<void> done = decide(source, to, now); !done) all = done;
-    if (!source.origin || is_claimed || source.verdict == Verdict::belongs_there) continue;
+    if (!source.origin || is_served_already || source.verdict == Verdict::belongs_there) continue;
     there.push_back({.origin = source.origin->origin,
                      .bridges = source.origin->bridges + 1,
                      .topic = target_,
@@ -93,7 +93,7 @@ void BridgeFlow::find_sources(const BridgeEnd& from, Time now) {
     source.is_known = true;
     source.is_dds = is_dds;
     source.seen = now;
-    source.origin = from.claims.source_of(publisher);
+    source.origin = from.routes.source_of(publisher);
   }
 }
 
@@ -120,7 +120,7 @@ void BridgeFlow::find_dds_writers(const BridgeEnd& from, Time now) {
       source.is_known = source.is_dds = true;
       source.qos = {
           .reliability = one.offer.reliability, .durability = one.offer.durability, .history_depth = 0};
-      source.origin = BridgeClaims::Source{writer.id, 0};
+      source.origin = BridgeRoutes::Source{writer.id, 0};
     }
   }
   std::erase_if(unmatched, [&](std::uint64_t id) { return sources_.contains(id); });

@@ -3,7 +3,7 @@
 // Each publisher of the topic has a publisher of its own there, with its QoS, so that readers there get the
 // retained samples of each, and match as they would match it. Publishers of a topic may offer different QoS:
 // each kind of offer has a subscriber that requests just that, as in recorded_topic.h. A topic without
-// retained samples is subscribed to only while somebody on the other side reads it.
+// retained samples is subscribed to only while a subscriber on the other side reads it.
 #pragma once
 
 #include <chrono>
@@ -17,7 +17,7 @@
 #include <utility>
 #include <vector>
 
-#include "tools/sft/bridge_claims.h"
+#include "tools/sft/bridge_routes.h"
 #include "tools/sft/bridge_rules.h"
 
 namespace sft::tool {
@@ -27,7 +27,7 @@ struct BridgeEnd {
   std::string name;       ///< for messages
   std::string node_name;  ///< the name of `node`
   Node node;
-  BridgeClaims claims;
+  BridgeRoutes routes;
   DomainSnapshot domain{};  ///< as it was at the last look
 };
 
@@ -40,7 +40,7 @@ class BridgeFlow {
     std::uint64_t lost = 0;     ///< on the way to this bridge, or in it
     std::uint64_t refused = 0;  ///< malformed ones, or such that could not be published
   };
-  /// What the flow waits for.
+  /// The state of the flow, for messages to the user.
   struct State {
     std::size_t publishers = 0, carried = 0, read = 0;
     bool is_held_by_another = false;
@@ -52,9 +52,9 @@ class BridgeFlow {
   static Result<BridgeFlow> open(const BridgeRule& rule, std::string topic, std::string target,
                                  const DynamicType& type, int epoll, Counts& counts);
 
-  /// Looks for publishers and readers. Adds what it claims to the lists of both sides.
-  Result<void> look(BridgeEnd& from, BridgeEnd& to, Time now, std::vector<BridgeClaims::Claim>& here,
-                    std::vector<BridgeClaims::Claim>& there);
+  /// Looks for publishers and readers. Adds its routes to the lists of both sides.
+  Result<void> look(BridgeEnd& from, BridgeEnd& to, Time now, std::vector<BridgeRoutes::Route>& here,
+                    std::vector<BridgeRoutes::Route>& there);
   /// Carries some of the samples that have come.
   void carry();
 
@@ -84,14 +84,14 @@ class BridgeFlow {
     bool is_known = false;  ///< false: a sample has come before it was seen
     bool is_dds = false;    ///< it is a writer that knows nothing of SFT
     Time seen{};
-    std::optional<BridgeClaims::Source> origin{};
-    BridgeClaims::Verdict verdict = BridgeClaims::Verdict::settles;
+    std::optional<BridgeRoutes::Source> origin{};
+    BridgeRoutes::Verdict verdict = BridgeRoutes::Verdict::settles;
     std::optional<DynamicPublisher> publisher{};
     std::uint64_t publisher_id = 0;
     Time opened{};               ///< when the publisher was
-    bool is_read = false;        ///< somebody reads it on the other side
+    bool is_read = false;        ///< a subscriber on the other side reads it
     std::uint64_t sequence = 0;  ///< of the last sample that was carried
-    /// Samples that came before it was decided that they are carried, and to whom.
+    /// Samples that came before the route was decided.
     std::deque<std::pair<Offer, DynamicSample>> early{};
     std::size_t early_bytes = 0;
 

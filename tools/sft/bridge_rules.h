@@ -18,7 +18,7 @@
 
 namespace sft::tool {
 
-/// What a rule says besides the topic and its way.
+/// The options of a rule besides the topic and the direction.
 struct BridgeRuleOptions {
   std::string type{};                   ///< the type of a topic that no node announces with its fields
   std::vector<std::string> defaults{};  ///< fields that may be zero on the other side; "*": all

@@ -17,9 +17,9 @@ struct CommonOptions {
   std::vector<std::string> interfaces{};
   std::vector<std::string> peers{};
   std::vector<std::string> includes{};  ///< directories of packages with definitions of messages
-  /// Whether the node looks for nodes of DDS that know nothing of SFT. By default it always does, since
-  /// `automatic` would find those of this host too late for a command that ends soon. The node of `perf` is
-  /// as those of programs.
+  /// The choice whether the node looks for nodes of DDS that know nothing of SFT. By default it always does,
+  /// since `automatic` would find those of this host too late for a command that ends soon. The node of
+  /// `perf` is as those of programs.
   std::optional<NodeOptions::VanillaDds> dds{};
   bool sim_time = false;  ///< whether the node follows /clock
   /// The time in seconds for which a command collects announcements before it prints a complete list.

@@ -1,5 +1,6 @@
-// What keeps nodes of DDS and ROS 2 out of reach of SFT, as far as the environment and the network show it.
-// The checks are pure functions; programs that are started in the same environment have the same settings.
+// Checks for settings that keep nodes of DDS and ROS 2 out of reach of SFT, as far as the environment and the
+// network show them. The checks are pure functions; programs that are started in the same environment have
+// the same settings.
 #pragma once
 
 #include <sft/domain.h>

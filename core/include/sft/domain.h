@@ -85,7 +85,7 @@ struct DomainSnapshot {
   std::vector<DdsNode> dds_nodes;  ///< all DDS participants that know nothing of SFT
 };
 
-/// What DDS tells of an endpoint that knows nothing of SFT.
+/// The properties that an endpoint which knows nothing of SFT announces by DDS.
 struct DomainSnapshot::Dds {
   std::string guid;       ///< in hexadecimal
   std::string topic;      ///< the name in DDS: "rt/points"

@@ -61,6 +61,34 @@ class PlayTest : public ToolTest {
     return path(name);
   }
 
+  /// The number and the times of a retained sample, in ms from the begin.
+  struct Retained {
+    std::uint32_t sequence = 0;
+    std::uint64_t log_ms = 0, publish_ms = 0;
+  };
+  /// Writes a file with the topic `map` only, which has two retained samples with the values 1 and 2.
+  std::string write_map(const std::string& name, const std::array<Retained, 2>& samples) const {
+    auto writer = recording::McapWriter::create(path(name), {}).value();
+    writer.declare({.id = 1, .name = "std_msgs/msg/UInt32", .encoding = "ros2msg", .data = "uint32 data\n"});
+    const Qos kept{.reliability = reliable, .durability = transient_local, .history_depth = 2};
+    writer.declare({.id = 1,
+                    .schema = 1,
+                    .topic = "/map",
+                    .metadata = {{"offered_qos_profiles", recording::to_profile(kept)}}});
+    for (std::uint32_t i = 0; i < samples.size(); ++i) {
+      const std::uint32_t value = i + 1;
+      std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
+      std::memcpy(cdr.data() + 4, &value, 4);
+      EXPECT_TRUE(writer.write({.channel = 1,
+                                .sequence = samples[i].sequence,
+                                .log_ns = begin_ns + samples[i].log_ms * ms,
+                                .publish_ns = begin_ns + samples[i].publish_ms * ms,
+                                .data = cdr}));
+    }
+    EXPECT_TRUE(writer.close());
+    return path(name);
+  }
+
   /// The numbers that came on a topic, and when.
   struct Heard {
     std::vector<std::uint32_t> numbers;
@@ -125,25 +153,8 @@ TEST_F(PlayTest, LatchedTopicsAreOfferedAsTheyWereAndBeginWithWhatWasRetained) {
 TEST_F(PlayTest, SeveralFilesAreOneRecordingAndRetainedSamplesComeOnce) {
   write({{0, 1, 2}, {10, 10}, {30, 12}}, "run_0.mcap");
   // The second file begins with what was retained: the same sample, with its number and time of publishing.
-  {
-    auto writer = recording::McapWriter::create(path("run_1.mcap"), {}).value();
-    writer.declare({.id = 1, .name = "std_msgs/msg/UInt32", .encoding = "ros2msg", .data = "uint32 data\n"});
-    const Qos kept{.reliability = reliable, .durability = transient_local, .history_depth = 2};
-    writer.declare({.id = 1,
-                    .schema = 1,
-                    .topic = "/map",
-                    .metadata = {{"offered_qos_profiles", recording::to_profile(kept)}}});
-    for (const std::uint32_t number : {1U, 2U}) {
-      std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
-      std::memcpy(cdr.data() + 4, &number, 4);
-      EXPECT_TRUE(writer.write({.channel = 1,
-                                .sequence = number,
-                                .log_ns = begin_ns + (19 + number) * ms,
-                                .publish_ns = begin_ns + (number - 1) * ms,
-                                .data = cdr}));
-    }
-    EXPECT_TRUE(writer.close());
-  }
+  write_map("run_1.mcap", {{{.sequence = 1, .log_ms = 20, .publish_ms = 0},
+                            {.sequence = 2, .log_ms = 21, .publish_ms = 1}}});
   auto map = listen("map", {.reliability = reliable, .durability = transient_local});
   auto numbers = listen("numbers", {.depth = 100});
   const Ended ended = run_tool({"play", folder.path().string(), "-w", "--json"});
@@ -291,22 +302,7 @@ TEST_F(PlayTest, DamageThatIsFoundWhilePlayingIsNamedAndAnError) {
 }
 
 TEST_F(PlayTest, RetainedSamplesOfOneTimeAndNumberButDifferentContentsAreAllPlayed) {
-  const std::string file = path();
-  {
-    auto writer = recording::McapWriter::create(file, {}).value();
-    writer.declare({.id = 1, .name = "std_msgs/msg/UInt32", .encoding = "ros2msg", .data = "uint32 data\n"});
-    const Qos kept{.reliability = reliable, .durability = transient_local, .history_depth = 2};
-    writer.declare({.id = 1,
-                    .schema = 1,
-                    .topic = "/map",
-                    .metadata = {{"offered_qos_profiles", recording::to_profile(kept)}}});
-    for (const std::uint32_t number : {1U, 2U}) {
-      std::array<std::byte, 8> cdr{std::byte{0}, std::byte{1}};
-      std::memcpy(cdr.data() + 4, &number, 4);
-      EXPECT_TRUE(writer.write({.channel = 1, .log_ns = begin_ns, .publish_ns = begin_ns, .data = cdr}));
-    }
-    EXPECT_TRUE(writer.close());
-  }
+  const std::string file = write_map("run.mcap", {});
   EXPECT_EQ(Json::parse(run_tool({"play", file, "--wait", "0", "--json"}).out)["published"], 2);
 }
 

@@ -15,7 +15,7 @@
 namespace sft {
 namespace {
 
-/// What a program that takes an error for a value prints.
+/// The lines that a program prints when it reads the value of an error.
 constexpr const char* stopped =
     "sft: a result is read that is an error: no number is there: bring one; write `if \\(result\\)` first";
 

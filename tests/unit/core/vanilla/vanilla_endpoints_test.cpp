@@ -11,7 +11,7 @@ namespace {
 
 using namespace std::chrono_literals;
 
-/// A participant that hears nobody else. Its own writers stand for those of others.
+/// A participant that discovers no other one. Its own writers stand for those of others.
 class VanillaEndpointsTest : public testing::Test {
  protected:
   VanillaEndpointsTest()

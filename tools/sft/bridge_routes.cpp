@@ -1,4 +1,4 @@
-#include "tools/sft/bridge_claims.h"
+#include "tools/sft/bridge_routes.h"
 
 #include <sft/msg_text.h>
 
@@ -12,50 +12,50 @@ namespace {
 
 using namespace std::chrono_literals;
 
-constexpr const char* claims_definition =
-    "uint64 bridge\nsft_bridge/Claim[] claims\n===\nMSG: sft_bridge/Claim\nuint64 origin\nuint32 bridges\n"
+constexpr const char* routes_definition =
+    "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\nuint32 bridges\n"
     "string topic\nuint64 publisher\n";
-/// Another bridge that has just started, too, hears of a claim within this time.
-constexpr auto claim_time = 1s;
+/// Another bridge that starts at the same time receives a route within this time.
+constexpr auto settling_time = 1s;
 /// After this time all bridges that were there before are known.
 constexpr auto discovery_time = 3s;
-/// So long the claims of a bridge that is there are waited for.
+/// The routes of a bridge that has been discovered are awaited for this time.
 constexpr auto hearing_time = 5s;
-/// After an outage of the network a bridge does not tell again what it has told before.
+/// After an outage of the network, a bridge does not announce its old routes again. So they are kept.
 constexpr auto memory_time = 1h;
 constexpr std::uint32_t bridges_most = 64;   // in a chain
-constexpr std::size_t claims_most = 16'384;  // of one bridge
-constexpr std::size_t claims_bytes_most = 4 << 20;
+constexpr std::size_t routes_most = 16'384;  // of one bridge
+constexpr std::size_t routes_bytes_most = 4 << 20;
 
 }  // namespace
 
-Result<BridgeClaims> BridgeClaims::open(Node& node, std::uint64_t bridge) {
-  const Result<DynamicType> type = from_msg("sft_bridge/Claims", claims_definition);
+Result<BridgeRoutes> BridgeRoutes::open(Node& node, std::uint64_t bridge) {
+  const Result<DynamicType> type = from_msg("sft_bridge/Routes", routes_definition);
   if (!type) return tl::unexpected(type.error());
   const std::string topic = std::string("/") + bridge_topic;
   Result<DynamicPublisher> publisher = node.publisher(
       topic, *type,
-      {.reliability = reliable, .durability = transient_local, .max_sample_bytes = claims_bytes_most});
+      {.reliability = reliable, .durability = transient_local, .max_sample_bytes = routes_bytes_most});
   if (!publisher) return tl::unexpected(publisher.error());
   Result<DynamicSubscriber> subscriber =
       node.subscriber(topic, *type, "*", {.reliability = reliable, .durability = transient_local});
   if (!subscriber) return tl::unexpected(subscriber.error());
-  return BridgeClaims(bridge, *std::move(publisher), *std::move(subscriber));
+  return BridgeRoutes(bridge, *std::move(publisher), *std::move(subscriber));
 }
 
-void BridgeClaims::look(const DomainSnapshot& domain, Time now) {
+void BridgeRoutes::look(const DomainSnapshot& domain, Time now) {
   while (const DynamicSample sample = subscriber_.take()) {
     const Result<std::string> text = sample.to_json();
     const auto json = nlohmann::json::parse(text ? *text : "", nullptr, false);
-    if (json.is_discarded() || json["claims"].size() > claims_most) continue;
+    if (json.is_discarded() || json["routes"].size() > routes_most) continue;
     Other& other = others_[sample.info().writer];
     other = {.bridge = json["bridge"].get<std::uint64_t>(), .heard = now, .seen = other.seen};
-    for (const auto& claim : json["claims"]) {
-      if (claim["bridges"].get<std::uint32_t>() > bridges_most) continue;
-      other.claims.push_back({.origin = claim["origin"].get<std::uint64_t>(),
-                              .bridges = claim["bridges"].get<std::uint32_t>(),
-                              .topic = claim["topic"].get<std::string>(),
-                              .publisher = claim["publisher"].get<std::uint64_t>()});
+    for (const auto& route : json["routes"]) {
+      if (route["bridges"].get<std::uint32_t>() > bridges_most) continue;
+      other.routes.push_back({.origin = route["origin"].get<std::uint64_t>(),
+                              .bridges = route["bridges"].get<std::uint32_t>(),
+                              .topic = route["topic"].get<std::string>(),
+                              .publisher = route["publisher"].get<std::uint64_t>()});
     }
   }
   publishers_.clear();
@@ -77,42 +77,42 @@ void BridgeClaims::look(const DomainSnapshot& domain, Time now) {
   });
 }
 
-std::optional<BridgeClaims::Source> BridgeClaims::source_of(const DomainSnapshot::Endpoint& publisher) const {
+std::optional<BridgeRoutes::Source> BridgeRoutes::source_of(const DomainSnapshot::Endpoint& publisher) const {
   for (const auto& [id, other] : others_) {
     if (!other.is_there) continue;
-    const auto claim = std::ranges::find_if(
-        other.claims, [&](const Claim& one) { return one.publisher == publisher.id && one.bridges > 0; });
-    if (claim != other.claims.end()) return Source{claim->origin, claim->bridges};
+    const auto route = std::ranges::find_if(
+        other.routes, [&](const Route& one) { return one.publisher == publisher.id && one.bridges > 0; });
+    if (route != other.routes.end()) return Source{route->origin, route->bridges};
   }
   if (publisher.node.starts_with(bridge_node_prefix)) return std::nullopt;
   return Source{publisher.id, 0};
 }
 
-BridgeClaims::Verdict BridgeClaims::verdict(const Source& source, const std::string& topic, Time now) const {
-  const auto is_here = [&](const Claim& claim) {
-    return claim.bridges == 0 && claim.origin == source.origin;
+BridgeRoutes::Verdict BridgeRoutes::verdict(const Source& source, const std::string& topic, Time now) const {
+  const auto is_here = [&](const Route& route) {
+    return route.bridges == 0 && route.origin == source.origin;
   };
-  if (publishers_.contains(source.origin) || std::ranges::any_of(told_, is_here))
+  if (publishers_.contains(source.origin) || std::ranges::any_of(announced_, is_here))
     return Verdict::belongs_there;
   const std::uint32_t bridges = source.bridges + 1;
-  const bool is_carried = std::ranges::any_of(told_, [&](const Claim& own) {
+  const bool is_carried = std::ranges::any_of(announced_, [&](const Route& own) {
     return own.origin == source.origin && own.topic == topic && own.publisher != 0;
   });
   for (const auto& [id, other] : others_) {
     if (!other.is_there) continue;
-    if (std::ranges::any_of(other.claims, is_here)) return Verdict::belongs_there;
-    for (const Claim& claim : other.claims) {
-      if (claim.origin != source.origin || claim.topic != topic) continue;
-      // One whose claim does not hold any more ends as soon as it hears of this one.
-      if ((claim.publisher != 0 && !is_carried) ||
-          std::tie(claim.bridges, other.bridge) < std::tie(bridges, bridge_))
+    if (std::ranges::any_of(other.routes, is_here)) return Verdict::belongs_there;
+    for (const Route& route : other.routes) {
+      if (route.origin != source.origin || route.topic != topic) continue;
+      // The other bridge ends its route as soon as it receives a better one.
+      if ((route.publisher != 0 && !is_carried) ||
+          std::tie(route.bridges, other.bridge) < std::tie(bridges, bridge_))
         return Verdict::held_by_another;
     }
   }
   return is_settled(source, topic, now) ? Verdict::holds : Verdict::settles;
 }
 
-bool BridgeClaims::is_settled(const Source& source, const std::string& topic, Time now) const {
+bool BridgeRoutes::is_settled(const Source& source, const std::string& topic, Time now) const {
   const auto since = since_.find({source.origin, topic});
   if (since == since_.end()) return false;
   const auto is_awaited = [&](const auto& one) { return now - one.second < hearing_time; };
@@ -120,28 +120,28 @@ bool BridgeClaims::is_settled(const Source& source, const std::string& topic, Ti
   const bool has_others =
       !unheard_.empty() || std::ranges::any_of(others_, [](const auto& one) { return one.second.is_there; });
   const bool is_alone = !has_others && now - opened_ > discovery_time;
-  return is_alone || now - since->second >= claim_time;
+  return is_alone || now - since->second >= settling_time;
 }
 
-void BridgeClaims::tell(std::vector<Claim> claims, Time now) {
-  std::ranges::sort(claims);
-  if (claims == told_) return;
+void BridgeRoutes::announce(std::vector<Route> routes, Time now) {
+  std::ranges::sort(routes);
+  if (routes == announced_) return;
   nlohmann::json list = nlohmann::json::array();
   std::map<std::pair<std::uint64_t, std::string>, Time> since;
-  for (const Claim& claim : claims) {
-    list.push_back({{"origin", claim.origin},
-                    {"bridges", claim.bridges},
-                    {"topic", claim.topic},
-                    {"publisher", claim.publisher}});
-    if (claim.bridges == 0) continue;
-    const std::pair key(claim.origin, claim.topic);
+  for (const Route& route : routes) {
+    list.push_back({{"origin", route.origin},
+                    {"bridges", route.bridges},
+                    {"topic", route.topic},
+                    {"publisher", route.publisher}});
+    if (route.bridges == 0) continue;
+    const std::pair key(route.origin, route.topic);
     const auto known = since_.find(key);
     since.emplace(key, known == since_.end() ? now : known->second);
   }
-  const nlohmann::json message{{"bridge", bridge_}, {"claims", std::move(list)}};
+  const nlohmann::json message{{"bridge", bridge_}, {"routes", std::move(list)}};
   if (!publisher_.publish_json(message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)))
     return;
-  told_ = std::move(claims);
+  announced_ = std::move(routes);
   since_ = std::move(since);
 }
 
