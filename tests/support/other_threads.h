@@ -1,4 +1,4 @@
-// A function that tests the state of the other threads of this process.
+// What tests see of the threads of this process.
 #pragma once
 
 #include <unistd.h>
@@ -6,7 +6,10 @@
 #include <algorithm>
 #include <filesystem>
 #include <fstream>
+#include <set>
 #include <string>
+
+#include "tests/support/eventually.h"
 
 namespace sft::test {
 
@@ -21,6 +24,28 @@ inline bool all_other_threads_sleep() {
     return is_this_thread || behind_name == std::string::npos ||
            line.substr(behind_name + 1).starts_with(" S");
   });
+}
+
+/// Returns the names of all threads of the process. A thread sets its name shortly after it was started, and
+/// has that of the process before, which the main thread keeps. So this waits until all have their own, but
+/// not for ever, since sanitizers have a thread without one.
+inline std::multiset<std::string> names_of_threads() {
+  const auto name_in = [](const std::filesystem::path& folder) {
+    std::string name;
+    std::getline(std::ifstream(folder / "comm"), name);
+    return name;
+  };
+  const std::string of_process = name_in("/proc/self");
+  std::multiset<std::string> names;
+  (void)eventually(
+      [&] {
+        names.clear();
+        for (const auto& task : std::filesystem::directory_iterator("/proc/self/task"))
+          names.insert(name_in(task.path()));
+        return names.count(of_process) <= 1;
+      },
+      std::chrono::seconds(5));
+  return names;
 }
 
 }  // namespace sft::test

@@ -19,6 +19,7 @@
 
 #include "tests/support/eventually.h"
 #include "tests/support/isolated_host.h"
+#include "tests/support/other_threads.h"
 #include "tests/support/pace.h"
 
 namespace sft::test {
@@ -184,17 +185,6 @@ TEST_F(ConfigurationTest, OfPeersThatHaveNoAddressIsSaidToNameNobody) {
   EXPECT_THAT(node.status().discovery_warnings, ElementsAre(HasSubstr("the peer 'nobody.invalid'")));
 }
 
-/// Returns the names of the threads of this process.
-std::vector<std::string> threads() {
-  std::vector<std::string> names;
-  for (const auto& thread : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string name;
-    std::getline(std::ifstream(thread.path() / "comm"), name);
-    names.push_back(name);
-  }
-  return names;
-}
-
 /// A node that is never destroyed, because its threads cannot be woken and ended once its descriptors are
 /// closed.
 struct NodeForGood {
@@ -238,7 +228,7 @@ TEST_F(ConfigurationTest, WarnsOnceOfAProgramThatClosesAllDescriptorsAndKeepsNoT
   ASSERT_EQ(publisher->publish({.height = 1}), PublishStatus::ok);
   ASSERT_TRUE(subscriber->wait(10s));
   const std::string text = "the program has closed the sockets of its node";
-  const auto receives = [] { return std::ranges::count(threads(), "recv") > 0; };
+  const auto receives = [] { return names_of_threads().contains("recv"); };
   EXPECT_TRUE(eventually(receives));
   closefrom(3);
   EXPECT_TRUE(eventually([&] { return kept->logged().find(text) != std::string::npos; }));

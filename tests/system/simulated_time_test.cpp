@@ -3,8 +3,6 @@
 #include <gtest/gtest.h>
 
 #include <sft/sft.h>
-#include <filesystem>
-#include <fstream>
 #include <mutex>
 #include <optional>
 #include <rosgraph_msgs/msg/Clock.hpp>
@@ -12,6 +10,7 @@
 #include <thread>
 #include <vector>
 
+#include "tests/support/other_threads.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {
@@ -103,11 +102,7 @@ TEST_P(SimulatedTimeTest, NeedsNoThreadThatCallsBack) {
   const Node robot = Node::open(following("robot")).value();
   auto clock = simulator.publisher<ClockMessage>("clock").value();
   ASSERT_TRUE(follows(robot, clock, 1s));
-  for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-    std::string name;
-    std::getline(std::ifstream(task.path() / "comm"), name);
-    EXPECT_FALSE(name.starts_with("sft-call")) << name;
-  }
+  for (const std::string& name : names_of_threads()) EXPECT_FALSE(name.starts_with("sft-call")) << name;
 }
 
 TEST_P(SimulatedTimeTest, TheLogSaysThatNobodyPublishesTheClock) {

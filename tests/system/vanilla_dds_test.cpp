@@ -4,10 +4,9 @@
 
 #include <atomic>
 #include <builtin_interfaces/msg/Time.hpp>
-#include <filesystem>
-#include <fstream>
 #include <set>
 
+#include "tests/support/other_threads.h"
 #include "tests/system/vanilla_fixture.h"
 
 namespace sft::test {
@@ -37,15 +36,6 @@ class VanillaServingTest : public VanillaTest {
       if (sample.body == body) return true;
       if (sample.body.empty()) return false;
     }
-  }
-  static std::multiset<std::string> names_of_threads() {
-    std::multiset<std::string> names;
-    for (const auto& task : std::filesystem::directory_iterator("/proc/self/task")) {
-      std::string name;
-      std::getline(std::ifstream(task.path() / "comm"), name);
-      names.insert(name);
-    }
-    return names;
   }
 };
 
