@@ -17,7 +17,7 @@ class Benchmark:
 
 ALL = [
     Benchmark("typesupport", 10, 5, ["--rounds", "50"]),
-    Benchmark("selection", 50, 20, ["--rounds", "20", "--host-rounds", "1"]),
+    Benchmark("selection", 120, 45, ["--rounds", "20", "--host-rounds", "1"]),
     Benchmark("shm", 80, 10, ["--rounds", "1"]),
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
     Benchmark("tools", 120, 45, ["--rounds", "1", "--seconds", "1"]),

@@ -15,6 +15,7 @@ int main(int argc, char** argv) {
                    {"points", [&] { return reading_points(rounds); }},
                    {"gates", [&] { return closed_gates(rounds); }},
                    {"between_hosts", [&] { return parts_between_hosts(samples, pairs); }},
+                   {"beside", [&] { return beside_narrow_topics_and_compression(samples / 2, pairs); }},
                    {"window_move", [&] { return moved_windows(moves, pairs); }}});
   program.options()
       .add_option("--rounds", rounds, "rounds of each contender, in turns; the best counts")
