@@ -22,8 +22,9 @@ using Json = nlohmann::ordered_json;
 constexpr std::size_t width = 80;
 constexpr std::size_t indent = 4;
 
-/// Prints the text in lines that fit a terminal, indented and coloured.
+/// Prints the text in lines that fit a terminal, indented and coloured. Prints nothing if the text is empty.
 void print_indented(const std::string& text, Color color, Output& output) {
+  if (text.empty()) return;
   for (const std::string& line : lines_of(printable(text), width - indent, LongWords::broken))
     output.line(std::string(indent, ' ') + output.colored(line, color));
 }

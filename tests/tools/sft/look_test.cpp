@@ -163,6 +163,7 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   EXPECT_THAT(text.out, HasSubstr("\nlidar -> logger  ("));
   EXPECT_THAT(text.out,
               HasSubstr("\n    matched by udp: the publisher or its node rules shared memory out\n"));
+  EXPECT_THAT(text.out, ::testing::Not(HasSubstr("  \n"))) << "no text, no line";
 }
 
 // The reader requests two numbers of four bytes each from a cloud of 6 MB.
