@@ -67,7 +67,11 @@ void Destination::send(FlowMark mark, Time now) {
 
 void Destination::note(SendOutcome outcome) noexcept {
   if (outcome == SendOutcome::no_segments) connections_.take_one_at_a_time();
-  if (outcome == SendOutcome::too_long) learn_from_kernel();
+  if (outcome == SendOutcome::too_long) {
+    learn_from_kernel();
+    // From now on the kernel divides single datagrams for this path, but no trains of datagrams.
+    if (path_.datagram_bytes() == datagram_bytes_min) connections_.take_one_at_a_time();
+  }
   if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) connections_.reconnect();
 }
 
