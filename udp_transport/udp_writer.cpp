@@ -84,10 +84,8 @@ std::string UdpWriter::path_trouble(core::EndpointId reader) const {
   const auto lane = table->lanes_of.find(reader);
   if (lane == table->lanes_of.end()) return {};
   Destination& to = lane->second->destination();
-  if (!to.window().is_mute(std::chrono::steady_clock::now())) return to.path().limit_in_words();
-  const auto [ip, port] = to.path().address();
-  return "the host did not answer at " + core::format(ip, port) +
-         ": nothing is sent there until it does; see that its firewall lets UDP in, and ours the answers";
+  const bool is_mute = to.window().is_mute(std::chrono::steady_clock::now());
+  return is_mute ? to.path().silence_in_words() : to.path().limit_in_words();
 }
 
 bool UdpWriter::history_sent(core::EndpointId reader) noexcept {

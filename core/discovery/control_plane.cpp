@@ -35,8 +35,8 @@ constexpr const char* sockets_closed_by_the_program =
 
 constexpr const char* way_through_firewalls =
     "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all UDP "
-    "of "
-    "it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls)";
+    "of it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls); or "
+    "this host does not reach it, or the path drops packets of 1000 bytes";
 
 /// Returns the peers that Cyclone gets as numeric addresses. This process looks up their names.
 Names peers_in_numbers(const DdsConfig& config) {

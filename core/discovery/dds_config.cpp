@@ -145,21 +145,25 @@ constexpr std::string_view settings_of_all_links = R"(<Sizing><ReceiveBufferSize
 <PreEmptiveAckDelay>0 ms</><NackDelay>1 ms</><AckDelay>1 s</><HeartbeatInterval max="2 s">20 ms</>
 <MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>)";
 
-/// Messages, and fragments of samples, fit into packets of 1280 bytes. The
-/// kernel would divide a longer message into packets of the size that this host's interface allows. Some
-/// tunnels drop such packets without an error, and then nodes would not find each other.
-constexpr std::string_view message_max = "1232 B", fragment_max = "1100 B";
+struct MessageSizes {
+  std::string_view message, fragment;  ///< the maximum sizes of messages and of fragments of samples
+};
+/// Messages fit into packets of 1000 bytes, and with DDS Security into packets of 1200 bytes: certificates
+/// make announcements of participants longer, and Cyclone cannot divide these. The kernel divides a message
+/// if this host's interface, or a router that says so, allows only shorter packets. Some tunnels drop longer
+/// packets without an error, and then nodes would not find each other.
+constexpr MessageSizes usual_sizes{"972 B", "840 B"}, secured_sizes{"1152 B", "1020 B"};
 
 /// Returns SFT's own settings. A peer is asked at every port that a node on its host may have, each time.
 /// So peers are asked rarely, and at few ports.
-std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
+std::string settings_of_sft(const std::string& multicast, bool asks_peers, const MessageSizes& sizes) {
   const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
   std::string discovery =
       element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
   if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
-  const std::string general = element("AllowMulticast", multicast) + element("MaxMessageSize", message_max) +
-                              element("MaxRexmitMessageSize", message_max) +
-                              element("FragmentSize", fragment_max);
+  const std::string general =
+      element("AllowMulticast", multicast) + element("MaxMessageSize", sizes.message) +
+      element("MaxRexmitMessageSize", sizes.message) + element("FragmentSize", sizes.fragment);
   return document(element("General", general) + element("Discovery", discovery) +
                   std::string(settings_of_all_links));
 }
@@ -256,8 +260,9 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
     insisted += insist_on(predictable_port, *user, config.warnings);
   // A later setting overrides an earlier one.
   const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
-  config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
-                (users.empty() ? "" : users + ",") + document(insisted);
+  config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers,
+                                config.is_secured ? secured_sizes : usual_sizes) +
+                "," + (users.empty() ? "" : users + ",") + document(insisted);
   return config;
 }
 

@@ -8,6 +8,7 @@
 #include <stop_token>
 #include <thread>
 
+#include "core/sync/mutex.h"
 #include "tests/system/fixture.h"
 
 namespace sft::test {
@@ -33,6 +34,11 @@ class FairWaits : public PubSubTest {
     ASSERT_TRUE(eventually([&] { return taken_ > before; })) << "images come";
     stops_.publish(cloud(number));
   }
+  /// Called on the thread of the test and on the thread of the callbacks.
+  void publish_next() {
+    const core::Lock lock(publishing_);
+    images_.publish(cloud(++taken_));
+  }
   static std::uint32_t taken_from(Subscriber<PointCloud2>& stop) {
     const auto sample = stop.take();
     return sample ? sample->height() : 0;
@@ -43,6 +49,7 @@ class FairWaits : public PubSubTest {
   Publisher<PointCloud2> images_ = source_.publisher<PointCloud2>("camera").value();
   Publisher<PointCloud2> stops_ = source_.publisher<PointCloud2>("stop", {.reliability = reliable}).value();
   std::atomic<std::uint32_t> taken_{0};
+  core::Mutex publishing_;
 };
 
 INSTANTIATE_TEST_SUITE_P(Ways, FairWaits, testing::Values(Way::shm, Way::udp, Way::udp_sockets), way_name);
@@ -71,6 +78,57 @@ TEST_P(FairWaits, AFileDescriptorIsNotStarvedByAnotherOneThatIsAlwaysReadable) {
     pollfd readable{.fd = stop.file_descriptor(), .events = POLLIN, .revents = 0};
     ASSERT_TRUE(eventually([&] { return poll(&readable, 1, 100) == 1; })) << i;
     EXPECT_EQ(taken_from(stop), i);
+  }
+}
+
+/// The thread of the callbacks is that of the dispatcher, or the thread that receives.
+TEST_P(FairWaits, ACallbackIsNotStarvedByAThreadThatAlwaysHasANextSample) {
+  auto camera = app_.subscriber<PointCloud2>("camera", {.depth = 8}).value();
+  std::atomic<std::uint32_t> pressed{0};
+  const auto stop =
+      app_.subscriber<PointCloud2>("stop", [&](const auto& sample) { pressed = sample->height(); },
+                                   {.reliability = reliable})
+          .value();
+  expect_served(images_, 1);
+  expect_served(stops_, 1);
+  const std::jthread taking = take_images_without_end(camera);
+  for (std::uint32_t i = 1; i <= presses; ++i) {
+    press(i);
+    ASSERT_TRUE(eventually([&] { return pressed == i; })) << i;
+  }
+}
+
+TEST_P(FairWaits, AThreadIsNotStarvedByCallbacksThatAlwaysHaveANextSample) {
+  const auto camera =
+      app_.subscriber<PointCloud2>("camera", [this](const auto&) { publish_next(); }, {.depth = 8}).value();
+  auto stop = app_.subscriber<PointCloud2>("stop", {.reliability = reliable}).value();
+  expect_served(images_, 1);
+  expect_served(stops_, 1);
+  for (int i = 0; i < 4; ++i) publish_next();
+  for (std::uint32_t i = 1; i <= presses; ++i) {
+    press(i);
+    ASSERT_TRUE(stop.wait(hang_timeout)) << i;
+    EXPECT_EQ(taken_from(stop), i);
+  }
+}
+
+/// One thread waits for several subscribers in turns, as a program without callbacks does.
+TEST_P(FairWaits, ASubscriberIsNotStarvedByAnotherOneOfTheSameThread) {
+  auto camera = app_.subscriber<PointCloud2>("camera", {.depth = 8}).value();
+  auto stop = app_.subscriber<PointCloud2>("stop", {.reliability = reliable}).value();
+  expect_served(images_, 1);
+  expect_served(stops_, 1);
+  for (int i = 0; i < 4; ++i) images_.publish(cloud(0));
+  for (std::uint32_t i = 1; i <= presses; ++i) {
+    stops_.publish(cloud(i));
+    ASSERT_TRUE(eventually([&] {
+      if (camera.wait(1ms) && camera.take()) images_.publish(cloud(++taken_));
+      return stop.wait(0ns) && taken_from(stop) == i;
+    })) << i;
+    EXPECT_TRUE(eventually([&] {
+      images_.publish(cloud(++taken_));
+      return camera.wait(1ms);
+    })) << "images come";
   }
 }
 

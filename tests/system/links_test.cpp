@@ -36,6 +36,7 @@ struct Report {
   std::atomic<bool> opened{false};
   std::atomic<bool> may_close_files{false};
   std::atomic<std::size_t> matched{0};
+  std::atomic<bool> unanswered{false};  ///< the status of the publisher says that its reader does not answer
   std::atomic<std::uint64_t> taken{0};
   std::array<std::atomic<char>, 400> discovery{};  ///< the text of NodeStatus::discovery
 
@@ -77,8 +78,14 @@ void publish(Node& node, Report& report) {
   auto publisher = node.publisher<PointCloud2>("points").value();
   for (std::uint32_t i = 1;; ++i) {
     std::size_t served = 0;
-    for (const auto& reader : publisher.status().readers) served += reader.served ? 1 : 0;
+    bool unanswered = false;
+    for (const auto& reader : publisher.status().readers) {
+      served += reader.served ? 1 : 0;
+      unanswered =
+          unanswered || reader.reason.find("the host did not answer at 10.0.0.2") != std::string::npos;
+    }
     report.matched = served;
+    report.unanswered = unanswered;
     report.tell(node.status().discovery);
     publisher.publish({.height = i});
     poll(nullptr, 0, between_samples.count());
@@ -306,6 +313,39 @@ TEST_F(ChangesOfNetwork, ByACutThatNobodySeesBesideAnotherNetwork) {
       eventually([&] { return subscriber().report().taken > before + samples_of_a_lease; }, hang_timeout))
       << "samples went back to the network that is cut";
   EXPECT_EQ(publisher().report().matched, 1U);
+}
+
+/// A network that works in one direction only, as behind a firewall. The parameter is the host of which
+/// nothing arrives any more.
+class OneWayCut : public ChangesOfNetwork, public testing::WithParamInterface<std::size_t> {
+ protected:
+  void cut() const {
+    ASSERT_TRUE(run(room,
+                    "nft add table bridge cut; "
+                    "nft add chain bridge cut f '{ type filter hook forward priority 0; }'; "
+                    "nft add rule bridge cut f iifname lan0_" +
+                        std::to_string(GetParam()) + " ip protocol udp drop"));
+  }
+  void mend() const { ASSERT_TRUE(run(room, "nft delete table bridge cut")); }
+};
+
+INSTANTIATE_TEST_SUITE_P(Of, OneWayCut, testing::Values(0, 1), [](const auto& param) {
+  return param.param == 0 ? "ThePublisher" : "TheSubscriber";
+});
+
+TEST_P(OneWayCut, IsNoticedAndSamplesComeSoonAfterIt) {
+  cut();
+  EXPECT_TRUE(falls_silent(subscriber()));
+  if (GetParam() == robot) {
+    EXPECT_TRUE(eventually([&] { return publisher().report().unanswered.load(); }, hang_timeout));
+    EXPECT_EQ(publisher().report().matched, 1U) << "the subscriber is heard";
+    EXPECT_TRUE(eventually([&] { return subscriber().report().matched == 0; }, hang_timeout));
+  } else {
+    EXPECT_TRUE(eventually([&] { return publisher().report().matched == 0; }, hang_timeout));
+  }
+  mend();
+  EXPECT_TRUE(comes_soon(subscriber()));
+  EXPECT_TRUE(eventually([&] { return !publisher().report().unanswered; }, hang_timeout));
 }
 
 TEST_F(LinksTest, AVpnThatComesUpIsUsed) {

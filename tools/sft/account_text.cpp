@@ -27,6 +27,19 @@ bool is_told(const DomainSnapshot::Pair& pair) {
          ((pair.dds_publisher || pair.account.publisher) && (pair.dds_subscriber || pair.account.subscriber));
 }
 
+std::string unanswered_text(const DomainSnapshot::Pair& pair) {
+  if (is_told(pair)) return {};
+  const bool publisher = !pair.dds_publisher && !pair.account.publisher;
+  const bool subscriber = !pair.dds_subscriber && !pair.account.subscriber;
+  const char* const who = publisher && subscriber ? "both nodes are heard, and neither answers"
+                          : publisher             ? "the publisher's node is heard, and does not answer"
+                                                  : "the subscriber's node is heard, and does not answer";
+  return fmt::format(
+      "{}: what this host sends may not arrive there (because of a firewall, or of a network "
+      "that works in one direction only), or the node is busy: then --wait helps",
+      who);
+}
+
 /// Returns true if the subscriber has taken none of the samples sent. A subscriber detects a loss only when
 /// a later sample arrives. So if no sample arrives, the subscriber reports no losses, and this case has to
 /// be detected separately.

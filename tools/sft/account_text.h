@@ -10,6 +10,10 @@ namespace sft::tool {
 /// counters.
 bool is_told(const DomainSnapshot::Pair& pair);
 
+/// Returns a text such as "the publisher's node does not answer", with possible causes. Returns an empty text
+/// if both sides have reported their counters.
+std::string unanswered_text(const DomainSnapshot::Pair& pair);
+
 /// Returns true if both sides have reported their counters, samples were sent, and the subscriber has taken
 /// none.
 bool takes_none(const DomainSnapshot::Pair& pair);

@@ -185,11 +185,14 @@ void Recorder::take_samples() {
     void* const topic = events[static_cast<std::size_t>(i)].data.ptr;
     if (topic != nullptr) static_cast<RecordedTopic*>(topic)->take(writer_, now_ns);
   }
-  bool triggered = false;
+  std::uint64_t triggered_ns = 0;
   for (DynamicSubscriber& trigger : open_triggers_) {
-    while (trigger.take()) triggered = true;
+    while (const DynamicSample sample = trigger.take()) {
+      const auto received = sample.info().receive_stamp.time_since_epoch().count();
+      triggered_ns = std::max(triggered_ns, now_ns.value_or(static_cast<std::uint64_t>(received)));
+    }
   }
-  if (triggered) writer_.trigger();
+  if (triggered_ns != 0) writer_.trigger(triggered_ns);
 }
 
 void Recorder::report_missing() {

@@ -77,7 +77,7 @@ bool SampleWriter::put(std::size_t channel, const recording::Message& message) {
   std::ranges::copy(message.data, sample->data.get());
   sample->message.data = {sample->data.get(), message.data.size()};
   const std::scoped_lock lock(mutex_);
-  queue_.push_back(sample);
+  queue_.push_back({sample});
   changed_.notify_one();
   return true;
 }
@@ -92,9 +92,9 @@ void SampleWriter::count_lost(std::size_t channel, std::uint64_t samples) {
   channels_[channel].lost += samples;
 }
 
-void SampleWriter::trigger() {
+void SampleWriter::trigger(std::uint64_t log_ns) {
   const std::scoped_lock lock(mutex_);
-  queue_.push_back(nullptr);
+  queue_.push_back({.trigger_ns = log_ns});
   changed_.notify_one();
 }
 
@@ -130,19 +130,19 @@ void SampleWriter::note(const Result<void>& done) {
 
 void SampleWriter::run() {
   for (bool is_over = false; !is_over;) {
-    std::deque<Shared> batch;
+    std::deque<Queued> batch;
     {
       std::unique_lock lock(mutex_);
       changed_.wait_for(lock, flush_period, [this] { return !queue_.empty() || finishes_; });
       batch.swap(queue_);
       is_over = finishes_ && batch.empty();
     }
-    for (Shared& sample : batch) {
-      if (sample == nullptr)
-        write_window();
+    for (Queued& one : batch) {
+      if (one.sample == nullptr)
+        write_window(one.trigger_ns);
       else
-        take(sample);
-      sample.reset();
+        take(one.sample);
+      one.sample.reset();
     }
     if (std::chrono::steady_clock::now() - state_.flushed_at >= flush_period) flush();
   }
@@ -177,8 +177,10 @@ void SampleWriter::shorten_window() {
   }
 }
 
-void SampleWriter::write_window() {
-  state_.trigger_ns = std::max<std::uint64_t>(state_.last_ns, 1);
+/// The sample that has caused the trigger may come after it, since it comes by another subscriber. So the
+/// time of the trigger counts, and not that of the last sample, which may be long ago.
+void SampleWriter::write_window(std::uint64_t trigger_ns) {
+  state_.trigger_ns = std::max<std::uint64_t>(trigger_ns, 1);
   for (const Shared& sample : state_.window) write(sample);
   state_.window.clear();
 }

@@ -62,8 +62,9 @@ class SampleWriter {
   /// The samples of the channel that put() has accepted, and that a fault of the disk has kept out of the
   /// files. It is complete once Status::is_over is true.
   std::uint64_t lost(std::size_t channel) const;
-  /// Writes the window. Not to be called without one.
-  void trigger();
+  /// Writes the window, and what comes within a second of the log time `log_ns`. Not to be called without a
+  /// window.
+  void trigger(std::uint64_t log_ns);
   /// Says what was lost of each topic so far, for the metadata of the files.
   void set_losses(recording::Texts losses);
   /// Writes everything and closes the file. Returns at once; Status::is_over is true when it is done.
@@ -77,6 +78,10 @@ class SampleWriter {
     std::unique_ptr<std::byte[]> data;
   };
   using Shared = std::shared_ptr<const Sample>;
+  struct Queued {
+    Shared sample{};  ///< null: a trigger
+    std::uint64_t trigger_ns = 0;
+  };
   struct KnownChannel {
     recording::Schema schema;
     recording::Channel channel;
@@ -105,7 +110,7 @@ class SampleWriter {
 
   void run();
   void take(const Shared& sample);
-  void write_window();
+  void write_window(std::uint64_t trigger_ns);
   void shorten_window();
   void remember(const Shared& sample);
   void write(const Shared& sample);
@@ -123,7 +128,7 @@ class SampleWriter {
   mutable std::mutex mutex_;
   std::condition_variable changed_;
   // The next ones are guarded by the mutex.
-  std::deque<Shared> queue_{};           ///< null: a trigger
+  std::deque<Queued> queue_{};
   std::deque<KnownChannel> channels_{};  ///< grows only
   recording::Texts losses_{};
   bool finishes_ = false;

@@ -84,6 +84,7 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
     }
     if (!pair.dds_subscriber) print_row("lost", lost_text(pair), output);
     print_indented(takes_none_text(pair), Color::red, output);
+    print_indented(unanswered_text(pair), Color::red, output);
     print_indented(unreadable_text(pair), Color::red, output);
     return;
   }
@@ -179,7 +180,9 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
   std::erase_if(findings, [](const Finding& finding) { return finding.health == Health::ok; });
   common.json ? print_pairs_json(*topic, findings, session.output())
               : print_text(*topic, findings, options, session.output());
-  const auto is_well = [](const DomainSnapshot::Pair& pair) { return pair.matched && !takes_none(pair); };
+  const auto is_well = [](const DomainSnapshot::Pair& pair) {
+    return pair.matched && is_told(pair) && !takes_none(pair);
+  };
   const bool all_is_well = std::ranges::all_of(topic->pairs, is_well);
   return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
 }

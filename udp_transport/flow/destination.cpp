@@ -23,6 +23,11 @@ std::size_t ask_kernel(const SocketAddress& address, const DestinationLimits& li
   return std::min<std::size_t>(datagram_bytes_to(address),
                                std::max(limits.datagram_bytes, datagram_bytes_min));
 }
+
+Destination::Change change_of(bool& before, bool now) {
+  if (std::exchange(before, now) == now) return Destination::Change::none;
+  return now ? Destination::Change::found : Destination::Change::over;
+}
 }  // namespace
 
 Destination::Destination(const SocketAddress& address, const DestinationLimits& limits, std::uint32_t flow,
@@ -67,7 +72,11 @@ void Destination::send(FlowMark mark, Time now) {
 
 void Destination::note(SendOutcome outcome) noexcept {
   if (outcome == SendOutcome::no_segments) connections_.take_one_at_a_time();
-  if (outcome == SendOutcome::too_long) learn_from_kernel();
+  if (outcome == SendOutcome::too_long) {
+    learn_from_kernel();
+    // From now on the kernel divides single datagrams for this path, but no trains of datagrams.
+    if (path_.datagram_bytes() == datagram_bytes_min) connections_.take_one_at_a_time();
+  }
   if (outcome == SendOutcome::too_long || outcome == SendOutcome::failed) connections_.reconnect();
 }
 
@@ -106,10 +115,17 @@ void Destination::look_after(Time now, bool anew) noexcept {
   path_.look_after(now);
 }
 
-Destination::LimitChange Destination::take_limit_change() noexcept {
-  const bool is_limited = path_.limited_to() != 0;
-  if (std::exchange(was_limited_, is_limited) == is_limited) return LimitChange::none;
-  return is_limited ? LimitChange::found : LimitChange::over;
+Destination::Change Destination::take_limit_change() noexcept {
+  return change_of(was_limited_, path_.limited_to() != 0);
+}
+
+Destination::Change Destination::take_silence_change(Time now) noexcept {
+  if (!window_.is_mute(now)) {
+    mute_since_.reset();
+  } else if (!mute_since_) {
+    mute_since_ = now;
+  }
+  return change_of(was_silent_, mute_since_ && now - *mute_since_ >= silence_named_after);
 }
 
 }  // namespace sft::udp

@@ -8,6 +8,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <optional>
 
 #include "core/platform/ip_address.h"
 #include "udp_transport/flow/connection_pair.h"
@@ -106,9 +107,14 @@ class Destination {
   /// Called regularly. Tries longer datagrams if the pause of that search is over, and asks the kernel about
   /// the path every few seconds. `anew` is true if routes or our own addresses have changed.
   void look_after(Time now, bool anew) noexcept;
-  enum class LimitChange : std::uint8_t { none, found, over };
+  enum class Change : std::uint8_t { none, found, over };
   /// Returns whether a limit of the length of datagrams was found, or has ended, since the last call.
-  LimitChange take_limit_change() noexcept;
+  Change take_limit_change() noexcept;
+  /// Returns whether the receiver has not answered for `silence_named_after` by now, or answers again, since
+  /// the last call.
+  Change take_silence_change(Time now) noexcept;
+  /// A receiver that has ended is forgotten sooner than this, since its process gives no heartbeats.
+  static constexpr std::chrono::seconds silence_named_after{10};
 
  private:
   static constexpr std::chrono::seconds kernel_is_asked_every{5};
@@ -126,6 +132,8 @@ class Destination {
   // The following members are used by the thread that maintains the destinations.
   Time kernel_asked_at_{};
   bool was_limited_ = false;  ///< true if a limit was known at the last call of take_limit_change()
+  bool was_silent_ = false;   ///< true if the last call of take_silence_change() has found that silence
+  std::optional<Time> mute_since_{};
 };
 
 }  // namespace sft::udp

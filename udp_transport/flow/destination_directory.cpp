@@ -82,17 +82,24 @@ std::shared_ptr<Destination> DestinationDirectory::of_flow(std::uint32_t flow) {
   return nullptr;
 }
 
-/// Adds a remark about a new or ended limit, unless there is an equal one. All processes of a host share the
-/// path to it, so one remark is enough for all of them.
-void DestinationDirectory::remark_limit(Destination& destination,
-                                        std::vector<core::Network::Remark>& remarks) {
-  const Destination::LimitChange change = destination.take_limit_change();
-  if (change == Destination::LimitChange::none) return;
-  const bool is_over = change == Destination::LimitChange::over;
-  std::string text = is_over ? destination.path().no_limit_in_words() : destination.path().limit_in_words();
+namespace {
+/// Adds a remark, unless there is an equal one. All processes of a host share the path to it, so one remark
+/// about the path is enough for all of them.
+void add_remark(LogLevel level, std::string text, std::vector<core::Network::Remark>& remarks) {
   if (text.empty() || std::ranges::find(remarks, text, &core::Network::Remark::text) != remarks.end()) return;
-  remarks.push_back({is_over ? LogLevel::info : LogLevel::warning, std::move(text)});
+  remarks.push_back({level, std::move(text)});
 }
+
+/// Adds remarks about new and ended troubles of the path.
+void remark_changes(Destination& to, PathMtu::Time now, std::vector<core::Network::Remark>& remarks) {
+  using Change = Destination::Change;
+  const Change limit = to.take_limit_change(), silence = to.take_silence_change(now);
+  if (limit == Change::found) add_remark(LogLevel::warning, to.path().limit_in_words(), remarks);
+  if (limit == Change::over) add_remark(LogLevel::info, to.path().no_limit_in_words(), remarks);
+  if (silence == Change::found) add_remark(LogLevel::warning, to.path().silence_in_words(), remarks);
+  if (silence == Change::over) add_remark(LogLevel::info, to.path().no_silence_in_words(), remarks);
+}
+}  // namespace
 
 void DestinationDirectory::look_after(PathMtu::Time now, bool anew,
                                       std::vector<core::Network::Remark>& remarks) {
@@ -103,7 +110,7 @@ void DestinationDirectory::look_after(PathMtu::Time now, bool anew,
   for (const std::shared_ptr<Destination>& destination : looked_after_) {
     if (destination == nullptr) continue;
     destination->look_after(now, anew);
-    remark_limit(*destination, remarks);
+    remark_changes(*destination, now, remarks);
   }
   looked_after_.clear();
 }

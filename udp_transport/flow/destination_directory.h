@@ -40,7 +40,6 @@ class DestinationDirectory {
   std::uint32_t first_channel(const Key& key) const;
   std::shared_ptr<Destination> known(const core::UdpAddress& address) SFT_REQUIRES(mutex_);
   std::uint32_t unused_flow() SFT_REQUIRES(mutex_);
-  static void remark_limit(Destination& destination, std::vector<core::Network::Remark>& remarks);
 
   const DestinationLimits limits_;
   const Connect connect_;

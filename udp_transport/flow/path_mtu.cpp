@@ -6,9 +6,10 @@
 namespace sft::udp {
 
 namespace {
-/// The usual maximum sizes of packets in bytes, ascending: the minimum of IPv6, mobile networks, tunnels of
-/// overlay networks, PPPoE, Ethernet, FDDI, and jumbo frames.
-constexpr std::array<std::size_t, 7> packets{1280, 1400, 1450, 1492, 1500, 4352, 9000};
+/// The usual maximum sizes of packets in bytes, ascending: radio links, tunnels within tunnels, the minimum
+/// of IPv6, mobile networks, tunnels of overlay networks, PPPoE, Ethernet, FDDI, and jumbo frames.
+constexpr std::array<std::size_t, 9> packets{1000, 1200, 1280, 1400, 1450, 1492, 1500, 4352, 9000};
+constexpr std::size_t nearly_everywhere = 1280;  ///< nearly every path carries packets of this size
 }  // namespace
 
 PathMtu::PathMtu(std::size_t headers, std::size_t shortest, std::size_t kernel_says)
@@ -46,7 +47,7 @@ void PathMtu::shorten(Time now) {
   if (bytes_ == shortest_) return;
   too_long_ = bytes_;
   is_limited_ = true;
-  const std::size_t base = std::max(packet(packets.front()), shortest_);
+  const std::size_t base = std::max(packet(nearly_everywhere), shortest_);
   if (proven_ != 0 && proven_ < bytes_) {
     bytes_ = proven_;
   } else {
@@ -64,7 +65,7 @@ void PathMtu::arrived(std::size_t length, Time now) {
   if (length < bytes_ || bytes_ <= proven_) return;
   proven_ = bytes_;
   is_limited_ = is_limited_ && bytes_ < ceiling_;
-  if (next_longer() < too_long_) next_try_ = now + search_pause;
+  next_try_ = now + (next_longer() < too_long_ ? Time::duration(search_pause) : retry_after_);
 }
 
 /// Tries a longer length only if datagrams of the present length have arrived. Otherwise the loss of longer

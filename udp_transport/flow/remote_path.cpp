@@ -40,6 +40,17 @@ std::string RemotePath::no_limit_in_words() const {
          "': samples go there in datagrams of up to " + std::to_string(datagram_bytes()) + " bytes";
 }
 
+std::string RemotePath::silence_in_words() const {
+  const auto [ip, port] = address();
+  return "the host did not answer at " + core::format(ip, port) +
+         ": nothing is sent there until it does; see that its firewall lets UDP in, and ours the answers";
+}
+
+std::string RemotePath::no_silence_in_words() const {
+  const auto [ip, port] = address();
+  return "the host answers again at " + core::format(ip, port) + ": samples go there";
+}
+
 bool RemotePath::is_at(const core::IpAddress& ip) const {
   const core::Lock lock(mutex_);
   return ip == address_.ip || std::ranges::find(also_at_, ip) != also_at_.end();

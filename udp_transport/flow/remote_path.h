@@ -50,6 +50,9 @@ class RemotePath {
   std::string limit_in_words() const;
   /// Returns the sentence that says that the limit has ended.
   std::string no_limit_in_words() const;
+  /// Returns a sentence that says that the receiver does not answer, and one that says that it does again.
+  std::string silence_in_words() const;
+  std::string no_silence_in_words() const;
   /// Returns true if arrived() should be called when long datagrams arrive (PathMtu::is_uncertain()).
   bool length_is_uncertain() const { return length_is_uncertain_.load(std::memory_order_relaxed); }
   /// Takes the kernel's answer about the path to `asked`. Ignores it if the socket has moved to another

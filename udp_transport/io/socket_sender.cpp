@@ -114,7 +114,9 @@ class SocketConnection final : public Connection {
     if (to.family() != family_.load(std::memory_order_relaxed)) change_family(to.family());
     const sockaddr nobody{.sa_family = AF_UNSPEC, .sa_data = {}};
     ::connect(own_.get(), &nobody, sizeof nobody);
-    connected_.store(::connect(own_.get(), to.get(), to.bytes()) == 0, std::memory_order_relaxed);
+    const bool connected = ::connect(own_.get(), to.get(), to.bytes()) == 0;
+    if (connected && to.family() == AF_INET) fit_to_path(own_.get());
+    connected_.store(connected, std::memory_order_relaxed);
   }
 
   /// Replaces the connection's socket by one of another family, with the same descriptor. Threads that are

@@ -163,6 +163,8 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
   set_receive_buffer(fd, options.receive_buffer_bytes);
   set_send_buffer(fd, options.send_buffer_bytes);
   refuse_fragments(fd, open.family);
+  // Answers are sent by this socket. They are short, but a path may carry even less.
+  set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, IP_PMTUDISC_WANT);
   socket->options = options;
   socket->receives_trains = set_int(fd, SOL_UDP, UDP_GRO, 1);
   if (!socket->receives_trains) socket->why_no_gro = "the system refuses it: " + message_of(errno);
@@ -187,6 +189,13 @@ FileDescriptor open_sending_socket(const SocketOptions& options, int family) noe
   set_int(fd, SOL_SOCKET, SO_RCVBUF, 0);  // no thread reads datagrams that come to this socket
   refuse_fragments(fd, family);
   return socket;
+}
+
+void fit_to_path(int fd) noexcept {
+  constexpr auto shortest =
+      static_cast<int>(datagram_bytes_min + headers_before_datagram(core::loopback_ipv4));
+  const int mtu = get_int(fd, IPPROTO_IP, IP_MTU);  // 0 if the socket is not connected, or not by IPv4
+  set_int(fd, IPPROTO_IP, IP_MTU_DISCOVER, mtu != 0 && mtu < shortest ? IP_PMTUDISC_DONT : IP_PMTUDISC_DO);
 }
 
 void give_way(int fd) noexcept { set_int(fd, SOL_SOCKET, SO_PRIORITY, priority_bulk); }

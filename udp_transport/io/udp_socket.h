@@ -58,6 +58,10 @@ Result<std::shared_ptr<const UdpSocket>> open_udp_socket(const SocketOptions& op
 /// buffer. The socket is not connected yet. Its datagrams have a high priority if the device supports
 /// priorities. The result is invalid if the process cannot open more descriptors.
 FileDescriptor open_sending_socket(const SocketOptions& options, int family) noexcept;
+/// Lets the kernel divide the datagrams of a connected socket into fragments if its path is known to carry
+/// less than the shortest ones that SFT cuts (`datagram_bytes_min`). On all other paths, the kernel refuses
+/// datagrams that are too long.
+void fit_to_path(int fd) noexcept;
 /// Gives the datagrams of this socket a lower priority than those of other sockets.
 void give_way(int fd) noexcept;
 

@@ -27,7 +27,8 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
     missed += keep_for(audience, i, ordinal, has_room);
   }
   const MulticastGroup::BestEffort others = group.best_effort();
-  if (has_room || others.some_hear) {
+  const bool goes_to_group = has_room || others.some_hear;
+  if (goes_to_group) {
     // The channels already share the job, and have their own headers. So only the group uses the job's
     // header.
     job.first.flags |= group_follows;
@@ -35,7 +36,7 @@ std::size_t GroupDelivery::send(const Audience& audience, const core::SampleHand
     missed += send_to_group(audience, body) ? 0 : 1;
   }
   draft_.release();
-  return others.some_do_not ? missed + send_to_unconfirmed_members(audience, sample) : missed;
+  return others.some_do_not ? missed + send_to_others(audience, sample, goes_to_group) : missed;
 }
 
 /// If the publisher waits for its readers, waits before any part of the sample is sent. It waits until the
@@ -48,9 +49,11 @@ void GroupDelivery::await_room(const Audience& audience) {
   }
 }
 
-/// Sends the sample separately to the best-effort members that do not receive the group.
-std::size_t GroupDelivery::send_to_unconfirmed_members(const Audience& audience,
-                                                       const core::SampleHandle& sample) {
+/// Sends the sample separately to the best-effort members that do not get it by the group. A member may
+/// report at any time that it receives the group. That report is about an earlier datagram of the group, so
+/// it counts only if this sample goes to the group, too.
+std::size_t GroupDelivery::send_to_others(const Audience& audience, const core::SampleHandle& sample,
+                                          bool goes_to_group) {
   Job& job = draft_.begin();
   if (!encoder_.encode(audience, *sample, job)) return 0;
   SampleEncoder::number(audience, job);
@@ -58,7 +61,8 @@ std::size_t GroupDelivery::send_to_unconfirmed_members(const Audience& audience,
   direct_.begin_sample();
   std::size_t missed = 0;
   for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
-    if (audience.channels[i] == nullptr && !audience.multicast->hears(i))
+    const bool gets_it = goes_to_group && audience.multicast->hears(i);
+    if (audience.channels[i] == nullptr && !gets_it)
       missed += unicast_.send(audience, i, parts ? parts : sample);
   }
   draft_.release();

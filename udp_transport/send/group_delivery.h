@@ -30,7 +30,7 @@ class GroupDelivery {
 
  private:
   void await_room(const Audience& audience);
-  std::size_t send_to_unconfirmed_members(const Audience& audience, const core::SampleHandle& sample);
+  std::size_t send_to_others(const Audience& audience, const core::SampleHandle& sample, bool goes_to_group);
   std::size_t keep_for(const Audience& audience, std::size_t member, std::uint64_t ordinal, bool has_room);
   bool send_to_group(const Audience& audience, const core::SampleHandle& body);
 

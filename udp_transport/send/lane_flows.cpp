@@ -98,19 +98,21 @@ void LaneFlows::note_stall(SendFlow& flow, std::optional<SendFlow::Time> since) 
 
 /// Returns a flow whose sample has to be sent before that of `flow`; null if there is none. Large samples of
 /// one writer, with any masks, are sent to a destination one after another. So the first sample is whole
-/// sooner, and a receiver assembles only a few samples at a time. Small samples may be sent between them. If
-/// a receiver gets one sample by a group or in a shared copy, and another sample by another lane, the older
-/// sample is sent first.
+/// sooner, and a receiver assembles only a few samples at a time. The oldest one is sent first, because a
+/// best-effort reader whose mask has just changed would lose an older sample that comes after a newer one.
+/// Only the samples that a late reader gets from the history are older than samples that are for others.
+/// Small samples may be sent between large ones. If a receiver gets one sample by a group or in a shared
+/// copy, and another sample by another lane, the older sample is sent first.
 const SendFlow* LaneFlows::holder_of(const SendFlow& flow) {
   if (flow.fragments->begun()) return nullptr;
   const Destination& to = flow.lane->destination();
   const auto holder = std::ranges::find_if(flows_, [&](const SendFlow& other) {
     if (!other.lane || !other.fragments || &other.lane->tally() != &flow.lane->tally()) return false;
     if (&other == &flow) return false;
-    if (&other.lane->destination() == &to && flow.size == Size::large && other.fragments->begun())
-      return true;
-    return is_older(other, flow) && other.lane->end().meets_merged(flow.lane->end()) &&
-           !may_pass(flow, other);
+    const bool older = is_older(other, flow);
+    const bool goes_first = other.fragments->begun() || (older && !other.lane->is_late());
+    if (&other.lane->destination() == &to && flow.size == Size::large && goes_first) return true;
+    return older && other.lane->end().meets_merged(flow.lane->end()) && !may_pass(flow, other);
   });
   return holder == flows_.end() ? nullptr : &*holder;
 }

@@ -1,5 +1,6 @@
 #include "udp_transport/send/postponed_delivery.h"
 
+#include <atomic>
 #include <chrono>
 
 namespace sft::udp {
@@ -13,7 +14,10 @@ constexpr std::size_t copied_at_a_time = 128 * 1024;
 bool PostponedDelivery::is_possible(const Audience& audience) {
   if (audience.multicast != nullptr || audience.late_reader != 0 || audience.lanes.size() != 1) return false;
   const Lane& lane = *audience.lanes.front();
-  return !lane.is_late() && lane.is_clear() && lane.destination().bulk_in_use() != nullptr;
+  // An older large sample may wait in a lane of another mask. A channel keeps the order by itself.
+  const bool may_overtake =
+      audience.channels.front() == nullptr && lane.tally().busy_lanes.load(std::memory_order_acquire) != 0;
+  return !lane.is_late() && lane.is_clear() && !may_overtake && lane.destination().bulk_in_use() != nullptr;
 }
 
 std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,

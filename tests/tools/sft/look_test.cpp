@@ -158,7 +158,7 @@ TEST_F(LookTest, WhyTellsHowAPairMatchesAndWhatBothOfItsNodesHaveCounted) {
   EXPECT_GT(pair["withheld"], 0) << "20 of 100 samples a second are sent";
   EXPECT_EQ(pair["dropped"], 0);
   EXPECT_TRUE(pair["lost"].is_number());
-  const Ended text = run_tool({"why", "points"});
+  const Ended text = run_tool({"why", "points", "--wait", "30"});
   EXPECT_EQ(text.code, 0);
   EXPECT_THAT(text.out, HasSubstr("\nlidar -> logger  ("));
   EXPECT_THAT(text.out,
@@ -226,13 +226,16 @@ TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
   std::string text;
   // Repeats the command, because it may end before it has discovered both endpoints.
   EXPECT_TRUE(eventually([&] {
-    text = run_tool({"why", "points", "--wait", "0"}).out;
+    const Ended why = run_tool({"why", "points", "--wait", "0"});
+    EXPECT_EQ(why.code, 1) << "nobody knows if samples arrive";
+    text = why.out;
     return text.find("lidar -> logger") != std::string::npos;
   }));
   EXPECT_THAT(text, HasSubstr("\n    sent       not told yet\n"
                               "    saved      not told yet\n"
                               "    withheld   not told yet\n"
-                              "    lost       not told yet\n"));
+                              "    lost       not told yet\n"
+                              "    both nodes are heard, and neither answers: "));
   Json pairs;
   EXPECT_TRUE(eventually([&] {
     pairs = Json::parse(run_tool({"why", "points", "--json", "--wait", "0"}).out)["pairs"];

@@ -71,10 +71,20 @@ TEST_F(SampleWriterTest, ATimeThatGoesBackBehindATriggerEndsWhatIsWrittenForIt) 
   SampleWriter writer({.path = path(), .window = 10s});
   const std::size_t channel = add_channel(writer);
   EXPECT_TRUE(put(writer, channel, 100 * second));
-  writer.trigger();
+  writer.trigger(100 * second);
   EXPECT_TRUE(put(writer, channel, 100 * second + second / 2));
   EXPECT_TRUE(put(writer, channel, 1 * second));
   EXPECT_EQ(end(writer).samples, 2U) << "the last one is in the window, and no trigger comes";
+}
+
+/// The recorder takes the sample that fulfils a condition by two subscribers, in any order.
+TEST_F(SampleWriterTest, TheSampleThatHasCausedATriggerIsWrittenAlsoIfItComesAfterTheTrigger) {
+  SampleWriter writer({.path = path(), .window = 100s});
+  const std::size_t channel = add_channel(writer);
+  EXPECT_TRUE(put(writer, channel, 100 * second));
+  writer.trigger(110 * second);
+  EXPECT_TRUE(put(writer, channel, 110 * second));
+  EXPECT_EQ(end(writer).samples, 2U);
 }
 
 TEST_F(SampleWriterTest, RetainedSamplesCountAsMemory) {

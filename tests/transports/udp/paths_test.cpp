@@ -354,6 +354,48 @@ TEST_P(PathsTest, BringBestEffortSamplesOfEverySizeThereAndNameTheLimit) {
   }
 }
 
+/// Publishes samples of several sizes to a host, reliably or not, and expects each size to arrive.
+void expect_every_size(core::Network& near, Host& far, const core::IpAddress& ip) {
+  for (const bool reliable : {true, false}) {
+    for (const std::size_t bytes : {100U, 700U, 9000U, 200'000U}) {
+      Subscriber subscriber(far.open_transport(Backend::sockets), {"*"});
+      Publisher publisher(near, 2 * bytes + (reliable ? 1 : 0));
+      if (reliable) subscriber.listen_reliably_to(publisher.id());
+      if (!reliable) subscriber.listen_to(publisher.id());
+      publisher.serve({{far.at(ip), "*", reliable}});
+      std::size_t published = 0;
+      EXPECT_TRUE(test::eventually(
+          [&] {
+            publisher.publish(make_image(bytes));
+            ++published;
+            return subscriber.await(3, 0s).size() >= 3;
+          },
+          test::hang_timeout, 20ms))
+          << bytes << (reliable ? " reliably" : "");
+      if (reliable) {
+        EXPECT_EQ(subscriber.await(published).size(), published) << bytes;
+      }
+    }
+  }
+}
+
+TEST_P(IPv4PathsTest, BringSamplesOfEverySizeWhereARouterSilentlyDropsPacketsOfMoreThan576Bytes) {
+  Host router, far;
+  plug_in(router, 1, 1500);
+  put_behind(router, far, 1500);
+  drop_longer_than(576, router);
+  const auto near = open();
+  expect_every_size(*near, far, ip(2, 2));
+}
+
+/// The kernel divides the datagrams, because SFT cuts none into so short ones.
+TEST_P(IPv4PathsTest, BringSamplesOfEverySizeOverALinkThatCarriesLessThanTheShortestDatagrams) {
+  Host far;
+  plug_in(far, 1, 400);
+  const auto near = open();
+  expect_every_size(*near, far, ip(1, 2));
+}
+
 TEST_P(PathsTest, BringLongDatagramsAgainOnceTheRouterLetsThemPass) {
   Host router, far;
   plug_in(router, 1, 1500);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "tests/transports/udp/endpoints.h"
+#include "tests/transports/udp/faulty_io.h"
 #include "tests/transports/udp/transport_fixture.h"
 
 namespace sft::udp {
@@ -87,6 +88,26 @@ TEST_P(TransportTest, KeepsTheOrderUnderMoreMasksThanThePublishersThreadEncodes)
     audience.ask_in_reverse(publisher);
   }
   audience.expect_sequences(first_numbers(60));
+}
+
+/// The receiver answers only after all samples were published, so all of them wait in the sending thread.
+TEST_P(TransportTest, KeepsTheOrderOfLargeSamplesToAReaderThatChangesItsMask) {
+  test::Hold hold;
+  const auto there = open();
+  const auto here = open({}, [&](DatagramIo io) { return hold.put_around(std::move(io)); });
+  const std::vector<std::string> masks{"*",           "data",         "data, name",
+                                       "data, width", "data, height", "data, stamp"};
+  Subscriber subscriber(*here, masks);
+  Publisher publisher(*there);
+  subscriber.listen_to(publisher.id());
+  hold.begin();
+  for (const std::string& mask : masks) {
+    publisher.serve({{loopback_address(*here), mask}});
+    EXPECT_EQ(publisher.publish(make_image(200'000)), core::SendStatus::sent);
+  }
+  EXPECT_TRUE(eventually([&] { return hold.stops_it(); }));
+  hold.end();
+  EXPECT_EQ(subscriber.await_sequences(masks.size()), first_numbers(masks.size()));
 }
 
 TEST_P(TransportTest, SendsUnderAllMasksAfterThePublisherWent) {

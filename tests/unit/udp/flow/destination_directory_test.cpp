@@ -87,6 +87,29 @@ TEST_F(DestinationDirectoryTest, RemarksThatALimitIsOver) {
   EXPECT_EQ(remarks_.front().text, there->path().no_limit_in_words());
 }
 
+/// The path is cut in one direction: the process gives heartbeats, so it is still served.
+TEST_F(DestinationDirectoryTest, RemarksThatAReceiverDoesNotAnswerForLongAndThatItAnswersAgain) {
+  const auto there = directory_.find({.ip = host_, .port = 5000});
+  PathMtu::Time now = now_;
+  const auto ask_in_vain_for = [&](PathMtu::Time::duration time) {
+    for (const auto end = now + time; now < end; now += std::chrono::milliseconds(100)) {
+      there->mark(now);
+      directory_.look_after(now, false, remarks_);
+    }
+  };
+  ask_in_vain_for(Destination::silence_named_after);
+  EXPECT_TRUE(remarks_.empty());
+  ask_in_vain_for(std::chrono::seconds(5));
+  ASSERT_EQ(remarks_.size(), 1U);
+  EXPECT_EQ(remarks_.front().level, LogLevel::warning);
+  EXPECT_EQ(remarks_.front().text, there->path().silence_in_words());
+  EXPECT_TRUE(there->hear(connections_.answer_to_mark(), core::IpAddress(host_), now).accepted);
+  directory_.look_after(now, false, remarks_);
+  ASSERT_EQ(remarks_.size(), 2U);
+  EXPECT_EQ(remarks_.back().level, LogLevel::info);
+  EXPECT_EQ(remarks_.back().text, there->path().no_silence_in_words());
+}
+
 TEST_F(DestinationDirectoryTest, FindsADestinationByWhereItIsWhenNobodySaysWhoseItIs) {
   const auto there = directory_.find({.ip = 1, .port = 5000, .node = 7});
   directory_.find({.ip = 2, .port = 5000, .node = 7});

@@ -129,14 +129,14 @@ TEST_F(DestinationTest, LooksForTheWayAnewAfterARefusal) {
 
 TEST_F(DestinationTest, SendsShorterDatagramsWhereReportsShowThatLongOnesDoNotArriveAndSaysSoOnce) {
   const std::size_t before = to_.path().datagram_bytes();
-  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::none);
+  EXPECT_EQ(to_.take_limit_change(), Destination::Change::none);
   test::lose_long_ones(to_, connections_, now_);
   EXPECT_LT(to_.path().datagram_bytes(), before);
   EXPECT_EQ(to_.path().limit_in_words(),
             "datagrams longer than 1252 bytes do not arrive at '127.0.0.1': "
             "samples go there in shorter ones");
-  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::found);
-  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::none);
+  EXPECT_EQ(to_.take_limit_change(), Destination::Change::found);
+  EXPECT_EQ(to_.take_limit_change(), Destination::Change::none);
 }
 
 TEST_F(DestinationTest, SaysThatALimitIsOverOnceLongDatagramsArriveAgain) {
@@ -147,7 +147,7 @@ TEST_F(DestinationTest, SaysThatALimitIsOverOnceLongDatagramsArriveAgain) {
     to_.look_after(now, false);
     test::report_all(to_, connections_, now);
   }
-  EXPECT_EQ(to_.take_limit_change(), Destination::LimitChange::over);
+  EXPECT_EQ(to_.take_limit_change(), Destination::Change::over);
   EXPECT_EQ(
       to_.path().no_limit_in_words(),
       "long datagrams no longer get lost on the way to '127.0.0.1': samples go there in datagrams of up "

@@ -84,11 +84,18 @@ TEST(PathMtuTest, GrowsAgainWhenThePathDoes) {
 
 TEST(PathMtuTest, ShrinksToWhatEveryPathTakesWhereNothingElseArrives) {
   Path path(1500, 600);
-  path.use_for(2s);
+  path.use_for(1s);
   EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, shortest + headers}));
   PathMtu ipv6(48, 1232, 1452);
   for (int i = 0; i < 100; ++i) ipv6.lost(ipv6.datagram_bytes(), PathMtu::Time{1h} + i * 50ms);
   EXPECT_EQ(ipv6.datagram_bytes(), 1232U);
+}
+
+TEST(PathMtuTest, FindsHowLongTheyMayBeWhereEvenUsualOnesVanish) {
+  Path path(1500, 1200);
+  path.use_for(20s);
+  EXPECT_EQ(path.take_lengths(), (std::vector<std::size_t>{1280, shortest + headers, 1000, 1200}));
+  EXPECT_EQ(path.mtu().limited_to(), payload(1200));
 }
 
 TEST(PathMtuTest, IsNotTakenInByLossOfAllLengths) {

@@ -71,6 +71,34 @@ TEST_F(LaneFlowsTest, LetsLargeSamplesOfAWriterGoToADestinationOneAfterAnother) 
   EXPECT_GT(bytes_left(), 2 * large_bytes);
 }
 
+/// While a reader changes its mask, or joins a group that does not reach it yet, one sample is in the lane of
+/// the former mask, and the next sample in the lane of the new one.
+TEST_F(LaneFlowsTest, SendTheOldestLargeSampleFirstWhateverItsMaskIs) {
+  const auto before = lane(), after = lane();
+  before->post(job(large_bytes));
+  after->post(job(large_bytes));
+  flows.add(after);
+  flows.add(before);
+  serve_small();
+  flows.send_large(0);
+  EXPECT_EQ(bytes_left(), 0U) << "the older sample has not been sent yet";
+  flows.send_large(1);
+  EXPECT_GT(bytes_left(), large_bytes);
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), 2 * large_bytes);
+}
+
+TEST_F(LaneFlowsTest, SendLargeSamplesBesideTheHistoryOfALateReader) {
+  const auto late = lane(Lane::Start::held), live = lane();
+  EXPECT_EQ(late->begin({job(large_bytes)}), Wake::schedule);
+  live->post(job(large_bytes));
+  flows.add(live);
+  flows.add(late);
+  serve_small();
+  flows.send_large(0);
+  EXPECT_GT(bytes_left(), large_bytes) << "it does not wait for the history, although that is older";
+}
+
 TEST_F(LaneFlowsTest, LetSmallSamplesPassALargeOneThatIsUnderWayUnderAnotherMask) {
   const auto large = lane(), small = lane();
   large->post(job(large_bytes));

@@ -10,6 +10,7 @@
 
 #include "tests/support/parse_datagram.h"
 #include "tests/unit/udp/connections.h"
+#include "tests/unit/udp/jobs.h"
 #include "tests/unit/udp/messages.h"
 
 namespace sft::udp {
@@ -171,6 +172,17 @@ TEST_F(SendsAhead, DoesNotOvertakeWhatWaits) {
   EXPECT_EQ(connections_.sent().size(), before);
   EXPECT_EQ(channel_->next(ResendWindow::Size::large)->ordinal, 1U);
   EXPECT_EQ(channel_->next(ResendWindow::Size::large)->ordinal, 2U);
+}
+
+TEST_F(SendsAhead, DoesNotOvertakeALargeSampleThatWaitsUnderAnotherMask) {
+  route(Delivery::best_effort);
+  const auto jobs = JobPool::make();
+  Lane former(to_, 1000, tally_);
+  former.post(test::make_job(*jobs, 1, sent_image_bytes));
+  EXPECT_EQ(publish(), 0U);
+  EXPECT_TRUE(connections_.sent().empty());
+  EXPECT_TRUE(is_copied());
+  EXPECT_FALSE(audience_.lanes.front()->idle()) << "the sending thread sends it, in order";
 }
 
 TEST_F(SendsAhead, IsNotCopiedOnceItIsAcknowledged) {
