@@ -60,7 +60,7 @@ detail::untyped::Sample SubscriberCore::take(Next (SubscriberPorts::*choose)()) 
     const std::optional<std::size_t> selection = oldest();
     Delivery next;
     if (selection) static_cast<Next&>(next) = (ports(*selection).*choose)();
-    if (waiter_.has_descriptor()) waiter_.settle();
+    waiter_.taken();
     if (!next.sample) {
       if (!selection || feeds_.size() == 1) return {};
       continue;  // another thread has taken that sample

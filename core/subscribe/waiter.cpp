@@ -47,11 +47,18 @@ void Waiter::sleep_until(Time deadline) {
 
 void Waiter::sample_arrived() { handle_ != nullptr ? handle_->raise() : bell_.ring(); }
 
-void Waiter::show_if_available() {
+int Waiter::descriptor() const {
+  if (handle_ == nullptr) return -1;
+  // A thread that took the last sample before this exchange may have left the descriptor readable.
+  if (!is_watched_.exchange(true, std::memory_order_seq_cst)) settle();
+  return handle_->descriptor();
+}
+
+void Waiter::show_if_available() const {
   if (must_return()) handle_->raise();
 }
 
-void Waiter::settle() {
+void Waiter::settle() const {
   if (must_return()) return;
   handle_->lower();
   show_if_available();

@@ -110,11 +110,6 @@ void Encoder::put_value(Number number) {
   plan_.put(&number, sizeof number);
 }
 
-void Encoder::put_zeros(std::size_t bytes) {
-  const std::vector<std::byte> zeros(bytes);
-  plan_.put(zeros.data(), zeros.size());
-}
-
 // ---- structs ----
 
 void Encoder::put_struct(const StructType& type, const py::handle& value) {
@@ -182,7 +177,7 @@ void Encoder::put_single(const Member& member, const py::handle& value) {
   plan_.align(bytes_of(member.kind));
   if (makes_room_) plan_.note({path_, &member, plan_.bytes(), 1});
   if (value) return put_number(member, value);
-  put_zeros(bytes_of(member.kind));
+  plan_.put_zeros(bytes_of(member.kind));
 }
 
 // ---- single values ----
@@ -196,7 +191,7 @@ void Encoder::put_text(const Member& member, const py::handle& value) {
     refuse(PyExc_ValueError, value, "a text of at most " + std::to_string(member.string_bound) + " bytes");
   put_value(static_cast<std::uint32_t>(text.size() + 1));
   plan_.put(text.data(), text.size());
-  put_zeros(1);
+  plan_.put_zeros(1);
 }
 
 void Encoder::put_number(const Member& member, const py::handle& value) {
@@ -239,8 +234,9 @@ void Encoder::put_number(const Member& member, const py::handle& value) {
 template <class Number>
 void Encoder::put_integer(const Member& member, const py::handle& value) {
   using Limits = std::numeric_limits<Number>;
-  const std::string expected =
-      "an integer from " + std::to_string(Limits::min()) + " to " + std::to_string(Limits::max());
+  const auto expected = [] {
+    return "an integer from " + std::to_string(Limits::min()) + " to " + std::to_string(Limits::max());
+  };
   if (member.enumeration != nullptr && PyUnicode_Check(value.ptr())) {
     const auto& all = member.enumeration->enumerators;
     const auto found = std::ranges::find(all, text_in(value), &EnumType::Enumerator::name);
@@ -248,12 +244,12 @@ void Encoder::put_integer(const Member& member, const py::handle& value) {
       refuse(PyExc_ValueError, value, "a name of " + short_name(member.enumeration->name));
     return put_value(static_cast<Number>(found->value));
   }
-  if (!PyIndex_Check(value.ptr())) refuse(PyExc_TypeError, value, expected);
+  if (!PyIndex_Check(value.ptr())) refuse(PyExc_TypeError, value, expected());
   const auto index = py::reinterpret_steal<py::object>(PyNumber_Index(value.ptr()));
   if (!index) {
     if (PyErr_ExceptionMatches(PyExc_TypeError) == 0) throw py::error_already_set();
     PyErr_Clear();
-    refuse(PyExc_TypeError, value, expected);
+    refuse(PyExc_TypeError, value, expected());
   }
   using Wide = std::conditional_t<std::is_signed_v<Number>, long long, unsigned long long>;
   Wide wide = 0;
@@ -264,7 +260,7 @@ void Encoder::put_integer(const Member& member, const py::handle& value) {
   }
   const bool is_out = PyErr_Occurred() != nullptr;
   PyErr_Clear();
-  if (is_out || !std::in_range<Number>(wide)) refuse(PyExc_ValueError, value, expected);
+  if (is_out || !std::in_range<Number>(wide)) refuse(PyExc_ValueError, value, expected());
   put_value(static_cast<Number>(wide));
 }
 
@@ -303,7 +299,7 @@ void Encoder::put_numbers(const Member& member, const py::handle& value) {
     put_length(member, count);
     if (count > 0) plan_.align(size);
     if (makes_room_) plan_.note({path_, &member, plan_.bytes(), count});
-    return put_zeros(count * size);
+    return plan_.put_zeros(count * size);
   }
   const py::dtype type(dtype_text(member.kind));
   py::object given = py::reinterpret_borrow<py::object>(value);

@@ -41,7 +41,6 @@ class Encoder {
   void put_room(const Member& member, const py::handle& count);
   bool put_word(const StructType& type, const py::handle& value);
   void put_length(const Member& member, std::size_t count);
-  void put_zeros(std::size_t bytes);
   template <class Number>
   void put_value(Number number);
   template <class Number>

@@ -6,7 +6,6 @@
 
 #include <pybind11/pybind11.h>
 
-#include <atomic>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -16,6 +15,7 @@
 #include "python/extension/callback_queue.h"
 #include "python/extension/gil.h"
 #include "python/extension/plan.h"
+#include "python/extension/view.h"
 #include "sft/node.h"
 
 namespace sft::python {
@@ -35,8 +35,7 @@ struct LockedPublisher {
 class PyLoan {
  public:
   /// REQUIRES: `loan` has the bytes of the plan.
-  PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan,
-         const std::vector<Plan::Place>& places);
+  PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan, std::vector<Plan::Place> places);
 
   /// Returns a number, a writable array, or None for a struct. Throws a KeyError if there is no such field.
   py::object get(const std::string& path);
@@ -70,6 +69,7 @@ class PyPublisher {
   bool wait_for_subscribers(std::size_t count, std::optional<double> timeout_s);
   void assert_liveliness() { opened()->publisher.assert_liveliness(); }
   py::dict status() const;
+  PublisherStatus whole_status() const { return opened()->publisher.status(); }
   DynamicType type() const { return opened()->publisher.type(); }
   bool is_over() const { return !publisher_ || (*node_)->is_interrupted(); }
   void close() {
@@ -87,12 +87,11 @@ class PyPublisher {
 class PySubscriber {
  public:
   /// `copies`: samples are copied when they are taken, since the options say `as_remote`.
-  PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, std::string topic, bool is_recorded,
-               bool copies)
+  PySubscriber(DynamicSubscriber&& opened, const Shared<Node>& node, const std::string& topic,
+               bool is_recorded, bool copies)
       : subscriber_(std::move(opened)),
         node_(node),
-        topic_(std::move(topic)),
-        is_recorded_(is_recorded),
+        origin_(std::make_shared<HeldSample::Origin>(topic, is_recorded)),
         copies_(copies) {}
 
   /// Returns a Sample, or None.
@@ -104,7 +103,8 @@ class PySubscriber {
   void set_max_rate_hz(double max_rate_hz, std::size_t which);
   std::string requested() const { return opened()->requirements().text; }
   py::dict status(std::size_t which) const;
-  int held() const { return *held_; }
+  SubscriberStatus whole_status() const { return opened()->status(); }
+  int held() const { return origin_->held; }
   DynamicType type() const { return opened()->type(); }
   bool is_over() const { return !subscriber_ || (*node_)->is_interrupted(); }
   void close() {
@@ -118,10 +118,8 @@ class PySubscriber {
 
   std::optional<Shared<DynamicSubscriber>> subscriber_;  ///< empty once it is closed
   std::optional<Shared<Node>> node_;                     ///< empty once it is closed
-  std::string topic_;
-  bool is_recorded_;
+  std::shared_ptr<HeldSample::Origin> origin_;
   bool copies_;
-  std::shared_ptr<std::atomic<int>> held_ = std::make_shared<std::atomic<int>>(0);
 };
 
 class PyNode {
@@ -154,5 +152,6 @@ class PyNode {
 
 /// Adds the classes to the module.
 void define_endpoints(py::module_& module);
+void define_services(py::module_& module);
 
 }  // namespace sft::python

@@ -20,6 +20,9 @@ class Failure : public std::exception {
   Error error_;
 };
 
+/// Sets the exception of Python.
+void raise_failure(const Failure& failure);
+
 /// Returns the value, or throws the error.
 template <class T>
 T value_of(Result<T>&& result) {

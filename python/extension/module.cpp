@@ -18,12 +18,16 @@ constexpr const char* code_names[] = {"invalid_argument", "unknown_field", "type
                                       "limit_exceeded",   "unavailable",   "no_permission", "address_in_use",
                                       "out_of_memory",    "system"};
 
+}  // namespace
+
 void raise_failure(const Failure& failure) {
   const py::object type = py::module_::import("sft._errors").attr("Error");
   const py::object error =
       type(failure.error().message, code_names[static_cast<std::size_t>(failure.error().code)]);
   PyErr_SetObject(type.ptr(), error.ptr());
 }
+
+namespace {
 
 /// Called once, when the interpreter begins to end and all nodes are closed: waits for the threads that are
 /// without the GIL, for a limited time.
@@ -53,6 +57,7 @@ PYBIND11_MODULE(_sft, module) {
   python::define_types(module);
   python::define_views(module);
   python::define_endpoints(module);
+  python::define_services(module);
   module.def("end", &python::end);
   module.def("forget_threads", [](bool had_nodes) {  // after fork()
     python::threads_without_gil = 0;

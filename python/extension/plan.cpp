@@ -11,20 +11,22 @@ constexpr std::size_t least_array_bytes = 512;
 
 }  // namespace
 
-void Plan::align(std::size_t alignment) {
-  constexpr std::byte zeros[8]{};
-  put(zeros, (alignment - bytes_ % alignment) % alignment);
+void Plan::align(std::size_t alignment) { put_zeros((alignment - bytes_ % alignment) % alignment); }
+
+std::vector<std::byte>::iterator Plan::end_of_copied(std::size_t bytes) {
+  if (bytes > 0 && (pieces_.empty() || pieces_.back().source != Source::copied))
+    pieces_.push_back({Source::copied, nullptr, copied_.size(), 0});
+  if (bytes > 0) pieces_.back().bytes += bytes;
+  bytes_ += bytes;
+  return copied_.end();
 }
 
 void Plan::put(const void* data, std::size_t bytes) {
-  if (bytes == 0) return;
-  if (pieces_.empty() || pieces_.back().source != Source::copied)
-    pieces_.push_back({Source::copied, nullptr, copied_.size(), 0});
   const auto* const first = static_cast<const std::byte*>(data);
-  copied_.insert(copied_.end(), first, first + bytes);
-  pieces_.back().bytes += bytes;
-  bytes_ += bytes;
+  copied_.insert(end_of_copied(bytes), first, first + bytes);
 }
+
+void Plan::put_zeros(std::size_t bytes) { copied_.insert(end_of_copied(bytes), bytes, std::byte{}); }
 
 void Plan::put_array(const void* data, std::size_t bytes, py::object owner) {
   if (bytes < least_array_bytes) return put(data, bytes);

@@ -7,6 +7,7 @@
 #include <cstddef>
 #include <span>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "sft/type.h"
@@ -29,12 +30,13 @@ class Plan {
   std::size_t bytes() const { return bytes_; }
   void align(std::size_t alignment);
   void put(const void* data, std::size_t bytes);
+  void put_zeros(std::size_t bytes);
   /// Puts the bytes of an array, which `owner` keeps alive.
   void put_array(const void* data, std::size_t bytes, py::object owner);
   /// Leaves room that is not written.
   void reserve(std::size_t bytes);
   void note(Place place) { places_.push_back(std::move(place)); }
-  const std::vector<Place>& places() const { return places_; }
+  std::vector<Place> take_places() { return std::move(places_); }
   /// Writes everything to memory of bytes() bytes, and zeros where room was left if `zeroed`. Needs no GIL.
   void write(std::span<std::byte> body, bool zeroed) const;
 
@@ -46,6 +48,9 @@ class Plan {
     std::size_t offset;     ///< of a copied piece in copied_
     std::size_t bytes;
   };
+
+  /// The end of the bytes to copy, to which the caller appends so many.
+  std::vector<std::byte>::iterator end_of_copied(std::size_t bytes);
 
   std::vector<std::byte> copied_;
   std::vector<Piece> pieces_;

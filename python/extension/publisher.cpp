@@ -7,7 +7,6 @@
 #include "python/extension/encoder.h"
 #include "python/extension/endpoints.h"
 #include "python/extension/failure.h"
-#include "python/extension/view.h"
 
 namespace sft::python {
 
@@ -56,10 +55,10 @@ std::span<const std::byte> encoded(const py::handle& message, const DynamicType&
 // ---- loans ----
 
 PyLoan::PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan,
-               const std::vector<Plan::Place>& places)
+               std::vector<Plan::Place> places)
     : publisher_(std::move(publisher)),
       memory_(std::make_shared<DynamicPublisher::Loan>(std::move(loan))),
-      places_(places) {}
+      places_(std::move(places)) {}
 
 const Plan::Place* PyLoan::find(const std::string& path) const {
   if (memory_ == nullptr)
@@ -96,7 +95,11 @@ void PyLoan::set(const std::string& path, const py::handle& value) {
     if (count != place->count)
       throw py::value_error("'" + path + "' has " + std::to_string(place->count) + " elements; " +
                             std::to_string(count) + " were given");
-    get(path).attr("__setitem__")(py::ellipsis(), fitting);
+    std::byte* const to = at(*find(path));
+    const auto kept = memory_;  // another thread may end the loan meanwhile
+    const auto bytes = static_cast<std::size_t>(fitting.nbytes());
+    const WithoutGil without(bytes > large_bytes);
+    std::memmove(to, fitting.data(), bytes);
   }
 }
 
@@ -144,10 +147,10 @@ bool PyPublisher::publish_cdr(const py::buffer& payload) {
 PyLoan PyPublisher::loan(const py::dict& values, bool zeroed) {
   const Shared<LockedPublisher> publisher = opened();
   const DynamicType type = publisher->publisher.type();
-  const Plan plan = Encoder(true).message(type.type(), values);
+  Plan plan = Encoder(true).message(type.type(), values);
   DynamicPublisher::Loan loan = lend(*publisher, plan.bytes());
   write(plan, loan, zeroed);
-  return PyLoan(publisher, std::move(loan), plan.places());
+  return PyLoan(publisher, std::move(loan), plan.take_places());
 }
 
 bool PyPublisher::wait_for_subscribers(std::size_t count, std::optional<double> timeout_s) {
@@ -168,9 +171,9 @@ py::dict PyPublisher::status() const {
                             py::arg("dropped") = reader.dropped, py::arg("bytes_sent") = reader.bytes_sent,
                             py::arg("bytes_saved") = reader.bytes_saved));
   }
-  return py::dict(py::arg("published") = status.published, py::arg("dropped") = status.dropped,
-                  py::arg("bytes_sent") = status.bytes_sent, py::arg("bytes_saved") = status.bytes_saved,
-                  py::arg("diverted") = status.diverted.total(),
+  return py::dict(py::arg("id") = status.id, py::arg("published") = status.published,
+                  py::arg("dropped") = status.dropped, py::arg("bytes_sent") = status.bytes_sent,
+                  py::arg("bytes_saved") = status.bytes_saved, py::arg("diverted") = status.diverted.total(),
                   py::arg("vanilla_readers") = status.vanilla_readers, py::arg("readers") = readers);
 }
 

@@ -2,13 +2,13 @@
 
 #include "python/extension/endpoints.h"
 #include "python/extension/failure.h"
-#include "python/extension/view.h"
 
 namespace sft::python {
 
 const Shared<DynamicSubscriber>& PySubscriber::opened() const {
   refuse_forked();
-  if (!subscriber_) throw Failure({Errc::unavailable, "the subscriber of '" + topic_ + "' is closed"});
+  if (!subscriber_)
+    throw Failure({Errc::unavailable, "the subscriber of '" + origin_->topic + "' is closed"});
   return *subscriber_;
 }
 
@@ -19,7 +19,7 @@ py::object PySubscriber::taken(DynamicSample (DynamicSubscriber::*function)()) {
     return ((*subscriber).*function)();
   }();
   if (!sample) return py::none();
-  return py::cast(Sample(std::make_shared<const HeldSample>(std::move(sample), topic_, is_recorded_, held_)));
+  return py::cast(Sample(std::make_shared<const HeldSample>(std::move(sample), origin_)));
 }
 
 bool PySubscriber::wait(std::optional<double> timeout_s) {

@@ -76,16 +76,38 @@ struct Grid {
 };
 
 /// Returns an attribute of a view: a field, or what the class has.
-py::object attribute(const py::object& self, const py::str& name) {
-  const View& view = self.cast<const View&>();
-  const auto text = name.cast<std::string_view>();
-  if (view.has(text)) return view.member(text);
-  PyObject* const found = PyObject_GenericGetAttr(self.ptr(), name.ptr());
+py::object attribute(PyObject* self, PyObject* name) {
+  // The view is the only C++ object of `self`, and the first base of a Sample. It is missing after
+  // View.__new__.
+  const auto* const view =
+      reinterpret_cast<py::detail::instance*>(self)->get_value_and_holder().value_ptr<View>();
+  const auto text = py::handle(name).cast<std::string_view>();
+  if (view != nullptr && view->has(text)) return view->member(text);
+  PyObject* const found = PyObject_GenericGetAttr(self, name);
   if (found != nullptr) return py::reinterpret_steal<py::object>(found);
-  if (text.starts_with('_') || PyErr_ExceptionMatches(PyExc_AttributeError) == 0)
+  if (view == nullptr || text.starts_with('_') || PyErr_ExceptionMatches(PyExc_AttributeError) == 0)
     throw py::error_already_set();
   PyErr_Clear();
-  throw py::attribute_error(view.view()[text].error()->message);
+  throw py::attribute_error(view->view()[text].error()->message);
+}
+
+/// The slot of Python for attributes. It is called for each read of a field, and so it does without the
+/// overloads of pybind11, which take longer than the read itself.
+PyObject* get_attribute(PyObject* self, PyObject* name) noexcept {
+  try {
+    try {
+      return attribute(self, name).release().ptr();
+    } catch (const Failure& failure) {
+      raise_failure(failure);
+    }
+  } catch (py::error_already_set& error) {
+    error.restore();
+  } catch (const py::builtin_exception& error) {
+    error.set_error();
+  } catch (const std::exception& error) {
+    PyErr_SetString(PyExc_RuntimeError, error.what());
+  }
+  return nullptr;
 }
 
 py::list names_of(const View& view) {
@@ -255,8 +277,10 @@ py::object View::cells(const std::string& path, std::size_t cell_bytes) const {
 
 void define_views(py::module_& module) {
   define_info(module);
-  py::class_<View>(module, "View", "A struct of a sample. Its fields are attributes; arrays are not copied.")
-      .def("__getattribute__", attribute)
+  const py::custom_type_setup with_slot(
+      [](PyHeapTypeObject* type) { type->ht_type.tp_getattro = get_attribute; });
+  py::class_<View>(module, "View", with_slot,
+                   "A struct of a sample. Its fields are attributes; arrays are not copied.")
       .def("__dir__", names_of)
       .def("find", &View::find, py::arg("path"), "Returns the value at a path, such as 'fields[0].name'.")
       .def("size", &View::size, py::arg("path"),

@@ -20,28 +20,30 @@ namespace py = pybind11;
 /// A sample that objects of Python refer to. Views and arrays keep it alive, and nothing else does.
 class HeldSample {
  public:
-  /// `held` counts the samples of the subscriber that Python holds.
-  HeldSample(DynamicSample sample, std::string topic, bool is_recorded,
-             std::shared_ptr<std::atomic<int>> held)
-      : sample_(std::move(sample)),
-        topic_(std::move(topic)),
-        is_recorded_(is_recorded),
-        held_(std::move(held)) {
-    ++*held_;
+  /// What the samples of one subscriber have in common.
+  struct Origin {
+    Origin(std::string of_topic, bool records) : topic(std::move(of_topic)), is_recorded(records) {}
+
+    const std::string topic;
+    const bool is_recorded;
+    std::atomic<int> held{0};  ///< the samples that Python holds
+  };
+
+  HeldSample(DynamicSample sample, std::shared_ptr<Origin> origin)
+      : sample_(std::move(sample)), origin_(std::move(origin)) {
+    ++origin_->held;
   }
   HeldSample(const HeldSample&) = delete;
   HeldSample& operator=(const HeldSample&) = delete;
-  ~HeldSample() { --*held_; }
+  ~HeldSample() { --origin_->held; }
 
   const DynamicSample& sample() const { return sample_; }
-  const std::string& topic() const { return topic_; }
-  bool is_recorded() const { return is_recorded_; }
+  const std::string& topic() const { return origin_->topic; }
+  bool is_recorded() const { return origin_->is_recorded; }
 
  private:
   const DynamicSample sample_;
-  const std::string topic_;
-  const bool is_recorded_;
-  const std::shared_ptr<std::atomic<int>> held_;
+  const std::shared_ptr<Origin> origin_;
 };
 
 /// A struct of a sample.

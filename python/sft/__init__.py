@@ -31,12 +31,13 @@ from sft._absent import Absent
 from sft._errors import AbsentError, Error
 from sft._message import Message, cells, copy, image
 from sft._node import Event, Loan, Node, Publisher, Subscriber
+from sft._service import Client, Service, ServiceType
 from sft._sft import Sample, SampleInfo, Type, View
 
 __version__ = _sft.version
-__all__ = ["Absent", "AbsentError", "Error", "Event", "Loan", "Message", "Node", "Publisher", "Sample", "SampleInfo",
-           "Subscriber", "Type", "View", "cells", "columns", "copy", "find_type", "image", "info", "points",
-           "type_from_file", "type_from_msg"]
+__all__ = ["Absent", "AbsentError", "Client", "Error", "Event", "Loan", "Message", "Node", "Publisher", "Sample",
+           "SampleInfo", "Service", "ServiceType", "Subscriber", "Type", "View", "cells", "columns", "copy",
+           "find_service", "find_type", "image", "info", "points", "type_from_file", "type_from_msg"]
 
 # Fields have precedence over methods of the same name. These functions work with all types.
 points = View.points
@@ -57,6 +58,12 @@ def find_type(name, directories=()):
     """Returns an installed type: find_type("sensor_msgs/PointCloud2"). Looks in these directories of packages first,
     then in those of AMENT_PREFIX_PATH, and then among the messages of SFT."""
     return Type(_sft.find_msg(name, _roots(directories)))
+
+
+def find_service(name, directories=()):
+    """Returns an installed type of services: find_service("std_srvs/SetBool"). Looks where find_type() looks."""
+    package, _, last = name.replace("/srv/", "/").rpartition("/")
+    return ServiceType(*(find_type(f"{package}/srv/{last}_{part}", directories) for part in ("Call", "Reply")))
 
 
 def type_from_msg(name, text):

@@ -4,12 +4,15 @@
 class Error(RuntimeError):
     """What SFT refuses, with the text of the library. `code` is its category, such as 'invalid_argument'."""
 
-    def __init__(self, message, code="unavailable"):
-        super().__init__(message)
-        self.code = code
+    # There is no __init__: the library makes exceptions on threads that Python ends, with all frames of C++ on them, if
+    # they run code of Python while the interpreter ends.
 
-    def __reduce__(self):
-        return type(self), (str(self), self.code)
+    def __str__(self):
+        return str(self.args[0]) if self.args else ""
+
+    @property
+    def code(self):
+        return self.args[1] if len(self.args) > 1 else "unavailable"
 
 
 class AbsentError(Error):

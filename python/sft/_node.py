@@ -176,6 +176,28 @@ class Node:
             opened = self._node.subscriber(topic, self._type(topic, type)._whole, fields, options, to)
             return Subscriber(self, opened, topic, to, callback)
 
+    def service(self, name, type, handler, **options):
+        """Opens the server of a service: handler(request) returns the response, as a message or a mapping.
+
+        `type` is the name of a type, "std_srvs/SetBool", or that of sft.find_service(). The handler runs on a thread of
+        the service, for one request at a time. Clients are told what it raises; other exceptions than an sft.Error are
+        shown here, too. Options are those of the publisher of replies.
+        """
+        from sft._service import Service
+        return Service(self, name, self._service_type(name, type), handler, options)
+
+    def client(self, name, type=None, **options):
+        """Opens a client of a service; the server may come later. `type` None: the type that a server has announced.
+        Options are those of the publisher of calls."""
+        from sft._service import Client
+        return Client(self, name, self._service_type(name, type), options)
+
+    def _service_type(self, name, type):
+        from sft import ServiceType, find_service
+        if type is None:
+            return ServiceType(*(self.find_type(f"{name}/{part}") for part in ("call", "reply")))
+        return find_service(type) if isinstance(type, str) else type
+
     def _type(self, topic, type):
         if type is None:
             return self.find_type(topic)

@@ -89,7 +89,11 @@ void Db3Reader::read_topics() {
   const Statement topics = prepare(std::string("SELECT id, name, type, serialization_format") +
                                    (has_qos ? ", offered_qos_profiles" : "") + " FROM topics ORDER BY id");
   std::map<std::string, std::uint16_t> schema_of;
-  while (step(topics) && channels_.size() < UINT16_MAX) {
+  while (step(topics)) {
+    if (channels_.size() == UINT16_MAX) {
+      add_fault("it has more than 65535 topics; the others are left out");
+      break;
+    }
     const std::string type = text_at(topics.get(), 2);
     const auto [schema, is_new] =
         schema_of.try_emplace(type, static_cast<std::uint16_t>(schema_of.size() + 1));
@@ -109,12 +113,13 @@ void Db3Reader::read_definitions() {
   if (!has_table("message_definitions")) return;
   const Statement rows =
       prepare("SELECT topic_type, encoding, encoded_message_definition FROM message_definitions");
+  std::map<std::string, Schema*> of_name;
+  for (auto& [id, schema] : schemas_) of_name[schema.name] = &schema;
   while (step(rows)) {
-    for (auto& [id, schema] : schemas_) {
-      if (schema.name != text_at(rows.get(), 0)) continue;
-      schema.encoding = text_at(rows.get(), 1);
-      schema.data = text_at(rows.get(), 2);
-    }
+    const auto found = of_name.find(text_at(rows.get(), 0));
+    if (found == of_name.end()) continue;
+    found->second->encoding = text_at(rows.get(), 1);
+    found->second->data = text_at(rows.get(), 2);
   }
 }
 

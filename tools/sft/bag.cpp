@@ -222,12 +222,17 @@ ExitCode run_one(const BagOptions& options, const CommonOptions& common, const s
 
 }  // namespace
 
-Result<DynamicType> find_type(const recording::Schema& schema, const CommonOptions& common) {
+const Result<DynamicType>& RecordedTypes::find(const recording::Schema& schema, std::size_t file) {
+  const std::pair key{file, schema.id};
+  if (const auto known = found_.find(key); known != found_.end()) return known->second;
   Result<DynamicType> type = recording::type_of(schema);
-  if (type || type.error().code != Errc::unavailable) return type;
-  return find_definition(schema.name, common).map_error([&](const Error& of_files) {
-    return Error{of_files.code, type.error().message + "; " + of_files.message};
-  });
+  if (!type && type.error().code == Errc::unavailable) {
+    const std::string why = type.error().message + "; ";
+    type = find_definition(schema.name, common_).map_error([&](const Error& of_files) {
+      return Error{of_files.code, why + of_files.message};
+    });
+  }
+  return found_.emplace(key, std::move(type)).first->second;
 }
 
 ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop, Output& output) {

@@ -1,7 +1,10 @@
 // `sft bag`: looks at recordings, checks them, and says what selections would have saved.
 #pragma once
 
+#include <cstdint>
+#include <map>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "tools/recording/open_recording.h"
@@ -22,9 +25,19 @@ struct BagOptions {
 
 ExitCode run(const BagOptions& options, const CommonOptions& common, Stop& stop, Output& output);
 
-/// Returns the type of a schema. Uses the definition in the recording, or if it has none, the definition in
-/// the files of the user or of SFT.
-Result<DynamicType> find_type(const recording::Schema& schema, const CommonOptions& common);
+/// The types of recordings, each of which is made once, since many channels may have the same one.
+class RecordedTypes {
+ public:
+  explicit RecordedTypes(const CommonOptions& common) : common_(common) {}
+
+  /// Returns the type of a schema. Uses the definition in the recording, or if it has none, the definition in
+  /// the files of the user or of SFT. `file` is the number of the recording.
+  const Result<DynamicType>& find(const recording::Schema& schema, std::size_t file = 0);
+
+ private:
+  const CommonOptions& common_;
+  std::map<std::pair<std::size_t, std::uint16_t>, Result<DynamicType>> found_;  ///< by file and schema
+};
 
 /// Runs `sft bag estimate` for one file.
 ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, recording::Recording& bag,

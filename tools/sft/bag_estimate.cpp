@@ -36,7 +36,7 @@ struct EstimatedTopic {
 class Estimate {
  public:
   Estimate(const std::vector<TopicSelection>& like, const CommonOptions& common)
-      : like_(like), common_(common) {}
+      : like_(like), types_(common) {}
 
   /// Returns an error if a selection does not fit its topic's type.
   Result<void> add_channels(const recording::Recording& bag);
@@ -53,9 +53,10 @@ class Estimate {
 
  private:
   const std::vector<TopicSelection>& like_;
-  const CommonOptions& common_;
+  RecordedTypes types_;
   std::vector<EstimatedTopic> topics_;
   std::map<std::uint16_t, std::size_t> of_channel_;
+  std::map<std::pair<std::string, std::uint64_t>, std::size_t> of_topic_;  ///< and of the hash of its type
   std::set<std::string> faults_;
 };
 
@@ -64,16 +65,14 @@ Result<void> Estimate::add_channels(const recording::Recording& bag) {
     const auto schema = bag.schemas().find(channel.schema);
     if (of_channel_.contains(id) || schema == bag.schemas().end()) continue;
     const std::string topic = Session::plain_name(channel.topic);
-    const Result<DynamicType> type = find_type(schema->second, common_);
+    const Result<DynamicType>& type = types_.find(schema->second);
     if (!type) {
       faults_.insert(fmt::format("topic '{}' is left out: {}", topic, type.error().message));
       continue;
     }
-    const auto known = std::ranges::find_if(topics_, [&](const EstimatedTopic& one) {
-      return one.topic == topic && one.estimate->type().hash() == type->hash();
-    });
-    of_channel_[id] = static_cast<std::size_t>(known - topics_.begin());
-    if (known != topics_.end()) continue;
+    const auto [known, is_new] = of_topic_.try_emplace({topic, type->hash()}, topics_.size());
+    of_channel_[id] = known->second;
+    if (!is_new) continue;
     const auto like = std::ranges::find(like_, topic, &TopicSelection::topic);
     std::optional<Selection> selection;
     if (like != like_.end()) {

@@ -76,7 +76,7 @@ class Player {
   bool has_failed() const { return failed_; }
 
  private:
-  void add_channel(std::size_t file, const recording::Channel& channel);
+  void add_channel(std::size_t file, const recording::Channel& channel, RecordedTypes& types);
   Result<void> open_clock();
   std::string new_name(const std::string& topic) const;
   void find_first();
@@ -121,7 +121,7 @@ std::string Player::new_name(const std::string& topic) const {
   return topic;
 }
 
-void Player::add_channel(std::size_t file, const recording::Channel& channel) {
+void Player::add_channel(std::size_t file, const recording::Channel& channel, RecordedTypes& types) {
   const std::string topic = plain(channel.topic);
   const bool is_wanted =
       options_.topics.empty() ||
@@ -138,7 +138,7 @@ void Player::add_channel(std::size_t file, const recording::Channel& channel) {
   else if (schema == schemas.end())
     left_out("the recording does not say which type it has");
   if (channel.encoding != "cdr" || schema == schemas.end()) return;
-  const Result<DynamicType> type = find_type(schema->second, common_);
+  const Result<DynamicType>& type = types.find(schema->second, file);
   if (!type) return left_out(type.error().message);
   const std::string profiles = recording::value_of(channel.metadata, "offered_qos_profiles");
   const std::string key = fmt::format("{}\n{:x}\n{}\n{}", topic, type->hash(), profiles,
@@ -189,8 +189,13 @@ Result<void> Player::open() {
       return fail(Errc::invalid_argument, "'" + rule + "' is no rule: write OLD:=NEW");
   }
   find_first();
+  RecordedTypes types(common_);
   for (std::size_t i = 0; i < files_.size(); ++i) {
-    for (const auto& [id, channel] : files_.file(i).channels()) add_channel(i, channel);
+    const auto& of_channel = files_.file(i).overview().of_channel;
+    for (const auto& [id, channel] : files_.file(i).channels()) {
+      if (session_.stop().wait_for(0ns)) return fail(Errc::unavailable, "playing was interrupted");
+      if (of_channel.empty() || of_channel.contains(id)) add_channel(i, channel, types);
+    }
   }
   for (const std::string& topic : options_.topics) {
     const bool is_there = std::ranges::any_of(

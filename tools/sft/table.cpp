@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <numeric>
 #include <string_view>
 
 namespace sft::tool {
@@ -10,6 +11,7 @@ namespace sft::tool {
 namespace {
 
 constexpr std::size_t gap = 2;
+constexpr std::size_t width_most = 256;  // of a column; longer cells, which files can have, stand out
 
 std::size_t longest_word(std::string_view text) {
   std::size_t longest = 0;
@@ -23,29 +25,20 @@ std::size_t longest_word(std::string_view text) {
 
 }  // namespace
 
-std::size_t Table::width_of(std::size_t column) const {
-  std::size_t width = headings_[column].size();
-  for (const auto& row : rows_) width = std::max(width, row[column].size());
-  return width + gap;
+/// Returns the widths of all columns but the last one, whose cells may be broken into lines.
+Table::Widths Table::widths() const {
+  Widths widths;
+  for (std::size_t i = 0; i + 1 < headings_.size(); ++i) {
+    std::size_t width = headings_[i].size();
+    for (const auto& row : rows_) width = std::max(width, row[i].size());
+    widths.push_back(std::min(width, width_most) + gap);
+  }
+  return widths;
 }
 
-/// Returns the offset of the last column in a line, whose cells may be broken into lines.
-std::size_t Table::last_column() const {
-  std::size_t at = 0;
-  for (std::size_t i = 0; i + 1 < headings_.size(); ++i) at += width_of(i);
-  return at;
-}
-
-std::string Table::line(const std::vector<std::string>& cells, const Output& output) const {
-  std::string text;
-  for (std::size_t i = 0; i + 1 < cells.size(); ++i) text += fmt::format("{:<{}}", cells[i], width_of(i));
-  return text + output.fitted(cells.back(), text.size(), text.size());
-}
-
-bool Table::fits(const Output& output) const {
-  const std::size_t at = last_column();
+bool Table::fits(std::size_t last_column, const Output& output) const {
   return std::ranges::all_of(
-      rows_, [&](const auto& row) { return at + longest_word(row.back()) <= output.columns(); });
+      rows_, [&](const auto& row) { return last_column + longest_word(row.back()) <= output.columns(); });
 }
 
 /// Prints each row as a paragraph.
@@ -62,9 +55,16 @@ void Table::print_paragraphs(Output& output) const {
 }
 
 void Table::print(Output& output) const {
-  if (output.on_terminal() && !fits(output)) return print_paragraphs(output);
-  output.line(output.colored(line(headings_, output), Color::bold));
-  for (const auto& row : rows_) output.line(line(row, output));
+  const Widths all = widths();
+  const std::size_t last_column = std::accumulate(all.begin(), all.end(), std::size_t{0});
+  if (output.on_terminal() && !fits(last_column, output)) return print_paragraphs(output);
+  const auto line = [&](const std::vector<std::string>& cells) {
+    std::string text;
+    for (std::size_t i = 0; i < all.size(); ++i) text += fmt::format("{:<{}}", cells[i], all[i]);
+    return text + output.fitted(cells.back(), text.size(), text.size());
+  };
+  output.line(output.colored(line(headings_), Color::bold));
+  for (const auto& row : rows_) output.line(line(row));
 }
 
 }  // namespace sft::tool

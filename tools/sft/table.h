@@ -19,10 +19,10 @@ class Table {
   void print(Output& output) const;
 
  private:
-  std::size_t width_of(std::size_t column) const;
-  std::size_t last_column() const;
-  bool fits(const Output& output) const;
-  std::string line(const std::vector<std::string>& cells, const Output& output) const;
+  using Widths = std::vector<std::size_t>;
+
+  Widths widths() const;
+  bool fits(std::size_t last_column, const Output& output) const;
   void print_paragraphs(Output& output) const;
 
   std::vector<std::string> headings_;

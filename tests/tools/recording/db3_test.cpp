@@ -63,6 +63,19 @@ TEST_F(Db3Test, MissingColumnsAreNamed) {
   EXPECT_THAT((*bag)->faults(), Contains(HasSubstr("no such column")));
 }
 
+TEST_F(Db3Test, OfVeryManyTopicsThoseThatFitAreReadWithTheirDefinitionsAndTheRestIsNamed) {
+  run(tables);
+  run("WITH RECURSIVE n(i) AS (SELECT 10 UNION ALL SELECT i + 1 FROM n WHERE i < 70000) "
+      "INSERT INTO topics SELECT i, '/t' || i, 'a/msg/A' || i, 'cdr' FROM n;"
+      "CREATE TABLE message_definitions(topic_type TEXT, encoding TEXT, encoded_message_definition TEXT);"
+      "INSERT INTO message_definitions SELECT type, 'ros2msg', 'int8 a' FROM topics;");
+  const auto bag = open_recording(path());
+  ASSERT_TRUE(bag) << bag.error().message;
+  EXPECT_EQ((*bag)->channels().size(), 65535U);
+  EXPECT_THAT((*bag)->faults(), Contains(HasSubstr("more than 65535 topics")));
+  for (const auto& [id, schema] : (*bag)->schemas()) ASSERT_EQ(schema.data, "int8 a") << schema.name;
+}
+
 TEST_F(Db3Test, ADamagedFileIsReadAsFarAsItGoes) {
   run(tables);
   std::string content;

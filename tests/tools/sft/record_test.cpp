@@ -1,6 +1,7 @@
 // The verb record: topics and selections become files that others read.
 #include <sys/mount.h>
 
+#include <array>
 #include <csignal>
 #include <cstdlib>
 #include <filesystem>
@@ -47,9 +48,10 @@ class RecordTest : public ToolTest {
   }
 
   /// Reads a file by the specification of MCAP, in Python.
-  Messages read(const std::string& file) const {
+  Messages read(const std::string& file) const { return read_by("python3 " SFT_READ_MCAP, file); }
+  Messages read_by(const std::string& program, const std::string& file) const {
     const std::string out = path("out.json"), err = path("err.txt");
-    const std::string command = "python3 " SFT_READ_MCAP " '" + file + "' >'" + out + "' 2>'" + err + "'";
+    const std::string command = program + " '" + file + "' >'" + out + "' 2>'" + err + "'";
     EXPECT_EQ(std::system(command.c_str()), 0) << std::ifstream(err).rdbuf();
     Messages messages;
     std::ifstream lines(out);
@@ -62,6 +64,22 @@ class RecordTest : public ToolTest {
     for (const Json& message : messages)
       if (message["topic"] == topic) numbers.push_back(message["value"]["data"]);
     return numbers;
+  }
+  /// Ten points of which each has an x and a y.
+  static PointCloud2 cloud_of_two_channels() {
+    PointCloud2 message = cloud();
+    message.height = 1;
+    message.width = 10;
+    message.point_step = 8;
+    message.row_step = 80;
+    message.data.resize(80);
+    message.fields[0].offset = 0;
+    message.fields[1].offset = 4;
+    for (auto& field : message.fields) {
+      field.datatype = sensor_msgs::msg::PointField::FLOAT32;
+      field.count = 1;
+    }
+    return message;
   }
   static void publish(Publisher<UInt32>& publisher, std::uint32_t begin, std::uint32_t end) {
     for (std::uint32_t i = begin; i < end; ++i) EXPECT_EQ(publisher.publish({.data = i}), PublishStatus::ok);
@@ -110,21 +128,39 @@ TEST_F(RecordTest, OfAMaskedSampleAReaderSeesTheFieldsThatWereSentAndNoZero) {
                                                   "fields": [{"name": "x"}, {"name": "y"}]})"));
 }
 
+TEST_F(RecordTest, FoxglovesReadersDecodeWholeMessagesPartsAndMaskedSamplesFieldForField) {
+  if (!std::filesystem::exists(SFT_FOXGLOVE "/.of-lock"))
+    GTEST_SKIP() << "skipped: needs npm, from which ./run build installs Foxglove's readers";
+  constexpr std::array<const char*, 5> selected{
+      "whole", "part{data{y}[::2]}", "some{header.stamp, width, fields[].name}",
+      "length{header.frame_id, fields.size, is_dense}", "elements{fields[].count, data}"};
+  std::vector<std::string> arguments(selected.begin(), selected.end());
+  arguments.insert(arguments.end(), {"battery{voltage, cell_voltage, present, location}", "--compression"});
+  std::vector<Publisher<PointCloud2>> clouds;
+  for (const std::string topic : selected)
+    clouds.push_back(
+        robot.publisher<PointCloud2>(topic.substr(0, topic.find('{')), {.reliability = reliable}).value());
+  auto battery = robot.publisher<BatteryState>("battery", {.reliability = reliable}).value();
+  for (const char* const compression : {"none", "lz4", "zstd"}) {
+    SCOPED_TRACE(compression);
+    std::filesystem::remove(path());
+    arguments.emplace_back(compression);
+    auto process = record(arguments, clouds[0], clouds[1], clouds[2], clouds[3], clouds[4], battery);
+    arguments.pop_back();
+    for (auto& publisher : clouds) EXPECT_EQ(publisher.publish(cloud_of_two_channels()), PublishStatus::ok);
+    EXPECT_EQ(battery.publish({.voltage = 12.5F, .cell_voltage = {4, 4.25F}, .location = "left"}),
+              PublishStatus::ok);
+    EXPECT_EQ(end(*process, 6).code, 0);
+    const Messages messages = read(path());
+    EXPECT_EQ(messages.size(), 6U);
+    EXPECT_EQ(read_by("NODE_PATH=" SFT_FOXGLOVE " node " SFT_FOXGLOVE_READ_MCAP, path()), messages);
+  }
+}
+
 TEST_F(RecordTest, APartIsAValidMessageOfTheTopicsType) {
   auto points = robot.publisher<PointCloud2>("points", {.reliability = reliable}).value();
   auto process = record({"points{data{y}[::2]}"}, points);
-  PointCloud2 message = cloud();
-  message.height = 1;
-  message.width = 10;
-  message.point_step = 8;
-  message.row_step = 80;
-  message.data.resize(80);
-  message.fields[0].offset = 0;
-  message.fields[1].offset = 4;
-  for (auto& field : message.fields) {
-    field.datatype = sensor_msgs::msg::PointField::FLOAT32;
-    field.count = 1;
-  }
+  const PointCloud2 message = cloud_of_two_channels();
   EXPECT_EQ(points.publish(message), PublishStatus::ok);
   EXPECT_EQ(end(*process, 1).code, 0);
   const Messages messages = read(path());

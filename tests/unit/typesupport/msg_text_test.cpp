@@ -10,6 +10,7 @@
 #include <fstream>
 #include <sensor_msgs/msg/PointCloud2.hpp>
 #include <std_msgs/msg/Empty.hpp>
+#include <std_srvs/srv/SetBool.hpp>
 #include <string>
 #include <torture.hpp>
 #include <vector>
@@ -161,6 +162,23 @@ TEST(MsgFileTest, EveryMessageOfTheCommonPackagesIsFoundByItsName) {
   }
   EXPECT_GT(found, 100U);
   EXPECT_EQ(find_msg("sensor_msgs/PointCloud2", roots)->hash(), type_of<PointCloud2>().hash());
+}
+
+TEST(MsgFileTest, TheMessagesOfAServiceAreThoseOfItsGeneratedHeader) {
+  using std_srvs::srv::SetBool;
+  const std::vector<fs::path> roots{SFT_INTERFACES};
+  const auto hash_of = [&](const char* part) {
+    return find_msg(std::string("std_srvs/srv/SetBool_") + part, roots).map(&DynamicType::hash);
+  };
+  EXPECT_EQ(hash_of("Request"), type_of<SetBool::Request>().hash());
+  EXPECT_EQ(hash_of("Response"), type_of<SetBool::Response>().hash());
+  EXPECT_EQ(hash_of("Call"), type_of<SetBool::Call>().hash());
+  EXPECT_EQ(hash_of("Reply"), type_of<SetBool::Reply>().hash());
+  EXPECT_EQ(find_msg("std_srvs/srv/SetBool_Call", roots)->name(), "std_srvs::srv::SetBool_Call");
+  EXPECT_EQ(hash_of("Goal").error().code, Errc::invalid_argument);
+  EXPECT_EQ(find_msg("std_srvs/srv/Sing_Call", roots).error().message,
+            "there is no std_srvs/srv/Sing.srv below " SFT_INTERFACES
+            ": name the directory above its package, too");
 }
 
 /// Packages in a temporary directory. The destructor removes the directory.

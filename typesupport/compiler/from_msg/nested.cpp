@@ -83,7 +83,7 @@ class Walk {
 
 std::optional<fs::path> SearchPath::find(const TypeName& type) const {
   for (const fs::path& root : roots_) {
-    for (const char* extension : {".msg", ".idl"}) {
+    for (const std::string& extension : {"." + type.folder, std::string(".idl")}) {
       fs::path file = root / (type.text() + extension);
       std::error_code ignored;
       if (fs::is_regular_file(file, ignored)) return file;

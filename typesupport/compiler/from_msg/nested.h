@@ -11,7 +11,8 @@
 
 namespace sft::msg {
 
-/// Directories of packages. The first directory that has <package>/msg/<Name>.msg or .idl defines the type.
+/// Directories of packages. The first directory that has <package>/msg/<Name>.msg or .idl defines the type; a
+/// service is defined by <package>/srv/<Name>.srv or .idl.
 class SearchPath {
  public:
   explicit SearchPath(std::vector<std::filesystem::path> roots) : roots_(std::move(roots)) {}

@@ -41,7 +41,7 @@ struct Part {
 };
 
 /// Cuts a text at the line "---", like ROS 2. There must be exactly one such line.
-tl::expected<std::pair<Part, Part>, std::vector<Problem>> cut(std::string_view text) {
+tl::expected<std::pair<Part, Part>, std::vector<Problem>> cut_in_two(std::string_view text) {
   std::optional<std::pair<Part, Part>> parts;
   std::uint32_t number = 1;
   for (std::size_t at = 0; at < text.size(); ++number) {
@@ -96,7 +96,7 @@ tl::expected<std::vector<Definition>, std::vector<Problem>> parse_service(std::s
                                                  "their own",
                                                  Limits::bytes)));
   const std::string plain = with_plain_spaces(text);
-  const auto parts = cut(plain);
+  const auto parts = cut_in_two(plain);
   if (!parts) return tl::unexpected(parts.error());
   const auto part = [&](const Part& from, const char* suffix) {
     return parse(from.text, {name.package, name.name + suffix, name.folder}, from.lines_before);

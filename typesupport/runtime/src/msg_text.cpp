@@ -13,6 +13,7 @@
 #include "from_msg/names.h"
 #include "from_msg/nested.h"
 #include "from_msg/parse.h"
+#include "from_msg/service.h"
 #include "from_msg/type.h"
 #include "layout/rule.h"
 #include "sft/detail/text.h"
@@ -35,7 +36,16 @@ constexpr std::size_t unit_bytes_max = 255;
 
 static_assert(static_cast<int>(SFT_STRUCTURE) == static_cast<int>(Kind::structure));
 
-/// Parses a name like "pkg/Name", "pkg/msg/Name" or "pkg::msg::Name".
+/// Returns the service that has this message, of which "SetBool_Call" is a name; nothing if it is none.
+std::optional<TypeName> service_of(const TypeName& name) {
+  for (const std::string_view part : {"_Request", "_Response", "_Call", "_Reply"}) {
+    if (name.folder == "srv" && name.name.ends_with(part))
+      return TypeName{name.package, name.name.substr(0, name.name.size() - part.size()), name.folder};
+  }
+  return {};
+}
+
+/// Parses a name like "pkg/Name", "pkg/msg/Name", "pkg::msg::Name" or "pkg/srv/Name_Call".
 std::optional<TypeName> type_name(std::string_view text) {
   std::string path(text);
   for (std::size_t at = path.find("::"); at != path.npos; at = path.find("::")) path.replace(at, 2, "/");
@@ -43,9 +53,11 @@ std::optional<TypeName> type_name(std::string_view text) {
   const std::size_t last = path.rfind('/');
   if (first == path.npos) return {};
   const std::string_view between = std::string_view(path).substr(first, last - first);
-  TypeName name{path.substr(0, first), path.substr(last + 1)};
-  const bool is_good = (between.empty() || between == "/msg") && msg::is_package_name(name.package) &&
-                       msg::is_message_name(name.name);
+  TypeName name{path.substr(0, first), path.substr(last + 1), between == "/srv" ? "srv" : "msg"};
+  const std::optional<TypeName> service = service_of(name);
+  const bool is_good = (between.empty() || between == "/msg" || service) &&
+                       msg::is_package_name(name.package) &&
+                       msg::is_message_name(service ? service->name : name.name);
   return is_good ? std::optional(std::move(name)) : std::nullopt;
 }
 
@@ -194,7 +206,7 @@ class MsgReader {
     chain_.pop_back();
     if (auto wrong = check_layouts_of(definition->second)) return tl::unexpected(*std::move(wrong));
     Made& made = types_[name];
-    made.name = name.package + "::msg::" + name.name;
+    made.name = name.package + "::" + name.folder + "::" + name.name;
     made.members = std::move(members);
     made.layouts = std::move(layouts);
     made.type = StructType(made.name, made.members);
@@ -232,17 +244,22 @@ class MsgReader {
   /// Reads the file of a type that is not defined yet, if there is a search path.
   std::optional<Error> look_for(const TypeName& name) {
     if (!search_path_ || definitions_.contains(name)) return {};
-    const auto file = search_path_->find(name);
+    const std::optional<TypeName> service = service_of(name);
+    const TypeName defined = service.value_or(name);
+    const auto file = search_path_->find(defined);
     if (!file) {
-      return Error{Errc::unavailable, "there is no " + name.text() + ".msg below " + search_path_->text() +
+      return Error{Errc::unavailable, "there is no " + defined.text() + "." + defined.folder + " below " +
+                                          search_path_->text() +
                                           ": name the directory above its package, too"};
     }
-    if (file->extension() != ".msg") {
-      return Error{Errc::unavailable,
-                   file->string() + " is IDL, which a running program cannot read: use a .msg file"};
+    if (file->extension() == ".idl") {
+      return Error{Errc::unavailable, file->string() +
+                                          " is IDL, which a running program cannot read: use a ." +
+                                          defined.folder + " file"};
     }
     try {
-      return add(name, msg::read_file(*file), file->string());
+      const std::string text = msg::read_file(*file);
+      return service ? add_service(*service, text, file->string()) : add(name, text, file->string());
     } catch (const std::system_error& error) {
       return Error{Errc::unavailable, error.what()};
     }
@@ -258,6 +275,15 @@ class MsgReader {
     if (!parsed) return error_of(parsed.error().front(), source);
     const auto [known, is_new] = definitions_.try_emplace(name, Known{*std::move(parsed), source});
     if (!is_new) return Error{Errc::malformed, name.text() + " is defined twice"};
+    return {};
+  }
+
+  /// Parses the definition of a service, and adds its messages.
+  std::optional<Error> add_service(const TypeName& service, std::string_view text,
+                                   const std::string& source) {
+    const auto parsed = msg::parse_service(text, service);
+    if (!parsed) return error_of(parsed.error().front(), source);
+    for (const Definition& message : *parsed) definitions_.try_emplace(message.type, Known{message, source});
     return {};
   }
 

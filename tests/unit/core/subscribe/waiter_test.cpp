@@ -21,7 +21,10 @@ using sensor_msgs::msg::PointCloud2;
 
 class WaiterTest : public ::testing::Test {
  protected:
-  WaiterTest() { ports.set_memory(memory); }
+  WaiterTest() {
+    ports.set_memory(memory);
+    EXPECT_GE(polled.descriptor(), 0) << "a program watches it";
+  }
 
   void arrives(std::uint64_t sequence) {
     SampleHandle sample = pool->take(256);
@@ -78,7 +81,7 @@ TEST_F(WaiterTest, TheDescriptorStaysReadableAfterAnInterrupt) {
   polled.show_if_available();
   EXPECT_TRUE(is_readable());
   EXPECT_FALSE(polled.wait_until(Time::max()));
-  polled.settle();
+  polled.taken();
   EXPECT_TRUE(is_readable());
 }
 
@@ -107,11 +110,30 @@ TEST_F(WaiterTest, TheDescriptorIsReadableWhileThereIsASample) {
   polled.show_if_available();
   EXPECT_TRUE(is_readable());
   EXPECT_FALSE(polled.has_unshown());
-  polled.settle();
+  polled.taken();
   EXPECT_TRUE(is_readable()) << "nothing was taken yet";
   ports.take();
-  polled.settle();
+  polled.taken();
   EXPECT_FALSE(is_readable());
+}
+
+TEST_F(WaiterTest, ADescriptorThatNoProgramWatchesIsLoweredByWaitsOnly) {
+  const std::unique_ptr<PollHandle> own = PollHandle::create().value();
+  Waiter unwatched{{&ports}, bell, own.get(), 0ns, &interrupted};
+  const auto comes_and_is_taken = [&](std::uint64_t sequence) {
+    arrives(sequence);
+    unwatched.show_if_available();
+    ports.take();
+    unwatched.taken();
+    return own->is_raised();
+  };
+  EXPECT_TRUE(comes_and_is_taken(1));
+  EXPECT_FALSE(unwatched.wait_until(now() + 1ms)) << "it sleeps nevertheless";
+  EXPECT_FALSE(own->is_raised());
+  EXPECT_TRUE(comes_and_is_taken(2));
+  pollfd waits{.fd = unwatched.descriptor(), .events = POLLIN, .revents = 0};
+  EXPECT_EQ(::poll(&waits, 1, 0), 0) << "whoever asks for it gets it right";
+  EXPECT_FALSE(comes_and_is_taken(3));
 }
 
 }  // namespace

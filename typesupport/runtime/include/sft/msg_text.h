@@ -42,7 +42,9 @@ Result<DynamicType> from_msg(std::string_view name, std::string_view text,
 
 /// Makes the type `name` from the first of `roots` that has a file for the type. A root is a directory of
 /// packages, such as /opt/ros/humble/share; the file is ROOT/sensor_msgs/msg/PointCloud2.msg. Nested
-/// messages are searched for in the same way. The error is Errc::unavailable if no root has the message.
+/// messages are searched for in the same way. The messages of a service are found, too:
+/// "std_srvs/srv/SetBool_Call", or _Reply, _Request or _Response, in ROOT/std_srvs/srv/SetBool.srv. The error
+/// is Errc::unavailable if no root has the message.
 Result<DynamicType> find_msg(std::string_view name, std::span<const std::filesystem::path> roots,
                              const DynamicType::Limits& limits = {});
 
