@@ -107,6 +107,7 @@ Periodic::Time UdpWriter::maintain(Time now) {
     side_->sender.look_again();
   }
   keeper_.maintain(now);
+  jobs_->give_back(now);
   return keeper_.next_duty(now);
 }
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <bit>
+#include <cstdint>
 #include <new>
 #include <utility>
 
@@ -34,28 +35,49 @@ constexpr std::size_t class_for(std::size_t bytes) {
 /// prepared, so that one of them may be taken while another one is being prepared.
 constexpr std::size_t stocked_bytes_min = 256 * 1024, stocked_part_max = 8, stocked = 2;
 constexpr std::size_t page_bytes = 4096;  // pages of the system have at least this size
+constexpr std::align_val_t small_alignment{64};
 
-constexpr std::align_val_t alignment_of(std::size_t capacity) {
-  return std::align_val_t{capacity < huge_page_bytes ? 64 : huge_page_bytes};
+/// Buffers of at least this size are mapped, so that all of their memory returns to the system when they are
+/// destroyed. An allocator keeps freed blocks: that of glibc keeps blocks of up to 32 MiB once the program
+/// has freed a block of such a size.
+constexpr std::size_t mapped_bytes_min = 16 * 1024;
+
+/// Returns the size in bytes of the mapping for a buffer. A mapping whose end is cut off ends at a multiple
+/// of the largest page size of Linux.
+constexpr std::size_t mapped_bytes(std::size_t capacity) {
+  constexpr std::size_t largest_page_bytes = 64 * 1024;
+  if (capacity < huge_page_bytes) return capacity;
+  return (capacity + largest_page_bytes - 1) / largest_page_bytes * largest_page_bytes;
 }
 
-/// Allocates a buffer. Large buffers lie in huge pages, if the system has them, because copying from and to
-/// cold memory is faster there.
+/// Maps a buffer; returns null if there is no memory. Large buffers lie in huge pages, if the system has
+/// them, because copying from and to cold memory is faster there.
+std::byte* map(std::size_t capacity) noexcept {
+  const std::size_t bytes = mapped_bytes(capacity);
+  const std::size_t alignment = capacity < huge_page_bytes ? 0 : huge_page_bytes;
+  void* const mapped =
+      ::mmap(nullptr, bytes + alignment, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+  if (mapped == MAP_FAILED) return nullptr;
+  auto* const begin = static_cast<std::byte*>(mapped);
+  if (alignment == 0) return begin;
+  const std::size_t before = alignment - reinterpret_cast<std::uintptr_t>(begin) % alignment;
+  ::munmap(begin, before);
+  if (before != alignment) ::munmap(begin + before + bytes, alignment - before);
+  ::madvise(begin + before, capacity / huge_page_bytes * huge_page_bytes, MADV_HUGEPAGE);
+  return begin + before;
+}
+
 std::byte* allocate(std::size_t capacity) noexcept {
-  auto* data = static_cast<std::byte*>(::operator new(capacity, alignment_of(capacity), std::nothrow));
-  if (data != nullptr && capacity >= huge_page_bytes)
-    ::madvise(data, capacity / huge_page_bytes * huge_page_bytes, MADV_HUGEPAGE);
-  return data;
+  if (capacity >= mapped_bytes_min) return map(capacity);
+  return static_cast<std::byte*>(::operator new(capacity, small_alignment, std::nothrow));
 }
 
 void release(std::byte* data, std::size_t capacity) noexcept {
-  ::operator delete(data, alignment_of(capacity));
+  if (capacity < mapped_bytes_min) return ::operator delete(data, small_alignment);
+  if (data != nullptr) ::munmap(data, mapped_bytes(capacity));
 }
 
-/// Frees a buffer. The pages of a large buffer return to the system even if the allocator keeps the block.
 void destroy(SampleBuffer* buffer) noexcept {
-  if (buffer->capacity >= huge_page_bytes)
-    ::madvise(buffer->data, buffer->capacity / page_bytes * page_bytes, MADV_DONTNEED);
   release(buffer->data, buffer->capacity);
   delete buffer;
 }

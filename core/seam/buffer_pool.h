@@ -48,7 +48,7 @@ class BufferPool final : public BufferOwner, public std::enable_shared_from_this
   /// Returns kept buffers to the system that were unused during the whole last period, for example after a
   /// peak of load. Must be called now and then, by a thread for which no other thread waits.
   void give_back(Time now) noexcept;
-  static constexpr std::chrono::seconds period{30};
+  static constexpr std::chrono::seconds period{10};
 
   std::size_t limit_bytes() const { return limit_bytes_; }
 

@@ -1,7 +1,11 @@
 #include "udp_transport/outgoing/job.h"
 
 #include <algorithm>
+#include <cstddef>
+#include <iterator>
 #include <new>
+
+#include "core/seam/buffer_pool.h"
 
 namespace sft::udp {
 
@@ -65,6 +69,7 @@ JobHandle JobPool::take() {
     if (!spare_.empty()) {
       job = std::move(spare_.back());
       spare_.pop_back();
+      unneeded_ = std::min(unneeded_, spare_.size());
     } else {
       if (spare_.capacity() <= jobs_) spare_.reserve(std::min(2 * jobs_ + 1, spare_max));
       job = std::make_unique<Job>();
@@ -112,6 +117,21 @@ void JobPool::recycle(std::unique_ptr<Job> job) noexcept {
   } else {
     --jobs_;
   }
+}
+
+/// The jobs that have been spare for the longest time are at the front. After a peak, the next jobs say how
+/// much memory a projection needs.
+void JobPool::give_back(core::Time now) {
+  std::vector<std::unique_ptr<Job>> unneeded;  // destroyed without the lock
+  const core::Lock lock(mutex_);
+  if (now < period_ends_) return;
+  period_ends_ = now + core::BufferPool::period;
+  const auto end = spare_.begin() + static_cast<std::ptrdiff_t>(unneeded_);
+  unneeded.assign(std::move_iterator(spare_.begin()), std::move_iterator(end));
+  spare_.erase(spare_.begin(), end);
+  jobs_ -= unneeded.size();
+  unneeded_ = spare_.size();
+  if (!unneeded.empty()) widest_ = {};
 }
 
 }  // namespace sft::udp

@@ -8,6 +8,7 @@
 #include <utility>
 #include <vector>
 
+#include "core/platform/clock.h"
 #include "core/seam/sample_buffer.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
@@ -159,6 +160,10 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   /// Returns a job without a sample.
   JobHandle take();
 
+  /// Destroys spare jobs that were not used during the whole last period of the node's pool. Must be called
+  /// now and then, by a thread for which no other thread waits.
+  void give_back(core::Time now);
+
   bool has_borrowed() const { return borrowed_samples_.load(std::memory_order_relaxed) > 0; }
   /// Returns true if one more sample with `bytes` bytes of borrowed memory may be held.
   bool may_borrow(std::size_t bytes) const {
@@ -191,7 +196,9 @@ class JobPool : public std::enable_shared_from_this<JobPool> {
   core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::facts) SFT_ACQUIRED_BEFORE(core::lock_order::jobs);
   /// The spare jobs. The vector has capacity for all jobs of the pool.
   std::vector<std::unique_ptr<Job>> spare_ SFT_GUARDED_BY(mutex_);
-  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;               ///< number of jobs that are in use or spare
+  std::size_t jobs_ SFT_GUARDED_BY(mutex_) = 0;      ///< number of jobs that are in use or spare
+  std::size_t unneeded_ SFT_GUARDED_BY(mutex_) = 0;  ///< minimum number of spare jobs in the present period
+  core::Time period_ends_ SFT_GUARDED_BY(mutex_){};
   detail::Projection::Memory widest_ SFT_GUARDED_BY(mutex_);  ///< the largest memory that a returned job had
 };
 

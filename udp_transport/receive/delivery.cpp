@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <optional>
 #include <utility>
 
 namespace sft::udp {
@@ -129,21 +130,23 @@ bool Delivery::deliver_to(const Subscriber& subscriber, const Stream& stream, Ar
   const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t request) {
     return subscriber.accepts(s, request);
   };
-  const bool room_counts = stream.waits && !window.overtakes();
-  const std::size_t room = room_counts ? subscriber.inbox->room(stream.writer) : delivered_at_once;
+  std::optional<KeepLastQueue::Room> room;
+  if (stream.waits && !window.overtakes()) room = subscriber.inbox->room(stream.writer);
+  const auto has_room = [&](const core::SampleBuffer& s) {
+    return !room || room->take(s.header().body_bytes);
+  };
   batch_.clear();
-  while (batch_.size() < std::min(room, delivered_at_once)) {
-    batch_.push_back(window.next(subscriber.reader, accepts));
-    if (batch_.back()) continue;
-    batch_.pop_back();
-    break;
+  while (batch_.size() < delivered_at_once) {
+    core::SampleHandle sample = window.next(subscriber.reader, accepts, has_room);
+    if (!sample) break;
+    batch_.push_back(std::move(sample));
   }
   if (batch_.empty()) return false;
   window.release();
   const std::shared_ptr<Inbox> inbox = subscriber.inbox;
   const std::shared_ptr<const Subscriptions> subscriptions = wanted_;
   subscriptions_.leave();
-  inbox->deliver(batch_, room_counts ? KeepLastQueue::Excess::kept : KeepLastQueue::Excess::pushed_out);
+  inbox->deliver(batch_, room ? KeepLastQueue::Excess::kept : KeepLastQueue::Excess::pushed_out);
   batch_.clear();
   enter();
   return true;

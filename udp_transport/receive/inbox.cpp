@@ -27,10 +27,10 @@ void Inbox::deliver(std::span<core::SampleHandle> samples, KeepLastQueue::Excess
   }
 }
 
-std::size_t Inbox::room(core::EndpointId id) const noexcept {
+KeepLastQueue::Room Inbox::room(core::EndpointId id) const noexcept {
   const core::Lock lock(mutex_);
   const Writer* writer = find(id);
-  return writer == nullptr ? depth_ : writer->queue.room();
+  return writer == nullptr ? KeepLastQueue(depth_, depth_bytes_).room() : writer->queue.room();
 }
 
 /// Enqueues samples until as many as can wait at a time are kept.

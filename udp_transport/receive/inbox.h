@@ -32,9 +32,9 @@ class Inbox {
   void deliver(std::span<core::SampleHandle> samples,
                KeepLastQueue::Excess excess = KeepLastQueue::Excess::pushed_out) noexcept;
 
-  /// Returns the number of further samples of the writer that can be queued without displacing older ones.
-  /// Further samples are not refused, but displace the oldest ones.
-  std::size_t room(core::EndpointId writer) const noexcept;
+  /// Says which further samples of the writer can be queued without displacing older ones. Further samples
+  /// are not refused, but displace the oldest ones.
+  KeepLastQueue::Room room(core::EndpointId writer) const noexcept;
 
   core::SampleHandle take() noexcept;
 

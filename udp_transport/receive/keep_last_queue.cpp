@@ -1,6 +1,7 @@
 #include "udp_transport/receive/keep_last_queue.h"
 
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 namespace sft::udp {
@@ -26,8 +27,7 @@ KeepLastQueue::Put KeepLastQueue::put(core::SampleHandle& sample, std::uint64_t 
   for (std::size_t i = size_; i > place; --i) at(i) = std::move(at(i - 1));
   at(place) = {std::move(sample), arrival};
   ++size_;
-  last_bytes_ = bytes_of(place);
-  bytes_ += last_bytes_;
+  bytes_ += bytes_of(place);
   if (excess == Excess::pushed_out) {
     if (core::SampleHandle dropped = drop_excess_bytes()) {
       dropped_ += oldest ? 1 : 0;
@@ -49,11 +49,17 @@ core::SampleHandle KeepLastQueue::drop_excess_bytes() {
   return dropped;
 }
 
-std::size_t KeepLastQueue::room() const {
-  const std::size_t samples = depth_ - size_;
-  if (bytes_max_ == 0 || last_bytes_ == 0) return samples;
-  const std::uint64_t left = bytes_max_ - std::min(bytes_max_, bytes_);
-  return std::min<std::uint64_t>(samples, std::max<std::uint64_t>(left / last_bytes_, size_ == 0 ? 1 : 0));
+KeepLastQueue::Room KeepLastQueue::room() const {
+  const std::uint64_t limit = bytes_max_ == 0 ? std::numeric_limits<std::uint64_t>::max() : bytes_max_;
+  return {depth_ - size_, limit - std::min(limit, bytes_), size_ == 0};
+}
+
+bool KeepLastQueue::Room::take(std::uint64_t bytes) {
+  if (samples_ == 0 || (bytes > bytes_ && !is_empty_)) return false;
+  --samples_;
+  bytes_ -= std::min(bytes_, bytes);
+  is_empty_ = false;
+  return true;
 }
 
 /// Begins a new numbering with this sample. Drops the samples with this sequence or a greater one, because
@@ -75,6 +81,7 @@ core::SampleHandle KeepLastQueue::pop() {
   bytes_ -= sample->header().body_bytes;
   head_ = (head_ + 1) % entries_.size();
   --size_;
+  if (size_ == 0 && entries_.size() > kept_entries_max) entries_ = std::vector<Entry>();
   return sample;
 }
 

@@ -26,7 +26,7 @@ class KeepLastQueue {
   /// Says what happens to waiting samples if their bytes exceed the limit.
   enum class Excess : bool {
     pushed_out,
-    kept,  ///< samples stay, because the publisher waits for room; room() returns 0
+    kept,  ///< samples stay, because the publisher waits for room
   };
   /// Adds the sample. `arrival` is the number of the sample, counted over all writers of the reader.
   Put put(core::SampleHandle& sample, std::uint64_t arrival, Excess excess = Excess::pushed_out);
@@ -37,14 +37,30 @@ class KeepLastQueue {
 
   bool empty() const { return size_ == 0; }
   std::size_t size() const { return size_; }
-  /// Returns the number of further samples that can wait without displacing older ones. The number assumes
-  /// that they have the size of the last sample.
-  std::size_t room() const;
+  /// Says which further samples can wait without displacing older ones.
+  class Room {
+   public:
+    /// Takes the room for a sample of that size. Returns false if there is none.
+    bool take(std::uint64_t bytes);
+
+   private:
+    friend class KeepLastQueue;
+    Room(std::size_t samples, std::uint64_t bytes, bool is_empty)
+        : samples_(samples), bytes_(bytes), is_empty_(is_empty) {}
+    std::size_t samples_;
+    std::uint64_t bytes_;
+    bool is_empty_;  ///< true if the next sample may have any size
+  };
+  Room room() const;
   /// Returns the number `arrival` of the oldest sample. REQUIRES: the queue is not empty.
   std::uint64_t arrival() const { return entries_[head_].arrival; }
   core::SampleHandle pop();
 
  private:
+  /// The maximum size of a ring that an empty queue keeps. So a queue of a million samples that was once
+  /// full does not keep its memory, and other queues allocate nothing once they have grown.
+  static constexpr std::size_t kept_entries_max = 4096;
+
   struct Entry {
     core::SampleHandle sample;
     std::uint64_t arrival = 0;
@@ -58,9 +74,8 @@ class KeepLastQueue {
 
   std::size_t depth_;
   std::uint64_t bytes_max_;
-  std::uint64_t bytes_ = 0;       ///< bytes of the samples that wait
-  std::uint64_t last_bytes_ = 0;  ///< bytes of the sample that was added last
-  std::vector<Entry> entries_;    ///< a ring that grows as needed
+  std::uint64_t bytes_ = 0;     ///< bytes of the samples that wait
+  std::vector<Entry> entries_;  ///< a ring that grows as needed
   std::size_t head_ = 0;
   std::size_t size_ = 0;
   std::uint64_t gone_ = 0;  ///< the newest sequence that was taken or displaced

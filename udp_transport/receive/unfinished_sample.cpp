@@ -51,7 +51,7 @@ UnfinishedSample::Added UnfinishedSample::unpark(std::size_t gaps_max, Time now)
     if (one != Added::yes) all = one;
     at += parked.bytes;
   }
-  parked_ = {};
+  parked_ = std::vector<std::byte>();  // `{}` would keep the memory
   return all;
 }
 
@@ -60,7 +60,7 @@ void UnfinishedSample::clear() {
   buffer_.reset();
   body_ = nullptr;
   received_.clear();
-  parked_ = {};
+  parked_ = std::vector<std::byte>();  // `{}` would keep the memory
 }
 
 }  // namespace sft::udp

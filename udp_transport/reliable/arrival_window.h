@@ -71,11 +71,15 @@ class ArrivalWindow {
 
   void hear(const Heartbeat& heartbeat, Time now);
 
-  /// Returns the next sample for that reader, in order; empty if none has arrived yet. `accepts(buffer,
-  /// request)` returns true if the sample in `buffer`, of which at least a part has arrived, is for the
-  /// reader. `request` is the reader's request in force.
-  template <class Accepts>
-  core::SampleHandle next(core::EndpointId reader, const Accepts& accepts);
+  struct AnyRoom {
+    bool operator()(const core::SampleBuffer&) const { return true; }
+  };
+  /// Returns the next sample for that reader, in order; empty if none has arrived yet, or if the reader has
+  /// no room for it. `accepts(buffer, request)` returns true if the sample in `buffer`, of which at least a
+  /// part has arrived, is for the reader. `request` is the reader's request in force. `has_room(buffer)`
+  /// returns true if the reader can take the sample, which is whole.
+  template <class Accepts, class HasRoom = AnyRoom>
+  core::SampleHandle next(core::EndpointId reader, const Accepts& accepts, const HasRoom& has_room = {});
   /// Sets the readers of the writer. New readers begin with the first sample that has not arrived yet.
   void set_readers(const std::vector<core::EndpointId>& readers) { readers_.set(readers, samples_.next()); }
   /// Notes that the writer now serves that reader under `request` or a later request. Samples under earlier
@@ -134,8 +138,9 @@ class ArrivalWindow {
   bool overtakes_ = false;
 };
 
-template <class Accepts>
-core::SampleHandle ArrivalWindow::next(core::EndpointId reader, const Accepts& accepts) {
+template <class Accepts, class HasRoom>
+core::SampleHandle ArrivalWindow::next(core::EndpointId reader, const Accepts& accepts,
+                                       const HasRoom& has_room) {
   using State = ArrivedSamples::State;
   ReaderCursors::Cursor* const cursor = readers_.find(reader);
   if (cursor == nullptr) return {};
@@ -147,7 +152,7 @@ core::SampleHandle ArrivalWindow::next(core::EndpointId reader, const Accepts& a
     if (slot.state == State::missing) return {};
     cursor->turn();
     const bool is_for_it = slot.sample && accepts(*slot.sample, cursor->request);
-    if (slot.state == State::begun && is_for_it) return {};
+    if (is_for_it && (slot.state == State::begun || !has_room(*slot.sample))) return {};
     ++place;
     if (is_for_it) return slot.sample;
   }

@@ -42,6 +42,24 @@ TEST_F(RoomInAQueue, IsForNoMoreBytesThanTheReaderAskedForAlsoBesideOneThatIsNot
   EXPECT_FALSE(other.take());
 }
 
+TEST_F(RoomInAQueue, IsForNoMoreBytesOfRetainedSamplesThanALateReaderAskedFor) {
+  Writer writer(node(), writer_id);
+  Reader late(node(), 16, reader_id + 1, 1 << 18);
+  ASSERT_TRUE(late.port().connect({.writer = writer_id, .max_sample_bytes = 200'000, .history_first = true}));
+  ASSERT_TRUE(eventually([&] { return late.port().connected(writer_id); }));
+  std::vector<SampleHandle> retained;
+  for (std::uint64_t sequence = 1; sequence <= 5; ++sequence) {
+    retained.push_back(writer.loan(100'000));
+    write_frame(*retained.back(), writer_id, sequence, 100'000);
+  }
+  const core::Route route{
+      .reader = reader_id + 1, .destination = core::DoorbellAddress{}, .selection = {}, .history = 5};
+  ASSERT_TRUE(writer.port().begin_with(route, retained, 0));
+  EXPECT_EQ(sequence_of(late.next()), 4U);
+  EXPECT_EQ(sequence_of(late.next()), 5U);
+  EXPECT_FALSE(late.take());
+}
+
 TEST_F(RoomInAQueue, ThatAWriterWaitsForCountsAgainstItsTimeout) {
   constexpr std::chrono::nanoseconds max_blocking = 20ms;
   const auto port =

@@ -8,9 +8,13 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
 #include <memory>
 #include <vector>
 
+#include "core/platform/huge_pages.h"
 #include "tests/support/cleared_pages.h"
 
 namespace sft::core {
@@ -65,7 +69,7 @@ std::size_t kept_by(BufferPool& pool, std::size_t bytes) {
   return kept.size();
 }
 
-/// Takes `count` buffers at the same time, and returns them.
+/// Takes `count` buffers at the same time.
 std::vector<SampleHandle> take(BufferPool& pool, std::size_t count, std::size_t bytes = large_bytes) {
   std::vector<SampleHandle> taken(count);
   for (SampleHandle& one : taken) one = pool.take(bytes);
@@ -84,6 +88,44 @@ TEST(BufferPoolTest, WhatWasNotNeededForAWholePeriodGoesBackToTheSystem) {
   for (int i = 0; i < 100; ++i) take(*pool, 3);
   pool->give_back(begin + 2 * period - std::chrono::milliseconds(1));
   EXPECT_EQ(kept_by(*pool, large_bytes), 10U) << "the period is not over";
+}
+
+/// Returns the size in bytes of the memory of this process that the system has provided.
+std::size_t resident_bytes() {
+  std::size_t mapped = 0, resident = 0;
+  std::ifstream("/proc/self/statm") >> mapped >> resident;
+  return resident * test::page_bytes();
+}
+
+/// The C library keeps blocks of all sizes up to the largest one that the program has freed.
+TEST(BufferPoolTest, WhatGoesBackLeavesTheProcessWhateverTheProgramHasFreedBefore) {
+  void* volatile freed = std::malloc(32 << 20);
+  std::free(freed);
+  for (const std::size_t bytes : {20'000U, 70'000U, 500'000U, 1'500'000U, 4'000'000U}) {
+    const auto pool = BufferPool::make(256 << 20);
+    const std::size_t count = (64 << 20) / bytes;
+    const std::size_t before = resident_bytes();
+    void* above = nullptr;
+    {
+      const std::vector<SampleHandle> taken = take(*pool, count, bytes);
+      for (const SampleHandle& one : taken) std::memset(one->data + 100, 1, bytes - 100);
+      above = std::malloc(1000);  // so that the blocks below cannot leave the heap
+      EXPECT_GT(resident_bytes(), before + (60 << 20)) << bytes;
+    }
+    Time now = std::chrono::steady_clock::now();
+    for (int calls = 0; calls < 8; ++calls) pool->give_back(now += BufferPool::period);
+    EXPECT_LT(resident_bytes(), before + (4 << 20)) << bytes;
+    std::free(above);
+  }
+}
+
+TEST(BufferPoolTest, LargeBuffersBeginWithAHugePage) {
+  const auto pool = BufferPool::make(256 << 20);
+  for (int i = 0; i < 3; ++i) {
+    const std::vector<SampleHandle> taken = take(*pool, 5);
+    for (const SampleHandle& one : taken)
+      EXPECT_EQ(reinterpret_cast<std::uintptr_t>(one->data) % huge_page_bytes, 0U);
+  }
 }
 
 TEST(BufferPoolTest, VeryManyBuffersGoBackInParts) {

@@ -3,11 +3,13 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cstddef>
 #include <memory>
 #include <span>
 #include <vector>
 
+#include "core/seam/buffer_pool.h"
 #include "tests/unit/udp/messages.h"
 #include "udp_transport/outgoing/job.h"
 
@@ -65,6 +67,51 @@ TEST(JobPoolTest, OneHugeSampleDoesNotMakeAllJobsHuge) {
   EXPECT_GE(last->projection.memory().staging_bytes, huge) << "it is needed again, perhaps";
   EXPECT_LT(first->projection.memory().staging_bytes, huge);
   EXPECT_LT(added->projection.memory().staging_bytes, huge);
+}
+
+/// A pool that had a peak of 10 jobs in one period, and then needs 3 jobs in each period. Their memory is so
+/// large that other jobs do not get as much.
+class JobPoolAfterAPeak : public testing::Test {
+ protected:
+  JobPoolAfterAPeak() {
+    use(10);
+    jobs_->give_back(now_ += period);
+    use(3);
+  }
+  void use(std::size_t count) const {
+    std::vector<JobHandle> taken(count);
+    for (JobHandle& job : taken) widen(job = jobs_->take(), large);
+  }
+  /// Returns how many of the jobs are kept. Call it last, because it uses new jobs as well.
+  std::ptrdiff_t kept() const {
+    std::vector<JobHandle> taken(20);
+    for (JobHandle& job : taken) job = jobs_->take();
+    return std::ranges::count_if(
+        taken, [](const JobHandle& job) { return job->projection.memory().suffices_for(large); });
+  }
+
+  static constexpr Memory large{.staging_bytes = std::size_t{3} << 19};
+  static constexpr auto period = core::BufferPool::period;
+  const std::shared_ptr<JobPool> jobs_ = JobPool::make();
+  core::Time now_{};
+};
+
+TEST_F(JobPoolAfterAPeak, KeepsItsJobsUntilTheNextPeriodIsOver) {
+  jobs_->give_back(now_ + period - std::chrono::milliseconds(1));
+  EXPECT_EQ(kept(), 10);
+}
+
+TEST_F(JobPoolAfterAPeak, KeepsOnlyTheJobsThatAreNeeded) {
+  for (int i = 0; i < 3; ++i) {
+    jobs_->give_back(now_ += period);
+    use(3);
+  }
+  EXPECT_EQ(kept(), 3);
+}
+
+TEST_F(JobPoolAfterAPeak, KeepsNoJobOnceNobodySends) {
+  for (int i = 0; i < 2; ++i) jobs_->give_back(now_ += period);
+  EXPECT_EQ(kept(), 0);
 }
 
 TEST(BorrowedMemory, IsHeldOfAFewSamplesOnly) {

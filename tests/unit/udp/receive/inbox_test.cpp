@@ -27,6 +27,13 @@ class InboxTest : public testing::Test {
       inbox_.deliver(std::move(sample));
     }
   }
+  /// Returns how many further samples of the writer can wait.
+  std::size_t room(core::EndpointId writer) const {
+    KeepLastQueue::Room room = inbox_.room(writer);
+    std::size_t samples = 0;
+    while (room.take(1000)) ++samples;
+    return samples;
+  }
   Taken take_all() {
     Taken taken;
     while (const core::SampleHandle sample = inbox_.take())
@@ -72,14 +79,14 @@ TEST_F(InboxTest, LeavesTheQueuesOfConnectedWritersAlone) {
 TEST_F(InboxTest, TellsHowManyMoreSamplesOfAWriterCanWait) {
   inbox_.connect({.writer = 7});
   inbox_.connect({.writer = 8});
-  EXPECT_EQ(inbox_.room(7), 3U);
+  EXPECT_EQ(room(7), 3U);
   deliver(7, 1, 2);
-  EXPECT_EQ(inbox_.room(7), 1U);
-  EXPECT_EQ(inbox_.room(8), 3U);
+  EXPECT_EQ(room(7), 1U);
+  EXPECT_EQ(room(8), 3U);
   deliver(7, 3, 5);
-  EXPECT_EQ(inbox_.room(7), 0U);
+  EXPECT_EQ(room(7), 0U);
   take_all();
-  EXPECT_EQ(inbox_.room(7), 3U);
+  EXPECT_EQ(room(7), 3U);
 }
 
 /// A subscriber counts the gaps in a writer's sequences. Gaps do not show losses after the last sample or

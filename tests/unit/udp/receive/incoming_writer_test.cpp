@@ -3,6 +3,7 @@
 #include "udp_transport/receive/incoming_writer.h"
 
 #include <gtest/gtest.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <cstdint>
@@ -366,6 +367,19 @@ TEST_F(IncomingWriterTest, TurnsToTheChannelOfSamplesAlsoWhereAnOfferNamesAnothe
   }
   EXPECT_TRUE(writer_->follows(1));
 }
+
+#ifndef SFT_TEST_SANITIZED  // the sanitizers have an allocator of their own
+TEST(UnfinishedSampleTest, KeepsNoMemoryOfParkedPayloads) {
+  const auto lent_bytes = [] { return mallinfo2().uordblks + mallinfo2().hblkhd; };
+  const std::size_t before = lent_bytes();
+  const std::vector<std::byte> payload(60'000);
+  UnfinishedSample sample;
+  for (std::uint32_t i = 0; i < 5; ++i) sample.park(i * 60'000, payload, {});
+  EXPECT_GT(lent_bytes(), before + 300'000);
+  sample.clear();
+  EXPECT_LT(lent_bytes(), before + 100'000) << "the sample will be used again for another one";
+}
+#endif
 
 }  // namespace
 }  // namespace sft::udp

@@ -47,12 +47,14 @@ class ArrivalWindowTest : public testing::Test {
   }
   /// Returns the sequences of the samples that `reader` can take now. A sample is for all readers, or for its
   /// addressee.
-  Numbers take(core::EndpointId reader = 1) {
+  Numbers take(core::EndpointId reader = 1, std::size_t room = 1000) {
     Numbers sequences;
     const auto accepts = [&](const core::SampleBuffer& s, std::uint64_t) {
       return s.addressee == 0 || s.addressee == reader;
     };
-    while (const core::SampleHandle next = window.next(reader, accepts)) sequences.push_back(next->sequence);
+    const auto has_room = [&](const core::SampleBuffer&) { return sequences.size() < room; };
+    while (const core::SampleHandle next = window.next(reader, accepts, has_room))
+      sequences.push_back(next->sequence);
     return sequences;
   }
   Numbers asks(std::size_t at_once_max = 100) {
@@ -86,6 +88,16 @@ TEST_F(ArrivalWindowTest, HoldsBackWhatIsBehindAGap) {
   EXPECT_EQ(take(), (Numbers{10}));
   come(2);
   EXPECT_EQ(take(), (Numbers{20, 30}));
+}
+
+TEST_F(ArrivalWindowTest, KeepsWhatAReaderHasNoRoomFor) {
+  window.set_readers({1, 2});
+  for (const std::uint64_t ordinal : {1U, 2U, 3U}) come(ordinal);
+  EXPECT_EQ(take(1, 1), (Numbers{10}));
+  EXPECT_EQ(take(2), (Numbers{10, 20, 30}));
+  window.release();
+  EXPECT_TRUE(window.holds_back());
+  EXPECT_EQ(take(1), (Numbers{20, 30}));
 }
 
 TEST_F(ArrivalWindowTest, KnowsWhatHasCome) {
