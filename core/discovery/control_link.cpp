@@ -336,14 +336,11 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// The user data of a participant that is new here may be old. So KnownPeers is notified that the participant
-/// is new, and ignores `asks` in this case.
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);
   if (guid == guid_) return;
   if (info.instance_state != DDS_IST_ALIVE) {
-    known_.erase(guid);
     std::erase_if(writers_, [&](const auto& item) { return item.second == guid; });
     peers_.participant_gone(here(guid));
     return;
@@ -353,7 +350,7 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) peers_.vanilla_came(here(guid));
   const auto data = parse_participant_data(user_data);
   if (!data || data->is_secured != place_.is_secured) return;
-  peers_.participant_came(here(guid), *data, known_.insert(guid).second);
+  peers_.participant_came(here(guid), *data);
 }
 
 /// Returns the participant that the writer belongs to; nothing if the writer is gone and no sample of it was

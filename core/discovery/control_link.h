@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -107,7 +106,6 @@ class ControlLink {
 
   /// Held while samples are taken and passed on, so that they are passed on in order.
   Mutex taking_;
-  std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
   /// The participant of each DDS writer.
   std::map<dds_instance_handle_t, ParticipantGuid> writers_ SFT_GUARDED_BY(taking_);
 };

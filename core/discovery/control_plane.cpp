@@ -60,12 +60,16 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
 /// Its functions lock the mutex of the control plane, which nodes share.
 class ControlPlane::OfNode final : public Discovery {
  public:
-  OfNode(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
+  OfNode(std::shared_ptr<ControlPlane> plane, std::function<void()> wake)
       : plane_(std::move(plane)),
-        node_(plane_->ask([&](Directory& directory) { return directory.join(listener); })) {}
+        node_(plane_->ask([&](Directory& directory) { return directory.join(std::move(wake)); })) {}
   ~OfNode() override;
 
   Configuration configuration() const override { return plane_->configuration(); }
+  void take_events(DiscoveryListener& listener) override {
+    const auto take = [&](Directory& directory) { return directory.take_events(*node_); };
+    for (const DiscoveryEvent& event : plane_->ask(take)) event(listener);
+  }
   void hear(Role role) override;
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
     return plane_->ask([&](Directory& directory) { return directory.publishers_of(type_name); });
@@ -93,10 +97,10 @@ class ControlPlane::OfNode final : public Discovery {
 };
 
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
-                                                   DiscoveryListener& listener) {
+                                                   std::function<void()> wake) {
   Result<std::shared_ptr<ControlPlane>> plane = ControlPlane::of(options);
   if (!plane) return tl::unexpected(plane.error());
-  return std::make_unique<ControlPlane::OfNode>(std::move(*plane), listener);
+  return std::make_unique<ControlPlane::OfNode>(std::move(*plane), std::move(wake));
 }
 
 Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& options) {
