@@ -155,18 +155,18 @@ Discovery::Configuration ControlPlane::configuration() const {
   return configuration_;
 }
 
-/// If the topic cannot be read yet, try_again() warns and tries it again.
 void ControlPlane::OfNode::hear(Role role) {
   const Lock lock(plane_->mutex_);
   plane_->known_.with([&](Peers& peers, Directory& directory) {
     peers.listen(role, std::chrono::steady_clock::now());
     directory.hear_all(node_, role);
   });
-  (void)plane_->links_.hear(role);
+  plane_->use_.reads_records[role] = true;
+  (void)plane_->use_links();
 }
 
 /// The request is written first, because other processes use the announcement of a subscriber only together
-/// with its request. If reading of the topic cannot begin yet, try_again() tries it again.
+/// with its request.
 void ControlPlane::OfNode::announce(const Endpoint& endpoint) {
   const Lock lock(plane_->mutex_);
   const Time now = std::chrono::steady_clock::now();
@@ -174,7 +174,8 @@ void ControlPlane::OfNode::announce(const Endpoint& endpoint) {
     peers.listen(other(endpoint.role), now);
     directory.announced(node_, endpoint);
   });
-  (void)plane_->links_.hear(other(endpoint.role));
+  plane_->use_.reads_records[other(endpoint.role)] = true;
+  (void)plane_->use_links();
   if (endpoint.role == Role::reader)
     plane_->put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
   plane_->put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
@@ -231,7 +232,7 @@ void ControlPlane::OfNode::inquire(const std::set<Inquiry>& inquiries) {
 /// records, which processes with subscribers read.
 void ControlPlane::write_inquiries(Time now) {
   const auto wanted = ask([](Directory& directory) { return directory.own_inquiries(); });
-  use_reports();  // called first, because reports come soon
+  (void)use_links();  // called first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
     if (wanted.contains(inquiry)) return false;
@@ -248,20 +249,20 @@ void ControlPlane::write_inquiries(Time now) {
   }
 }
 
-/// Opens and closes readers and writers of reports as inquiries require. Returns true if other processes
-/// inquire. If a reader or writer cannot be opened, try_again() tries it again.
-bool ControlPlane::use_reports() {
-  const auto [reads, writes] = ask([](Directory& directory) {
+/// Opens and closes readers and writers on all links as endpoints and inquiries require. If one cannot be
+/// opened, try_again() warns and tries it again.
+Result<void> ControlPlane::use_links() {
+  std::tie(use_.reads_reports, use_.writes_reports) = ask([](Directory& directory) {
     return std::pair(!directory.own_inquiries().empty(), directory.do_others_inquire());
   });
-  (void)links_.use_reports(reads, writes);
-  return writes;
+  return links_.follow(use_);
 }
 
 void ControlPlane::OfNode::report(const NodeReport& report) {
   const Lock lock(plane_->mutex_);
   plane_->ask([&](Directory& directory) { directory.reported(node_, report); });
-  if (plane_->use_reports())
+  (void)plane_->use_links();
+  if (plane_->use_.writes_reports)
     plane_->links_.each([body = to_bytes(report)](ControlLink& link) { link.give_report(body); });
 }
 
@@ -273,7 +274,7 @@ Time ControlPlane::look(Time now) {
   links_.each([&](ControlLink& link) { link.take_heartbeats(now); });
   const KnownPeers::Todo todo = known_.look(now);
   for (const PeerAction& action : todo.of_links) act(action, now);
-  use_reports();
+  (void)use_links();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
   return std::min({next, todo.next, own_.heartbeat_due()});
@@ -282,7 +283,8 @@ Time ControlPlane::look(Time now) {
 /// A failure is reported only once while it lasts.
 void ControlPlane::try_again(Time now) {
   try_again_at_ = now + timing_.try_again;
-  const Result<void> tried = links_.try_again();
+  Result<void> tried = links_.write_again();
+  if (Result<void> used = use_links(); !used) tried = std::move(used);
   const std::string failure = tried ? "" : tried.error().message;
   if (std::exchange(failure_, failure) != failure && !tried)
     log_news(News::warning, failure + "; it is tried again until it succeeds");
@@ -306,8 +308,7 @@ void ControlPlane::act(const PeerAction& action, Time now) {
     if (ControlLink* const link = links_.find(announcement->link)) link->announce(announcement->asks);
   }
   if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) {
-    ControlLink* const link = links_.find(missing->link);
-    if (link != nullptr && !link->uses_topic()) (void)link->use_topic();  // try_again() reports a failure
+    if (ControlLink* const link = links_.find(missing->link)) (void)link->use_topic();
   }
 }
 

@@ -1,7 +1,8 @@
 // The settings that a user's configuration of Cyclone DDS (CYCLONEDDS_URI) makes for a domain, in the way
-// in which Cyclone will understand them. Cyclone accepts more than XML: `</>` closes any element, and
-// closing tags may be missing. In text that does not come from a file, names may be shortened and outer
-// elements left out. So this class uses Cyclone's own parser, and its rules for names.
+// in which Cyclone will understand them. Cyclone accepts more than XML: `</>` closes any element, closing
+// tags may be missing, and outer elements may be left out. So this class uses Cyclone's own parser. Settings
+// under shortened or former names, which Cyclone also accepts, are passed on, but are not found by their
+// paths.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +21,6 @@ bool equals(std::string_view a, std::string_view b);
 /// An element of the configuration. Attributes are stored as elements whose names begin with "@".
 struct CycloneElement {
   std::string name;
-  bool may_be_short = false;           ///< true: `name` may be only the beginning of the full name
   std::optional<std::string> value{};  ///< nothing if the element has no text
   std::vector<CycloneElement> elements{};
 };
@@ -53,11 +53,8 @@ class CycloneSettings {
 
  private:
   explicit CycloneSettings(std::uint32_t domain) : domain_(domain) {}
-  Result<std::size_t> read_text(const std::string& text);
-  Result<void> read_file(const std::string& name);
-  void add_document(const CycloneElement& document, bool has_variables);
-  void add_domain(const CycloneElement& element, bool may_be_short);
-  void add_group(CycloneElement group);
+  Result<std::size_t> read_document(const std::string& text, const std::string& source, unsigned leniency);
+  void add_domain(const CycloneElement& element);
   bool is_for_us(const std::string& id);
   std::vector<const CycloneElement*> at(std::string_view path) const;
 

@@ -105,6 +105,9 @@ bool has_name(const std::vector<std::string>& peers) {
   return std::ranges::any_of(peers, [](const auto& peer) { return name_in(peer).has_value(); });
 }
 
+/// Older releases of Cyclone had another name for the group.
+bool is_secured(const CycloneSettings& user) { return user.sets("Security") || user.sets("DDSSecurity"); }
+
 bool chooses_interfaces(const CycloneSettings& user) {
   return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress");
 }
@@ -242,7 +245,7 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   config.domain_on_wire = user->value(own_domain_number).value_or("default");
   if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
   config.found_by_multicast = !equals(multicast, "false");
-  config.is_secured = user->sets("Security");
+  config.is_secured = is_secured(*user);
   config.heartbeat_port = heartbeat_port_of(config, *user, multicast);
   config.peers = settings.peers;
   config.user_peers = peers_of(*user);
@@ -291,7 +294,7 @@ Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& us
   const std::string of_ros = settings_of_ros(ros);
   return VanillaConfig{.text = document(ours) + "," + (of_ros.empty() ? "" : document(of_ros) + ",") +
                                (users.empty() ? "" : users + ",") + document(insisted),
-                       .is_secured = user->sets("Security")};
+                       .is_secured = is_secured(*user)};
 }
 
 std::string DdsConfig::summary(std::span<const LinkSpec> links) const {

@@ -103,7 +103,10 @@ TEST(VanillaConfig, ARangeThatRos2DoesNotHaveIsAnError) {
 
 TEST(VanillaConfig, SaysThatTheUserWantsSecurity) {
   EXPECT_FALSE(vanilla_config(0, "").value().is_secured);
-  EXPECT_TRUE(vanilla_config(0, "<Security><Authentication><Library path=\"a\"/></></>").value().is_secured);
+  for (const std::string group : {"Security", "DDSSecurity"}) {
+    const std::string text = "<" + group + "><Authentication><Library path=\"a\"/></></>";
+    EXPECT_TRUE(vanilla_config(0, text).value().is_secured);
+  }
 }
 
 TEST(DdsConfig, OfTheUserDoesNotHoldWhereItWouldBreakSft) {
