@@ -138,8 +138,16 @@ bool equals(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
+std::string xml_element(std::string_view name, std::string_view content) {
+  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
+}
+
+std::string xml_document(std::string_view groups) {
+  return "<CycloneDDS><Domain id=\"any\">" + std::string(groups) + "</Domain></CycloneDDS>";
+}
+
 Result<CycloneSettings> CycloneSettings::read(const std::string& config, std::uint32_t domain) {
-  CycloneSettings settings(domain);
+  CycloneSettings settings(config, domain);
   for (std::size_t at = config.find_first_not_of(separators); at < config.size();
        at = config.find_first_not_of(separators, at)) {
     if (config[at] == '<') {
@@ -235,14 +243,24 @@ bool CycloneSettings::sets(std::string_view path) const {
   return std::ranges::any_of(at(path), [](const CycloneElement* one) { return sets_anything(*one); });
 }
 
+/// Older releases of Cyclone had another name for the group.
+bool CycloneSettings::is_secured() const { return sets("Security") || sets("DDSSecurity"); }
+
+std::string CycloneSettings::domain_on_wire() const {
+  const std::string number = value(domain_number_path).value_or("default");
+  return equals(number, "default") ? std::to_string(domain_) : number;
+}
+
 bool CycloneSettings::only_for_others() const { return has_others_ && !sets_anything(all_); }
 
 std::string CycloneSettings::for_any_domain(const std::vector<std::string_view>& left_out) const {
+  const auto is_set = [&](std::string_view path) { return sets(path); };
+  if (!depends_on_domain_ && std::ranges::none_of(left_out, is_set)) return text_;
   std::vector<const CycloneElement*> skipped;
   for (const std::string_view path : left_out) std::ranges::copy(at(path), std::back_inserter(skipped));
-  std::string text = "<CycloneDDS><Domain id=\"any\">";
-  for (const CycloneElement& group : all_.elements) write(group, skipped, text);
-  return text + "</Domain></CycloneDDS>";
+  std::string groups;
+  for (const CycloneElement& group : all_.elements) write(group, skipped, groups);
+  return xml_document(groups);
 }
 
 }  // namespace sft::core

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/discovery/desired_links.h"
-#include "core/discovery/ros_discovery.h"
 #include "core/platform/host_lookup.h"
 #include "core/platform/peer_addresses.h"
 #include "sft/options.h"
@@ -53,15 +52,6 @@ struct DdsConfig {
 /// The error says what is wrong with a setting, or with the user's configuration.
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
-
-/// The configuration of the participant that serves and hears DDS nodes which know nothing of SFT. It is that
-/// of a ROS 2 node in the same environment: interfaces, peers and all other settings are those of the user.
-struct VanillaConfig {
-  std::string text;         ///< the argument of dds_create_domain
-  bool is_secured = false;  ///< the user's configuration has DDS Security
-};
-Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
-                                     const RosDiscovery& ros = {});
 
 /// Returns the names and addresses of the interfaces that the user's configuration chooses. If it chooses
 /// none, returns those that `settings` choose.

@@ -93,9 +93,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                    .settings = options.discovery,
                                    .user_config = options.cyclonedds_config.value_or(""),
                                    .threads = options.threads.discovery};
-  auto opened = Discovery::open(discovery, [agent = node->shared_agent_, node = node.get()] {
-    agent->post([node] { node->discovery_->take_events(*node); });
-  });
+  auto opened = Discovery::open(discovery, node->by_agent(&NodeCore::take_events));
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
@@ -106,9 +104,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   }
   node->reconciler_ = std::make_unique<Reconciler>(
       node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
-      node->log_, vanilla_setup(node->options_, ros, ros_distro, [node = node.get()] {
-        node->agent_.post([node] { node->vanilla_changed(); });
-      }));
+      node->log_, vanilla_setup(node->options_, ros, ros_distro, node->by_agent(&NodeCore::vanilla_changed)));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,
@@ -129,7 +125,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                              node->log_);
                                    missing_clock.look(*reconciler, node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
-                                   node->discovery_->take_events(*node);
+                                   node->take_events();
                                    return reconciler->tick();
                                  },
                              .idle = [reconciler] { return reconciler->reconcile(); }};
@@ -154,6 +150,10 @@ NodeCore::~NodeCore() {
   agent_.stop();  // runs the posted tasks first, so that the endpoints are withdrawn
   discovery_.reset();
   callbacks_.stop();
+}
+
+std::function<void()> NodeCore::by_agent(void (NodeCore::*act)()) {
+  return [agent = shared_agent_, this, act] { agent->post([this, act] { (this->*act)(); }); };
 }
 
 /// Returns a sink that posts lines to the callback thread. The agent does not call the sink itself, because
@@ -271,8 +271,8 @@ void NodeCore::log_news(News news, const std::string& text, std::uint64_t times)
     std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
     const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
     const auto now = std::chrono::steady_clock::now();
-    if (now < next_complaint_) return;
-    next_complaint_ = now + complaint_pause;
+    if (now < counts_.next_complaint) return;
+    counts_.next_complaint = now + complaint_pause;
     log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
   } else {
     log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);

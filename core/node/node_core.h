@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +14,6 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
-#include "core/discovery/ros_discovery.h"
 #include "core/node/endpoint_opening.h"
 #include "core/node/endpoint_registry.h"
 #include "core/node/kept_types.h"
@@ -28,6 +28,7 @@
 #include "core/seam/transport.h"
 #include "core/subscribe/dispatcher.h"
 #include "core/sync/event_count.h"
+#include "core/vanilla/ros_discovery.h"
 #include "sft/detail/untyped.h"
 #include "sft/domain.h"
 #include "sft/dynamic_type.h"
@@ -75,6 +76,11 @@ class NodeCore final : private DiscoveryListener {
   EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
+  /// Returns a function that makes the agent call `act`, which it does not do once it has stopped. Any thread
+  /// may call the function, even after the node was destroyed.
+  std::function<void()> by_agent(void (NodeCore::*act)());
+  void take_events() { discovery_->take_events(*this); }
+
   // Functions of DiscoveryListener, called on the agent's thread.
   void endpoint_seen(const Endpoint& endpoint) override;
   void endpoint_departed(EndpointId id) override;
@@ -103,9 +109,9 @@ class NodeCore final : private DiscoveryListener {
   WakeSlots wake_slots_;
   struct DiscoveryCounts {
     std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
+    Time next_complaint{};  ///< the earliest time of the next line about malformed control traffic
   };
   DiscoveryCounts counts_;
-  Time next_complaint_{};     ///< the earliest time of the next line about malformed control traffic
   CallbackThread callbacks_;  ///< for callbacks about events and readers, and for the log
   NodeLog log_;               ///< posts its lines to callbacks_
   EventCount endpoints_changed_;
