@@ -13,13 +13,13 @@ namespace sft::core {
 namespace {
 
 using Names = std::vector<std::string>;
-using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, ThreadSettings>;
+using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, ThreadSettings>;
 
 /// Returns all values that must be equal for nodes to share discovery. The text of the configuration
-/// contains neither the user's interfaces nor the user's domain number, so these are added.
+/// contains neither the user's interfaces nor peers nor domain number, so these are added.
 PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
-  return {options.domain, config.text,       config.domain_on_wire, config.interfaces,
-          config.peers,   config.user_peers, options.threads};
+  return {options.domain,    config.text,  config.domain_on_wire,
+          config.interfaces, config.peers, options.threads};
 }
 
 /// Holds the control planes of this process, as long as any node uses them.
@@ -37,14 +37,6 @@ constexpr const char* way_through_firewalls =
     "; if this is said again, a firewall lets multicast of that host through and no unicast: let in all UDP "
     "of "
     "it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls)";
-
-/// Returns the peers that Cyclone gets as numeric addresses. This process looks up their names.
-Names peers_in_numbers(const DdsConfig& config) {
-  Names peers = config.peers;
-  if (!config.text_has_user_peers)
-    peers.insert(peers.end(), config.user_peers.begin(), config.user_peers.end());
-  return peers;
-}
 
 /// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
 /// containers come and go, so they have no link unless they are listed.
@@ -120,7 +112,7 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
     : config_(std::move(config)),
       process_(random_id()),
       known_(process_, timing_),
-      peers_by_name_(peers_in_numbers(config_), threads),
+      peers_by_name_(config_.peers, threads),
       own_(process_, timing_),
       links_({config_, threads, timing_}, own_, known_) {}
 

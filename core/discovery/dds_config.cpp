@@ -91,17 +91,14 @@ std::string loopback_ports(bool finds_by_unicast) {
          (finds_by_unicast ? offsets("Unicast", loopback_port_offset) : "");
 }
 
-bool has_name(const std::vector<std::string>& peers) {
-  return std::ranges::any_of(peers, [](const auto& peer) { return name_in(peer).has_value(); });
-}
-
 bool chooses_interfaces(const CycloneSettings& user) {
   return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress");
 }
 
-/// Returns the user's peers. One `Address` element of Cyclone's configuration may list several peers.
-std::vector<std::string> peers_of(const CycloneSettings& user) {
-  std::vector<std::string> peers;
+/// Returns the peers of the settings and of the user. One `Address` element of Cyclone's configuration may
+/// list several peers.
+std::vector<std::string> all_peers(const DiscoverySettings& settings, const CycloneSettings& user) {
+  std::vector<std::string> peers = settings.peers;
   for (const std::string& listed : user.values("Discovery/Peers/Peer/@Address"))
     std::ranges::move(split(listed), std::back_inserter(peers));
   return peers;
@@ -156,7 +153,7 @@ std::optional<std::uint16_t> heartbeat_port_of(const DdsConfig& config, const Cy
 }
 
 std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySettings& settings,
-                                    const CycloneSettings& user, bool has_peers) {
+                                    const CycloneSettings& user) {
   std::vector<std::string> remarks;
   if (user.only_for_others())
     remarks.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
@@ -164,7 +161,7 @@ std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySett
     remarks.emplace_back("DDS Security protects who finds whom and who asks for what, not the samples");
   if (!settings.interfaces.empty() && chooses_interfaces(user))
     remarks.emplace_back("CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
-  if (!config.found_by_multicast && !has_peers)
+  if (!config.found_by_multicast && config.peers.empty())
     remarks.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
   return remarks;
 }
@@ -209,49 +206,41 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   if (const auto ok = check_names(settings.interfaces, "interfaces"); !ok) return tl::unexpected(ok.error());
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
-  const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
+  DdsConfig config;
+  config.peers = all_peers(settings, *user);
   // With configured peers, multicast serves discovery only: multicast might not reach those peers, so all
   // other data are sent to them by unicast.
-  const std::string ours = !settings.multicast ? "false" : has_peers ? "spdp" : "default";
+  const std::string ours = !settings.multicast ? "false" : !config.peers.empty() ? "spdp" : "default";
   const std::string multicast = user->value("General/AllowMulticast").value_or(ours);
 
-  DdsConfig config;
   config.domain_on_wire = user->domain_on_wire();
   config.found_by_multicast = !equals(multicast, "false");
   config.is_secured = user->is_secured();
   config.heartbeat_port = heartbeat_port_of(config, *user, multicast);
-  config.peers = settings.peers;
-  config.user_peers = peers_of(*user);
-  config.text_has_user_peers = !has_name(config.user_peers);
   config.interfaces = chosen_interfaces(*user, settings);
   const bool has_no_port = equals(user->value("Discovery/ParticipantIndex").value_or(""), "none");
-  config.warnings = remarks_on(config, settings, *user, has_peers);
+  config.warnings = remarks_on(config, settings, *user);
   std::string insisted;
   for (const Required& setting : required) insisted += insist_on(setting, *user, config.warnings);
   if (has_no_port && !config.found_by_multicast)
     insisted += insist_on(predictable_port, *user, config.warnings);
-  // text_for() writes the interfaces and the domain number for each link. Peers are left out, too, if one of
-  // them is a name, because Cyclone would look it up. A later setting overrides an earlier one.
-  std::vector<std::string_view> left_out{"General/Interfaces", "General/NetworkInterfaceAddress",
-                                         domain_number_path};
-  if (!config.text_has_user_peers) left_out.emplace_back("Discovery/Peers");
-  const std::string users = user->for_any_domain(left_out);
-  config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
+  // text_for() writes these for each link, peers as numbers, because Cyclone would look up names. A later
+  // setting overrides an earlier one.
+  const std::string users = user->for_any_domain(
+      {"General/Interfaces", "General/NetworkInterfaceAddress", "Discovery/Peers", domain_number_path});
+  config.text = settings_of_sft(ours, !config.found_by_multicast || !config.peers.empty()) + "," +
                 (users.empty() ? "" : users + ",") + xml_document(insisted);
   return config;
 }
 
 std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
-  std::vector<std::string> asked = peers;
-  asked.insert(asked.end(), user_peers.begin(), user_peers.end());
-  const std::string on_peers = asked.empty() ? "" : ", and on the peers " + list(asked);
+  const std::string on_peers = peers.empty() ? "" : ", and on the peers " + list(peers);
   return found_by_multicast ? "by multicast on " + describe(links) + on_peers
                             : "on this host" + on_peers + ", by " + describe(links);
 }
 
 std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> links) const {
-  const auto asks = [&](const LinkSpec& link) { return !link.loopback || !text_has_user_peers; };
-  const auto link = std::ranges::find_if(links, asks);
+  const auto link = std::ranges::find(links, false, &LinkSpec::loopback);
   return link == links.end() ? std::nullopt : std::optional(family_on(*link));
 }
 
@@ -276,7 +265,6 @@ std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) c
   };
   if (!found_by_multicast && link.reaches_own_host) ask({format(loopback_ipv4), format(loopback_ipv6)});
   if (!link.loopback) ask(peers);
-  if (!text_has_user_peers) ask(user_peers);
   if (!asked.empty()) discovery += xml_element("Peers", asked);
   if (link.loopback) discovery += xml_element("Ports", loopback_ports(!found_by_multicast || rules().peers));
   return text + "," + xml_document(xml_element("General", general) + xml_element("Discovery", discovery));

@@ -27,18 +27,14 @@ struct DdsConfig {
   /// case with DDS Security, because heartbeats have no certificates. It is also the case if the user's
   /// configuration or the lack of multicast may keep heartbeats from arriving.
   std::optional<std::uint16_t> heartbeat_port{};
-  std::vector<std::string> peers;       ///< hosts to search for nodes, in addition to those that multicast
-                                        ///< reaches
-  std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links
-  bool text_has_user_peers = true;      ///< false if one of them is a name; text_for() adds the addresses of
-                                        ///< `user_peers` then
+  /// Hosts to search for nodes, in addition to those that multicast reaches: the peers of the settings and of
+  /// the user's configuration.
+  std::vector<std::string> peers;
   std::vector<std::string> interfaces;  ///< the chosen interfaces; empty: all interfaces
   std::vector<std::string> warnings;    ///< which of the user's settings do not apply, and why; other hints
 
   LinkRules rules() const {
-    return {.listed = interfaces,
-            .multicast = found_by_multicast,
-            .peers = !peers.empty() || !user_peers.empty()};
+    return {.listed = interfaces, .multicast = found_by_multicast, .peers = !peers.empty()};
   }
   /// Returns the configuration for dds_create_domain. A peer that is given by name is included once `hosts`
   /// has its addresses.

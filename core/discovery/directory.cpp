@@ -71,12 +71,6 @@ void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) 
 }
 
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
-  const auto known = entries_.find(endpoint.id);
-  if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
-    notify(known->second, departed(endpoint.id));
-    give_back_share(known->second);
-    entries_.erase(known);
-  }
   const auto [place, is_new] = entries_.try_emplace(endpoint.id);
   Entry& entry = place->second;
   if (entry.endpoint.request.sequence > endpoint.request.sequence) endpoint.request = entry.endpoint.request;
@@ -337,7 +331,6 @@ void Directory::log_news(News news, const std::string& text) {
     }
     ListeningNode::Refused& refused = node->refused[news];
     if (refused.times++ == 0) refused.text = text;
-    wake(node);
   }
 }
 

@@ -84,7 +84,7 @@ class Directory {
   void vanilla_changed();
   using News = DiscoveryListener::News;
   /// Notifies all nodes. Of refusals, a node gets the number and the text of the first one, however many
-  /// there are until it takes them.
+  /// there are until it takes them. They do not wake it, since there may be a flood of them.
   void log_news(News news, const std::string& text);
 
   /// The inquiries of our own nodes and of other processes.

@@ -66,8 +66,8 @@ class KnownPeers {
   /// nodes that have something to take.
   class SFT_SCOPED_CAPABILITY Turn {
    public:
-    explicit Turn(KnownPeers& known) SFT_ACQUIRE(known.mutex_);
-    ~Turn() SFT_RELEASE();
+    explicit Turn(KnownPeers& known) SFT_ACQUIRE(known.mutex_) SFT_NO_THREAD_SAFETY_ANALYSIS;
+    ~Turn() SFT_RELEASE() SFT_NO_THREAD_SAFETY_ANALYSIS;
     Turn(const Turn&) = delete;
     Turn& operator=(const Turn&) = delete;
 

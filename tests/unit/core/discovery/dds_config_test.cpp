@@ -83,8 +83,8 @@ TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
 
 TEST(DdsConfig, OfTheUserIsPassedThroughAsItIsWhereThatSuffices) {
   for (const std::string user :
-       {"<General><FragmentSize>100 B</></>", "<Discovery><Peers><Peer Address='10.0.0.9'/></></>",
-        "<Domain id='any'><Tracing><Verbosity>fine</></></>", "<Partitioning/>, <Security><Authentication/>"})
+       {"<General><FragmentSize>100 B</></>", "<Domain id='any'><Tracing><Verbosity>fine</></></>",
+        "<Partitioning/>, <Security><Authentication/>"})
     EXPECT_THAT(config(user).text, HasSubstr("," + user + ",")) << user;
   for (const std::string user :
        {"<General><NetworkInterfaceAddress>eth0</></>", "<Discovery><ExternalDomainId>3</></>",
@@ -169,13 +169,10 @@ TEST(DdsConfig, HasNumbersOnlyForPeersByNameOfTheSettingsAndOfTheUser) {
   const auto c = config(user, settings);
   EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"),
               ElementsAre("10.0.0.8:7410", "10.0.0.1", "10.0.0.9"));
-  EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.1", "10.0.0.9"))
-      << "the user's peers hold for all links";
   EXPECT_THAT(in_force(c, "Discovery/LeaseDuration"), is("77 s"));
   EXPECT_THAT(in_force(c, "Internal/NackDelay"), is("6 s"));
   EXPECT_EQ(c.family_of_peers(std::vector{loopback, card}), IpFamily::ipv4);
   EXPECT_EQ(config("", settings).family_of_peers(std::vector{loopback}), std::nullopt) << "no peer is asked";
-  EXPECT_TRUE(config("<Discovery><Peers><Peer Address='10.0.0.9'/>").text_has_user_peers);
 }
 
 TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {

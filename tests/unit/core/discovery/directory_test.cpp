@@ -256,15 +256,6 @@ TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
   EXPECT_THAT(directory.endpoints_of(node->node), ElementsAre(1, 2));
 }
 
-TEST_F(DirectoryTest, GivesANodeItsOwnIdBackThatAnotherProcessHasUsed) {
-  const auto node = open(), other_node = open();
-  announce(*other_node, endpoint(Role::reader, 1));
-  other_has(endpoint(Role::writer, 10));
-  told(*other_node);
-  announce(*node, endpoint(Role::writer, 10));
-  EXPECT_THAT(told(*other_node), ElementsAre("departed 10", "seen 10"));
-}
-
 TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));

@@ -78,7 +78,10 @@ TEST_F(KnownPeersTest, WakesNodesWithoutItsLock) {
   std::vector<std::string> texts;
   on_wake = [&] { texts = taken(); };
   known.sample_refused("malformed");
-  EXPECT_THAT(texts, ElementsAre("malformed"));
+  EXPECT_THAT(texts, IsEmpty()) << "there may be a flood of these";
+  known.with(
+      [](Peers&, Directory& directory) { directory.log_news(Directory::News::warning, "another release"); });
+  EXPECT_THAT(texts, ElementsAre("malformed", "another release"));
 }
 
 TEST_F(KnownPeersTest, NamesEachOtherReleaseOnce) {
