@@ -137,6 +137,7 @@ Result<void> ControlLink::open() {
 /// Opens or closes the endpoints on the topic. Once the topic is created, it is kept, since a topic alone is
 /// not announced to other participants. A reader gets no samples of its own participant.
 Result<void> ControlLink::use(Topic& topic, bool reads, bool writes) {
+  if (reads == (topic.reader != 0) && writes == (topic.writer != 0)) return {};
   const DdsQos qos = qos_of(topic.is_reliable);
   const auto set = [&](dds_entity_t& entity, bool wanted, auto create) -> Result<void> {
     if (wanted == (entity != 0)) return {};
@@ -146,7 +147,7 @@ Result<void> ControlLink::use(Topic& topic, bool reads, bool writes) {
     entity = created;
     return {};
   };
-  return set(topic.topic, topic.topic != 0 || reads || writes,
+  return set(topic.topic, true,
              [&] { return dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr); })
       .and_then([&] {
         return set(topic.writer, writes,

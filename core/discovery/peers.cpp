@@ -17,6 +17,11 @@ Time silent_at(const Participant& participant, const Timing& timing) {
   return participant.heard_at.value_or(participant.found_at) + timing.lease;
 }
 
+/// Returns when heartbeats of the participant should have come if it knows this process.
+Time known_to_it_at(const Participant& participant, const Timing& timing) {
+  return participant.found_at + 2 * timing.settle;
+}
+
 struct Held {
   std::size_t records = 0, bytes = 0;
 };
@@ -98,8 +103,12 @@ void Peers::listen(Role role, Time now) {
   if (!listened_[role]) listened_[role] = now;
 }
 
-void Peers::link_made(LinkId link, Time now) {
-  links_.insert_or_assign(link, Link{.stirred_at = now, .renewed_at = now, .pause = timing_.lease});
+void Peers::link_made(LinkId link, Time now, bool heartbeats_find) {
+  links_.insert_or_assign(link, Link{.stirred_at = now,
+                                     .renewed_at = now,
+                                     .pause = timing_.lease,
+                                     .repeat_until = heartbeats_find ? now : now + 2 * timing_.lease,
+                                     .announce_at = now + timing_.heartbeat_every});
 }
 
 /// The new link takes over the pause, which grows while renewals do not help.
@@ -367,6 +376,7 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
     link.misses = link.misses.value_or(false) || participant.has_agreed;
     link.misses_from = participant.address;
   }
+  if (!participant.heard_at && now >= known_to_it_at(participant, timing_)) link.was_asked = true;
   if (now >= unheard_at(id.link, participant)) {
     link.is_unheard = true;
     actions_.emplace_back(HeartbeatsMissing{id.link});
@@ -409,12 +419,18 @@ void Peers::look_at_link(LinkId id, Link& link, Time now) {
   } else if (!link.misses && now >= link.renewed_at + 2 * link.pause) {
     link.pause = timing_.lease;
   }
-  if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return;
+  if (now < announcement_due(link)) return;
   actions_.emplace_back(Announce{id, link.has_unknown});
-  const auto longer = link.has_unknown ? 2 * link.announce_pause : timing_.heartbeat_every;
+  const bool repeats = link.announce_at < link.repeat_until;
+  const auto longer = link.has_unknown || repeats ? 2 * link.announce_pause : timing_.heartbeat_every;
   link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
   link.announce_at = now + link.announce_pause;
   link.has_unknown = link.was_asked = false;
+}
+
+Time Peers::announcement_due(const Link& link) {
+  const bool is_due = link.has_unknown || link.was_asked || link.announce_at < link.repeat_until;
+  return is_due ? link.announce_at : Time::max();
 }
 
 Time Peers::next() const {
@@ -422,8 +438,8 @@ Time Peers::next() const {
   for (const auto& [id, link] : links_) {
     if (link.retired_at) next = std::min(next, *link.retired_at + timing_.lease);
     if (link.retired_at) continue;
+    next = std::min(next, announcement_due(link));
     if (link.misses) next = std::min(next, renewal_due(link));
-    if (link.has_unknown || link.was_asked) next = std::min(next, link.announce_at);
   }
   for (const auto& [id, participant] : participants_) {
     if (!is_heard(participant)) continue;
@@ -431,6 +447,8 @@ Time Peers::next() const {
                      unheard_at(id.link, participant)});
     const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants.size() > 1;
     const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
+    const Time known_at = participant.heard_at ? Time::max() : known_to_it_at(participant, timing_);
+    if (known_at > looked_at_) next = std::min(next, known_at);
     if (late_at > looked_at_) next = std::min(next, late_at);
   }
   return next;

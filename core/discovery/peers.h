@@ -134,8 +134,11 @@ class Peers {
 
   /// Records of that role are read from now on.
   void listen(Role role, Time now);
-  /// Must be called before the link is opened.
-  void link_made(LinkId link, Time now);
+  /// Must be called before the link is opened. `heartbeats_find`: heartbeats of participants that Cyclone
+  /// does not know arrive on the link. Where they do not, Cyclone would repeat an announcement that was lost
+  /// only after minutes. So a new link repeats it soon, and then with pauses that double, until two leases
+  /// are over.
+  void link_made(LinkId link, Time now, bool heartbeats_find = true);
   /// The link is retired, because link `by` was made to replace it. If processes were found by the old link,
   /// their heartbeats are expected on the new link.
   void link_replaced(LinkId link, LinkId by, Time now);
@@ -186,7 +189,9 @@ class Peers {
     std::chrono::milliseconds pause{};  ///< the time from that until a renewal that may not help
     bool has_unknown = false;  ///< a participant that Cyclone does not know gives heartbeats, or the network
                                ///< has changed
-    bool was_asked = false;    ///< a known participant has asked all others to announce themselves
+    bool was_asked = false;    ///< a known participant has asked all others to announce themselves, or gives
+                               ///< no heartbeats, because it probably does not know this process
+    Time repeat_until{};       ///< the end of the time in which announcements are repeated
     std::optional<Time> unknown_at{};            ///< when the first heartbeat of an unknown participant came
                                                  ///< after the last question
     bool is_unheard = false;                     ///< HeartbeatsMissing was reported
@@ -209,6 +214,7 @@ class Peers {
   Time missed_at(LinkId link, const Participant& participant) const;
   Time unheard_at(LinkId link, const Participant& participant) const;
   Time renewal_due(const Link& link) const;
+  static Time announcement_due(const Link& link);
   void look_at(const RemoteParticipant& id, Participant& participant, Time now);
   void look_at_room(Time now);
   void look_at_link(LinkId id, Link& link, Time now);

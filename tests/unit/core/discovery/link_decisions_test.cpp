@@ -30,6 +30,11 @@ class LinkDecisionsTest : public ::testing::Test {
   void found(std::uint8_t number, bool asks = false) {
     peers.participant_found(on_link(number), number, now, asks);
   }
+  /// The participant is found, and gives a heartbeat.
+  void joins(std::uint8_t number) {
+    found(number);
+    heartbeat(number);
+  }
   /// The participant gives a heartbeat that counts records which it never writes.
   void heartbeat(std::uint8_t number) { peers.heartbeat_came(link, {{number}, number, {99, 0}}, now); }
   /// The participant writes a record on a new link, and gives a heartbeat that agrees with it.
@@ -142,7 +147,7 @@ TEST_F(LinkDecisionsTest, LetRecordsOfManyParticipantsTakeTheirTime) {
   found(liar);
   now += 10s;
   EXPECT_EQ(timeout(peers, liar), 2 * (timing.settle + timing.settle_each)) << "it has never been complete";
-  for (std::uint8_t number = 20; number < 30; ++number) found(number);
+  for (std::uint8_t number = 20; number < 30; ++number) joins(number);
   const Time stirred_at = now;
   timeout(peers, liar);
   EXPECT_EQ(peers.next(), stirred_at + 2 * (timing.settle + 11 * timing.settle_each))
@@ -181,7 +186,7 @@ TEST_F(LinkDecisionsTest, AskWhoIsThereIfAStrangerGivesHeartbeats) {
 
 TEST_F(LinkDecisionsTest, DoNotAskWhileOthersAreNew) {
   now += 10s;
-  found(20);
+  joins(20);
   now += 2 * timing.settle - 1ms;
   heartbeat(9);
   EXPECT_THAT(after(1ms).announcements, IsEmpty());
@@ -190,7 +195,7 @@ TEST_F(LinkDecisionsTest, DoNotAskWhileOthersAreNew) {
 TEST_F(LinkDecisionsTest, AskAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
   std::size_t asked = 0;
   for (std::uint8_t second = 0; second < 20; ++second) {
-    found(static_cast<std::uint8_t>(100 + second));
+    joins(static_cast<std::uint8_t>(100 + second));
     heartbeat(9);
     asked += after(1s).announcements.size();
   }
@@ -203,7 +208,7 @@ TEST_F(LinkDecisionsTest, AskEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainO
   EXPECT_LE(asked, 25U);
   EXPECT_GE(asked, static_cast<std::size_t>(60s / timing.lease));
   EXPECT_EQ(asks_within(14), 2U);
-  found(20);
+  joins(20);
   EXPECT_GT(asks_within(14), 2U);
   asks_within(120);
   peers.network_changed(now);
@@ -223,6 +228,19 @@ TEST_F(LinkDecisionsTest, AnswerWhoAsksNoMoreOftenThanHeartbeatsGo) {
   }
   EXPECT_LE(answers, 11U);
   EXPECT_GE(answers, 9U);
+}
+
+TEST_F(LinkDecisionsTest, RepeatTheAnnouncementWhereHeartbeatsFindNobodyUntilTwoLeasesAreOver) {
+  peers.link_made(link, now, false);
+  std::vector<Time::duration> announced;
+  const Time made_at = now;
+  for (int i = 0; i < 300; ++i) {
+    const std::vector<bool> announcements = after(100ms).announcements;
+    if (!announcements.empty()) announced.push_back(now - made_at);
+    for (const bool asks : announcements) EXPECT_FALSE(asks);
+  }
+  EXPECT_THAT(announced, ElementsAre(1s, 2s, 4s, 8s));
+  EXPECT_EQ(peers.next(), Time::max());
 }
 
 TEST_F(LinkDecisionsTest, AskOnAllLinksAfterTheNetworkHasChanged) {
