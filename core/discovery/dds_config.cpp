@@ -273,7 +273,8 @@ static std::string settings_of_ros(const RosDiscovery& ros) {
                  "<ParticipantIndex>none</><MaxAutoParticipantIndex>32</>" + element("Peers", peers));
 }
 
-/// Multicasts of samples would reach the ports of all links of this network. The one setting that SFT cannot
+/// Multicasts of samples would reach the ports of all links of this network. Bursts of large samples overrun
+/// small receive buffers, since DDS writers do not pace them. The one setting that SFT cannot
 /// do without concerns the runtime of iceoryx, of which a process has one.
 Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
                                      const RosDiscovery& ros) {
@@ -285,7 +286,7 @@ Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& us
   if (equals(on_wire, "default")) on_wire = std::to_string(domain);
   constexpr std::string_view ours =
       "<General><AllowMulticast>spdp</></><Sizing><ReceiveBufferSize>256 KiB</></>"
-      "<Internal><MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>";
+      "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/><WriterLingerDuration>0 s</></>";
   const std::string insisted = element("SharedMemory", element("Enable", "false")) +
                                element("Discovery", element("ExternalDomainId", on_wire));
   const std::string of_ros = settings_of_ros(ros);
