@@ -22,6 +22,7 @@ ALL = [
     Benchmark("negotiation", 90, 15, ["--rounds", "1"]),
     Benchmark("tools", 120, 45, ["--rounds", "1", "--seconds", "1"]),
     Benchmark("udp", 240, 100, ["--rounds", "1", "--messages", "500", "--seconds", "0.3"]),
+    Benchmark("vanilla", 260, 75, ["--rounds", "1", "--samples", "30", "--starts", "5", "--idle-seconds", "5"]),
     Benchmark("many", 1200, 100, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),
     Benchmark("peers", 660, 60, ["--quick"]),

@@ -44,9 +44,10 @@ class LocalWriter {
   std::uint64_t sent_in_memory() const;
   /// Returns true if a late reader has not been sent all retained samples yet.
   bool owes_history() const { return in_force_ && in_force_->history_owed; }
-  /// Returns true if the opening of a port has failed and may be tried again.
-  bool may_try_again(Time now) const {
-    return node_.attempts.may_retry_in_memory(opening_memory_, now) || vanilla_.may_try_again(now);
+  /// Returns true if the opening of a port has failed and may be tried again. Watches readers of DDS.
+  bool may_try_again(Time now) {
+    const bool may_serve_vanilla = vanilla_.look(now);
+    return node_.attempts.may_retry_in_memory(opening_memory_, now) || may_serve_vanilla;
   }
 
   /// Watches the deadline and the liveliness of the publisher. Returns true if a report must now tell the

@@ -46,7 +46,8 @@ VanillaView VanillaAccess::view() const {
   VanillaView view{.readers = domain_->readers().all(),
                    .writers = writers_->all(),
                    .participants = domain_->participants(),
-                   .of_sft = domain_->readers().of_sft()};
+                   .of_sft = domain_->readers().of_sft(),
+                   .unanswered = writers_->unanswered()};
   view.of_sft.merge(writers_->of_sft());
   for (auto* endpoints : {&view.readers, &view.writers})
     for (VanillaEndpoints::OfTopic& one : *endpoints)

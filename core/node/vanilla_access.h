@@ -48,6 +48,12 @@ class VanillaAccess {
   const std::shared_ptr<VanillaDomain>& domain() const { return domain_; }
   /// The unmodified writers in the domain; null while the node has no such participant.
   const VanillaEndpoints* writers() const { return writers_.get(); }
+  /// Returns true if the agent may now wait for a moment, which is the case once a second.
+  bool may_wait(Time now) {
+    const bool may = now >= waits_again_at_;
+    if (may) waits_again_at_ = now + std::chrono::seconds(1);
+    return may;
+  }
   /// Returns true if that endpoint is an unmodified writer of the topic.
   bool knows_writer(EndpointId id, const std::string& topic) const;
   /// Returns what the participant has discovered; nothing while there is none.
@@ -79,6 +85,7 @@ class VanillaAccess {
   bool program_speaks_dds_ = false;  ///< the result of that look
   bool graph_is_divided_ = false;    ///< at the last show_endpoints()
   Time next_look_ = Time::max();
+  Time waits_again_at_{};
 };
 
 }  // namespace sft::core

@@ -6,6 +6,12 @@
 
 namespace sft::core {
 
+namespace {
+/// The agent waits so long for answers to what was sent last.
+constexpr std::chrono::milliseconds answered_within{100};
+constexpr std::chrono::seconds waits_again_after{60};
+}  // namespace
+
 VanillaServing::~VanillaServing() {
   if (outlet_ != nullptr) outlet_->close();
 }
@@ -20,7 +26,7 @@ bool VanillaServing::reconcile(Time now) {
   }
   if (writer_ == nullptr && domain != nullptr) open_writer(now);
   if (domain == nullptr) opening_ = {};
-  name_unserved();
+  name_complaints();
   if (writer_ != nullptr) node_.vanilla->add_writer(writer_->guid());
   const std::size_t readers = writer_ == nullptr ? 0 : writer_->readers();
   const bool wanted = writer_ != nullptr && (readers > 0 || core_.retains());
@@ -66,15 +72,41 @@ void VanillaServing::open_writer(Time now) {
   writer_ = std::move(*writer);
 }
 
-void VanillaServing::name_unserved() {
+bool VanillaServing::look(Time now) {
+  look_at_answers(now);
+  return opening_.due_again(now);
+}
+
+/// DDS says only whether everything that was sent is acknowledged. If samples follow each other closely, some
+/// are always under way. So the agent waits for a moment before it takes readers for silent.
+void VanillaServing::look_at_answers(Time now) {
+  const bool has_readers = outlet_ != nullptr && outlet_->readers() > 0;
+  bool is_answered = !has_readers || writer_->is_acknowledged({});
+  if (is_answered) {
+    waits_at_ = now + unanswered_max;
+  } else {
+    if (now < waits_at_ || !node_.vanilla->may_wait(now)) return;
+    is_answered = writer_->is_acknowledged(answered_within);
+    waits_at_ = now + waits_again_after;
+  }
+  if (std::exchange(is_answered_, is_answered) == is_answered || writer_ == nullptr) return;
+  writer_->announce_answers(is_answered);
+  if (is_answered) return;
+  node_.log.write(LogLevel::warning,
+                  core_.spec().topic +
+                      ": a reader of DDS does not acknowledge what it is sent: its program is stopped or too "
+                      "slow, or a firewall drops its answers; other readers lose nothing by that");
+}
+
+void VanillaServing::name_complaints() {
   const std::uint64_t changes = writer_ == nullptr ? 0 : writer_->domain()->readers().changes();
   if (std::exchange(readers_changes_, changes) == changes) return;
-  std::set<std::string> reasons = writer_ == nullptr ? std::set<std::string>() : writer_->why_not_served();
-  for (const std::string& reason : reasons) {
-    if (unserved_.contains(reason)) continue;
-    node_.log.write(LogLevel::warning, core_.spec().topic + ": a reader of DDS is not served: " + reason);
+  std::set<std::string> complaints = writer_ == nullptr ? std::set<std::string>() : writer_->complaints();
+  for (const std::string& complaint : complaints) {
+    if (complaints_.contains(complaint)) continue;
+    node_.log.write(LogLevel::warning, core_.spec().topic + ": " + complaint);
   }
-  unserved_ = std::move(reasons);
+  complaints_ = std::move(complaints);
 }
 
 void VanillaServing::failed(const Error& error, Time now) {

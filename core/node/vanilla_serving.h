@@ -2,6 +2,7 @@
 // for it, and a port for the publisher while the writer has such readers. Used by the agent only.
 #pragma once
 
+#include <chrono>
 #include <cstdint>
 #include <memory>
 #include <set>
@@ -18,6 +19,9 @@ namespace sft::core {
 
 class VanillaServing {
  public:
+  /// For this time all samples that were sent may wait for their acknowledgements.
+  static constexpr std::chrono::seconds unanswered_max{5};
+
   /// Both outlive this object.
   VanillaServing(NodeContext& node, PublisherCore& core) : node_(node), core_(core) {}
   ~VanillaServing();
@@ -30,13 +34,15 @@ class VanillaServing {
   std::shared_ptr<VanillaPort> port() const { return outlet_; }
   /// Notes that the publisher sends by the present port, and no longer by the former one.
   void in_force();
-  /// Returns true if something could not be opened and may be tried again.
-  bool may_try_again(Time now) const { return opening_.due_again(now); }
+  /// Watches whether readers acknowledge what they are sent. Returns true if something could not be opened
+  /// and may be tried again.
+  bool look(Time now);
 
  private:
   void open_writer(Time now);
   void start_outlet(Time now);
-  void name_unserved();
+  void name_complaints();
+  void look_at_answers(Time now);
   void failed(const Error& error, Time now);
 
   NodeContext& node_;
@@ -44,8 +50,10 @@ class VanillaServing {
   std::shared_ptr<VanillaWriter> writer_;
   std::shared_ptr<VanillaOutlet> outlet_;
   std::shared_ptr<VanillaOutlet> retired_;  ///< the former port, until in_force()
-  std::set<std::string> unserved_;          ///< the reasons that the log has named
+  std::set<std::string> complaints_;        ///< those that the log has named
   std::uint64_t readers_changes_ = 0;       ///< VanillaEndpoints::changes() when the log named them
+  Time waits_at_ = std::chrono::steady_clock::now() + unanswered_max;  ///< for answers, see look_at_answers()
+  bool is_answered_ = true;  ///< false: some reader does not acknowledge what it is sent
   Retry opening_;
 };
 

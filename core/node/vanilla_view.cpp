@@ -69,13 +69,19 @@ std::string not_connected(const std::string& whose, const char* what) {
 
 /// The state of a publisher of SFT and a reader of DDS, by the rules of the publisher's node.
 DomainSnapshot::Pair pair_of(const EndpointInfo& publisher, const VanillaEndpoint& reader,
-                             const std::set<EndpointId>& of_sft) {
+                             const VanillaView& view) {
   const std::string why_not =
       why_not_served(dds_type(publisher.type_name), offered_to_vanilla(publisher.qos), reader);
   DomainSnapshot::Pair pair{.publisher = publisher.id, .subscriber = reader.id, .dds_subscriber = true};
   pair.matched = why_not.empty();
-  pair.connected = pair.matched && of_sft.contains(publisher.id);
+  pair.connected = pair.matched && view.of_sft.contains(publisher.id);
   pair.reason = "it knows nothing of SFT, and gets whole messages";
+  if (view.unanswered.contains(publisher.id)) {
+    pair.reason +=
+        "; this reader, or another one of DDS, does not acknowledge what the publisher sends: it is stopped "
+        "or "
+        "too slow, or a firewall drops its answers";
+  }
   if (!pair.connected) pair.reason = pair.matched ? not_connected("publisher", "writer") : why_not;
   pair.incompatible_type = reader.type_name != dds_type(publisher.type_name);
   pair.incompatible_policy = conflict_between(offered_to_vanilla(publisher.qos), reader.qos).policy;
@@ -146,7 +152,7 @@ void add_vanilla(DomainSnapshot& snapshot, const VanillaView& view, const PairAc
     subscribers.push_back(vanilla_info_of(reader, one.topic, *topic));
     subscribers.back().fields = "*";
     for (const EndpointInfo& publisher : snapshot.publishers)
-      if (publisher.topic == *topic) add(pair_of(publisher, reader, view.of_sft));
+      if (publisher.topic == *topic) add(pair_of(publisher, reader, view));
   }
   std::ranges::move(publishers, std::back_inserter(snapshot.publishers));
   std::ranges::move(subscribers, std::back_inserter(snapshot.subscribers));

@@ -16,7 +16,8 @@ namespace sft::core {
 struct VanillaView {
   std::vector<VanillaEndpoints::OfTopic> readers{}, writers{};
   std::vector<VanillaParticipant> participants{};
-  std::set<EndpointId> of_sft{};  ///< publishers and subscribers of SFT that have a DDS endpoint
+  std::set<EndpointId> of_sft{};      ///< publishers and subscribers of SFT that have a DDS endpoint
+  std::set<EndpointId> unanswered{};  ///< publishers of SFT that some DDS reader does not answer
 };
 
 /// Adds the unmodified endpoints, and their pairs with the publishers and subscribers of the snapshot.

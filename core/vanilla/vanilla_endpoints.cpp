@@ -197,7 +197,7 @@ bool VanillaEndpoints::note(const dds_builtintopic_endpoint_t& endpoint, const d
     if (!info.valid_data) return false;
     if (const std::string user_data = user_data_in(endpoint.qos); is_of_sft(user_data)) {
       if (of_sft_.size() < known_max || of_sft_.contains(key))
-        of_sft_.insert_or_assign(key, id_in(user_data));
+        of_sft_.insert_or_assign(key, OfSft{id_in(user_data), is_answered_in(user_data)});
       return false;
     }
     if (known_.size() >= at_most_ && !known_.contains(key)) {
@@ -229,7 +229,15 @@ std::vector<VanillaEndpoints::OfTopic> VanillaEndpoints::all() const {
 std::set<EndpointId> VanillaEndpoints::of_sft() const {
   std::set<EndpointId> ids;
   const Lock lock(mutex_);
-  for (const auto& [key, id] : of_sft_) ids.insert(id);
+  for (const auto& [key, endpoint] : of_sft_) ids.insert(endpoint.id);
+  return ids;
+}
+
+std::set<EndpointId> VanillaEndpoints::unanswered() const {
+  std::set<EndpointId> ids;
+  const Lock lock(mutex_);
+  for (const auto& [key, endpoint] : of_sft_)
+    if (!endpoint.is_answered) ids.insert(endpoint.id);
   return ids;
 }
 

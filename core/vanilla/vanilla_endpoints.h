@@ -61,6 +61,8 @@ class VanillaEndpoints {
   std::vector<OfTopic> all() const;
   /// Returns the ids of the publishers or subscribers of SFT that have such an endpoint. Any thread.
   std::set<EndpointId> of_sft() const;
+  /// Returns those of them that say that some reader does not acknowledge what it is sent. Any thread.
+  std::set<EndpointId> unanswered() const;
   /// Looks for the endpoints that were ignored if others have gone since then. Called by agents.
   void look_again(Time now);
 
@@ -78,7 +80,11 @@ class VanillaEndpoints {
   std::atomic<std::uint64_t> changes_{0};
   mutable Mutex mutex_;
   std::map<Key, OfTopic> known_ SFT_GUARDED_BY(mutex_);
-  std::map<Key, EndpointId> of_sft_ SFT_GUARDED_BY(mutex_);
+  struct OfSft {
+    EndpointId id = 0;
+    bool is_answered = true;
+  };
+  std::map<Key, OfSft> of_sft_ SFT_GUARDED_BY(mutex_);
   bool has_ignored_ SFT_GUARDED_BY(mutex_) = false;
   Time next_look_ SFT_GUARDED_BY(mutex_){};  ///< Time::max(): a thread looks
 };

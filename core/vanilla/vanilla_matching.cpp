@@ -13,6 +13,7 @@ namespace {
 
 constexpr std::string_view type_hash_key = "typehash=";
 constexpr std::string_view id_key = "sft_id=";
+constexpr std::string_view unanswered_key = "sft_unanswered=";
 
 /// User data are pairs of the form "key=value;". Returns the value of that key, which ends with "=".
 std::string_view value_in(std::string_view user_data, std::string_view key) {
@@ -53,10 +54,11 @@ void add_of_place(std::string& reasons, const std::string& ours, const VanillaEn
 
 }  // namespace
 
-std::string endpoint_user_data(std::string_view type_hash, EndpointId id) {
+std::string endpoint_user_data(std::string_view type_hash, EndpointId id, bool is_answered) {
   std::string text;
   if (!type_hash.empty()) text = std::string(type_hash_key) + std::string(type_hash) + ";";
-  return text + std::string(vanilla_mark) + std::string(id_key) + std::to_string(id) + ";";
+  text += std::string(vanilla_mark) + std::string(id_key) + std::to_string(id) + ";";
+  return is_answered ? text : text + std::string(unanswered_key) + "1;";
 }
 
 std::string_view type_hash_in(std::string_view user_data) { return value_in(user_data, type_hash_key); }
@@ -67,6 +69,8 @@ EndpointId id_in(std::string_view user_data) {
   std::from_chars(text.data(), text.data() + text.size(), id);
   return id;
 }
+
+bool is_answered_in(std::string_view user_data) { return value_in(user_data, unanswered_key).empty(); }
 
 Qos offered_to_vanilla(const Qos& publisher) {
   Qos offered = publisher;

@@ -15,12 +15,15 @@
 namespace sft::core {
 
 /// Returns the user data of an endpoint for unmodified peers. `type_hash` is a result of ros_type_hash(), or
-/// empty if the type has no hash. `id` is that of the publisher or the subscriber.
-std::string endpoint_user_data(std::string_view type_hash, EndpointId id);
+/// empty if the type has no hash. `id` is that of the publisher or the subscriber. `is_answered` is false if
+/// some reader of the publisher does not acknowledge what it is sent.
+std::string endpoint_user_data(std::string_view type_hash, EndpointId id, bool is_answered = true);
 /// Returns the hash in the user data of an endpoint of ROS 2; empty if there is none.
 std::string_view type_hash_in(std::string_view user_data);
 /// Returns the id of the publisher or subscriber of SFT that these user data name; 0 if they name none.
 EndpointId id_in(std::string_view user_data);
+/// Returns the `is_answered` of a publisher of SFT.
+bool is_answered_in(std::string_view user_data);
 
 /// A reader or a writer as DDS announces it. A duration of 0 means that the policy is not set.
 struct VanillaEndpoint {

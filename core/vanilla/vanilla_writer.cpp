@@ -21,10 +21,10 @@ namespace {
 constexpr std::size_t kept_bytes = 16 << 20;
 constexpr std::size_t kept_samples = 10;
 constexpr std::size_t readers_counted = 1024;
-constexpr std::size_t reasons_max = 16;  // of one topic: forged readers can cost no more
+constexpr std::size_t complaints_max = 16;  // of one topic: forged readers can cost no more
 
 /// A writer that keeps the last samples never waits for its readers.
-DdsQos qos_of(const VanillaWriter::Spec& spec) {
+DdsQos qos_of(const VanillaWriter::Spec& spec, const std::string& user_data) {
   const Qos offered = offered_to_vanilla(spec.qos);
   const bool retains = offered.durability == Durability::transient_local;
   const std::size_t resent =
@@ -40,7 +40,6 @@ DdsQos qos_of(const VanillaWriter::Spec& spec) {
   }
   if (offered.deadline.count() > 0) dds_qset_deadline(qos.get(), offered.deadline.count());
   if (offered.lifespan.count() > 0) dds_qset_lifespan(qos.get(), offered.lifespan.count());
-  const std::string user_data = endpoint_user_data(ros_type_hash(spec.type->type()).value_or(""), spec.id);
   dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
   dds_qset_writer_data_lifecycle(qos.get(), false);
   dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PROCESS);
@@ -48,6 +47,12 @@ DdsQos qos_of(const VanillaWriter::Spec& spec) {
 }
 
 }  // namespace
+
+VanillaWriter::VanillaWriter(std::shared_ptr<VanillaDomain> domain, Spec spec)
+    : domain_(std::move(domain)),
+      spec_(std::move(spec)),
+      type_name_(dds_type(spec_.type->name())),
+      type_hash_(ros_type_hash(spec_.type->type()).value_or("")) {}
 
 Result<std::shared_ptr<VanillaWriter>> VanillaWriter::open(std::shared_ptr<VanillaDomain> domain, Spec spec) {
   std::shared_ptr<VanillaWriter> writer(new VanillaWriter(std::move(domain), std::move(spec)));
@@ -57,18 +62,19 @@ Result<std::shared_ptr<VanillaWriter>> VanillaWriter::open(std::shared_ptr<Vanil
 
 Result<void> VanillaWriter::open() {
   const CycloneMessages messages;
-  const std::string name = dds_topic(spec_.topic), type_name = dds_type(spec_.type->name());
+  const std::string name = dds_topic(spec_.topic);
   const auto refused = [&](dds_return_t status) {
-    return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name) + ": " +
+    return fail(Errc::system, "DDS topic " + in_quotes(name) + " of type " + in_quotes(type_name_) + ": " +
                                   dds_strretcode(status) + " (" + messages.text() + ")");
   };
-  topic_ = raw_topic(domain_->participant(), name, type_name);
+  topic_ = raw_topic(domain_->participant(), name, type_name_);
   if (topic_.entity < 0) return refused(topic_.entity);
   dds_listener_t* const listener = dds_create_listener(this);
   dds_lset_publication_matched(listener, [](dds_entity_t, dds_publication_matched_status_t, void* self) {
     static_cast<VanillaWriter*>(self)->spec_.readers_changed();
   });
-  writer_ = dds_create_writer(domain_->participant(), topic_.entity, qos_of(spec_).get(), listener);
+  const DdsQos qos = qos_of(spec_, endpoint_user_data(type_hash_, spec_.id));
+  writer_ = dds_create_writer(domain_->participant(), topic_.entity, qos.get(), listener);
   dds_delete_listener(listener);
   return writer_ < 0 ? refused(writer_) : Result<void>();
 }
@@ -92,15 +98,31 @@ std::size_t VanillaWriter::readers() const {
   return static_cast<std::size_t>(std::ranges::count_if(handles, is_vanilla));
 }
 
-std::set<std::string> VanillaWriter::why_not_served() const {
-  std::set<std::string> reasons;
+std::set<std::string> VanillaWriter::complaints() const {
+  const Qos offered = offered_to_vanilla(spec_.qos);
+  std::set<std::string> complaints;
   for (const VanillaEndpoint& reader : domain_->readers().of(dds_topic(spec_.topic))) {
-    if (reasons.size() < reasons_max)
-      reasons.insert(
-          core::why_not_served(dds_type(spec_.type->name()), offered_to_vanilla(spec_.qos), reader));
+    if (complaints.size() == complaints_max) break;
+    const std::string why_not = why_not_served(type_name_, offered, reader);
+    const std::string other = difference_of_hashes(type_hash_, "publisher", reader);
+    if (!why_not.empty()) {
+      complaints.insert("a reader of DDS is not served: " + why_not);
+    } else if (!other.empty()) {
+      complaints.insert("a reader of DDS misreads what it gets: " + other);
+    }
   }
-  reasons.erase("");
-  return reasons;
+  return complaints;
+}
+
+bool VanillaWriter::is_acknowledged(std::chrono::nanoseconds within) const {
+  return dds_wait_for_acks(writer_, within.count()) == DDS_RETCODE_OK;
+}
+
+void VanillaWriter::announce_answers(bool is_answered) const {
+  const std::string user_data = endpoint_user_data(type_hash_, spec_.id, is_answered);
+  const DdsQos qos(dds_create_qos());
+  dds_qset_userdata(qos.get(), user_data.data(), user_data.size());
+  dds_set_qos(writer_, qos.get());
 }
 
 bool VanillaWriter::write(const SampleHandle& sample) noexcept try {

@@ -3,6 +3,7 @@
 
 #include <dds/dds.h>
 
+#include <chrono>
 #include <cstddef>
 #include <functional>
 #include <memory>
@@ -39,19 +40,25 @@ class VanillaWriter {
   Guid guid() const { return guid_of(writer_); }
   /// Returns the number of matching readers that are not SFT's. One thread at a time.
   std::size_t readers() const;
-  /// Returns the reasons why readers of the topic do not match, each once. One thread at a time.
-  std::set<std::string> why_not_served() const;
+  /// Returns what is wrong with readers of the topic, each sentence once: why they do not match, or that they
+  /// misread what they get. One thread at a time.
+  std::set<std::string> complaints() const;
+  /// Waits at most that time until all matching reliable readers have acknowledged what was written before
+  /// the call. Returns false if one of them has not.
+  bool is_acknowledged(std::chrono::nanoseconds within) const;
+  /// Announces whether readers acknowledge what they are sent. One thread at a time.
+  void announce_answers(bool is_answered) const;
   /// Sends the sample on the calling thread, without waiting for readers. Returns false if Cyclone refuses
   /// the sample. One thread at a time.
   bool write(const SampleHandle& sample) noexcept;
 
  private:
-  VanillaWriter(std::shared_ptr<VanillaDomain> domain, Spec spec)
-      : domain_(std::move(domain)), spec_(std::move(spec)) {}
+  VanillaWriter(std::shared_ptr<VanillaDomain> domain, Spec spec);
   Result<void> open();
 
   const std::shared_ptr<VanillaDomain> domain_;
   const Spec spec_;
+  const std::string type_name_, type_hash_;
   RawTopic topic_;
   dds_entity_t writer_ = 0;
 };

@@ -4,12 +4,10 @@
 // rounds of most acts. A soak also prints the figure endpoint_left_bytes: the bytes per round that are
 // never freed.
 #include <gtest/gtest.h>
-#include <malloc.h>
 
 #include <algorithm>
 #include <cstdint>
 #include <cstdlib>
-#include <filesystem>
 #include <fstream>
 #include <memory>
 #include <nlohmann/json.hpp>
@@ -25,6 +23,7 @@
 #include "tests/support/test_seed.h"
 #include "tests/system/daemon_status.h"
 #include "tests/system/fixture.h"
+#include "tests/system/holdings.h"
 #include "tests/system/node_process.h"
 #include "tools/hosts/network.h"
 
@@ -33,27 +32,6 @@ namespace {
 
 using std_srvs::msg::SetBool_Request;
 using std_srvs::msg::SetBool_Response;
-
-std::int64_t entries_of(const char* directory) {
-  std::error_code error;
-  const auto entries = std::filesystem::directory_iterator(directory, error);
-  return error ? 0 : std::distance(begin(entries), end(entries));
-}
-
-/// The resources that a process holds.
-struct Holdings {
-  std::int64_t bytes = 0;  ///< the memory that its allocators have lent
-  std::int64_t descriptors = 0, threads = 0;
-
-  Holdings operator-(const Holdings& other) const {
-    return {bytes - other.bytes, descriptors - other.descriptors, threads - other.threads};
-  }
-  static Holdings of_this_process() {
-    const struct mallinfo2 heap = mallinfo2();
-    return {static_cast<std::int64_t>(heap.uordblks + heap.hblkhd), entries_of("/proc/self/fd"),
-            entries_of("/proc/self/task")};
-  }
-};
 
 /// Returns the resources that the daemon holds. Only memory that it shares with no other process counts.
 Holdings holdings_of_daemon(pid_t pid) {

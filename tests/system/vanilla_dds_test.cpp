@@ -7,6 +7,7 @@
 #include <set>
 
 #include "tests/support/other_threads.h"
+#include "tests/support/pace.h"
 #include "tests/system/vanilla_fixture.h"
 
 namespace sft::test {
@@ -17,10 +18,6 @@ using testing::HasSubstr;
 
 class VanillaServingTest : public VanillaTest {
  protected:
-  template <class P>
-  static bool serves(const P& publisher, std::size_t readers) {
-    return eventually([&] { return publisher.status().vanilla_readers == readers; });
-  }
   template <class P>
   static void expect_served(const P& publisher, std::size_t readers) {
     EXPECT_TRUE(eventually([&] {
@@ -180,16 +177,74 @@ TEST_F(VanillaServingTest, AReaderThatWasStoppedHoldsFewSamplesAndNobodyElseMiss
   EXPECT_TRUE(comes_to(stopped, body_of(cloud(59, 1'000'000))));
 }
 
+class LongLeaseTest : public VanillaServingTest {
+ protected:
+  LongLeaseTest() { use_lease("100 s"); }
+};
+
+class SilentReadersTest : public LongLeaseTest {
+ protected:
+  bool is_named_by_domain() {
+    const DomainSnapshot domain = node_.domain();
+    return std::ranges::any_of(domain.pairs, [](const DomainSnapshot::Pair& pair) {
+      return pair.reason.find("does not acknowledge") != pair.reason.npos;
+    });
+  }
+  /// Publishes until the log names the reader that does not answer. The other one gets each sample.
+  void expect_named() {
+    Pace pace(50ms);
+    for (std::uint32_t i = 1; i < 1000 && warnings_with("does not acknowledge") == 0;
+         ++i, pace.await_turn()) {
+      ASSERT_EQ(pub_.publish(cloud(i)), PublishStatus::ok);
+      EXPECT_EQ(other_.take().body, body_of(cloud(i)));
+    }
+    EXPECT_EQ(warnings_with("points: a reader of DDS does not acknowledge what it is sent"), 1);
+    EXPECT_TRUE(eventually([&] { return is_named_by_domain(); }));
+  }
+
+  Node node_ = Node::open(options_with_log()).value();
+  Publisher<PointCloud2> pub_ = node_.publisher<PointCloud2>("points").value();
+  VanillaReader silent_{network_.host(1), {}}, other_{network_.host(0), {}};
+};
+
+TEST_F(SilentReadersTest, AReaderThatIsStoppedIsNamedOnceUntilItGoesOn) {
+  ASSERT_TRUE(serves(pub_, 2) && silent_.matches(1) && other_.matches(1));
+  EXPECT_FALSE(is_named_by_domain());
+  silent_.hold_up();
+  expect_named();
+  silent_.let_go();
+  EXPECT_TRUE(eventually([&] { return !is_named_by_domain(); }));
+}
+
+TEST_F(SilentReadersTest, AReaderWhoseAnswersAFirewallDropsIsNamedOnce) {
+  ASSERT_TRUE(serves(pub_, 2) && silent_.matches(1) && other_.matches(1));
+  const auto& host = network_.host(1);
+  const std::string to_publisher = "ip daddr " + hosts::EmulatedNetwork::address(0) + " udp dport > 0 drop";
+  if (!host.run({"nft", "add table ip sft_test"})) GTEST_SKIP() << "needs nft";
+  ASSERT_TRUE(host.run({"nft", "add chain ip sft_test out { type filter hook output priority 0; }"}));
+  ASSERT_TRUE(host.run({"nft", "add rule ip sft_test out " + to_publisher}));
+  expect_named();
+}
+
 TEST_F(VanillaServingTest, TheLogSaysWhyAReaderIsNotServed) {
   Node node = Node::open(options_with_log()).value();
   auto pub = node.publisher<PointCloud2>("points").value();
-  auto other = node.publisher<Time>("time").value();
+  auto of_time = node.publisher<Time>("time").value();
   VanillaReader latched(network_.host(1), {.durability = "latched"});
   VanillaReader of_other(network_.host(1), {.topic = "rt/time"});
   EXPECT_TRUE(
       warns_of("points: a reader of DDS is not served: incompatible QoS: durability volatile is offered"));
   EXPECT_TRUE(
       warns_of("time: a reader of DDS is not served: its type is 'sensor_msgs::msg::dds_::PointCloud2_'"));
+  VanillaReader keyed(network_.host(1), {.kind = "keyed"});
+  EXPECT_TRUE(warns_of("its type has keys, and that of the publisher has none"));
+  VanillaReader xcdr2(network_.host(1), {.kind = "xcdr2"});
+  EXPECT_TRUE(warns_of("points: a reader of DDS is not served: it takes XCDR2 only"));
+  VanillaReader other(network_.host(1), {.kind = "other_hash"});
+  EXPECT_TRUE(
+      warns_of("points: a reader of DDS misreads what it gets: its type has another definition (RIHS01_0) "
+               "than that of "
+               "the publisher (RIHS01_"));
 }
 
 TEST_F(VanillaServingTest, WithoutSuchNodesThereIsNothingMoreThanIfTheyWereNeverServed) {

@@ -105,10 +105,11 @@ class VanillaReader : public VanillaProcess {
     std::string topic = "rt/points";
     std::string reliability = "reliable", durability = "volatile";
     int depth = 10;
+    std::string kind = "plain";
   };
   VanillaReader(const hosts::NetworkNamespace& host, const How& how)
       : VanillaProcess(host, "vanilla_reader",
-                       {how.topic, how.reliability, how.durability, std::to_string(how.depth)}) {}
+                       {how.topic, how.reliability, how.durability, std::to_string(how.depth), how.kind}) {}
 
   struct Sample {
     std::vector<std::byte> body;  ///< without padding
@@ -193,6 +194,44 @@ class VanillaWriter : public VanillaProcess {
   std::uint32_t matched_ = 0;
 };
 
+/// A process of vanilla_echo or fast_dds_echo, which sends the messages of "points" back as "echoed".
+class VanillaEcho : public VanillaProcess {
+ public:
+  struct How {
+    std::string program = "vanilla_echo";
+    std::string reliability = "reliable", durability = "volatile";
+    int depth = 10;
+  };
+  VanillaEcho(const hosts::NetworkNamespace& host, const How& how)
+      : VanillaProcess(
+            host, how.program,
+            {"rt/points", "rt/echoed", how.reliability, how.durability, std::to_string(how.depth)}) {}
+  /// Waits until that number of endpoints matches its reader and its writer.
+  bool matches(std::uint32_t endpoints) {
+    while (matched_ != endpoints && is_readable(hang_timeout) && read_all(&matched_, sizeof matched_))
+      continue;
+    return matched_ == endpoints;
+  }
+
+ private:
+  std::uint32_t matched_ = 0;
+};
+
+/// A process of vanilla_joins: nodes that come and go.
+class VanillaJoins : public VanillaProcess {
+ public:
+  VanillaJoins(const hosts::NetworkNamespace& host, const std::string& topic)
+      : VanillaProcess(host, "vanilla_joins", {topic}) {}
+  /// Waits until so many nodes have come, have written a cloud with that number, and have left. Returns how
+  /// many of them were matched, as far as they can be.
+  std::uint32_t join(std::uint32_t number, std::uint64_t nodes) {
+    const std::string line = std::to_string(number) + " " + std::to_string(nodes) + "\n";
+    write_all(line.data(), line.size());
+    std::uint32_t joined = 0;
+    return read_all(&joined, sizeof joined) ? joined : 0;
+  }
+};
+
 /// A process of vanilla_forger, which writes any bytes that the test gives it as a sample of "points".
 class VanillaForger : public VanillaProcess {
  public:
@@ -228,6 +267,17 @@ class VanillaTest : public ::testing::Test {
     NodeOptions options = node_options(way, "camera");
     options.vanilla_dds = choice;
     return Node::open(options).value();
+  }
+  template <class P>
+  static bool serves(const P& publisher, std::size_t readers) {
+    return eventually([&] { return publisher.status().vanilla_readers == readers; });
+  }
+  template <class S>
+  static bool hears(const S& subscriber, std::ptrdiff_t writers) {
+    return eventually([&] {
+      const SubscriberStatus status = subscriber.status();
+      return std::ranges::count_if(status.writers, &SubscriberStatus::Writer::connected) == writers;
+    });
   }
   static PointCloud2 cloud(std::uint32_t number, std::size_t bytes = 1000) {
     PointCloud2 c;

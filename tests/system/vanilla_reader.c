@@ -1,7 +1,9 @@
 /* A node of plain Cyclone DDS, which knows nothing of SFT: it takes messages as C structs and writes what
    happens to its standard output, as records: { int64 stamp; uint32 kind, bytes; } and so many bytes.
 
-   vanilla_reader DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH */
+   vanilla_reader DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH KIND
+
+   KIND is plain, or keyed, xcdr2, partition or other_hash: a reader that a publisher cannot serve. */
 #include <dds/dds.h>
 #include <dds/ddsi/ddsi_serdata.h>
 #include <signal.h>
@@ -12,6 +14,7 @@
 #include <unistd.h>
 
 #include "vanilla_messages.h"
+#include "tests/system/vanilla_qos.h"
 
 enum { matched = 1, sample = 2 }; /* kinds of records */
 
@@ -30,16 +33,6 @@ static void tell(uint32_t kind, int64_t stamp, const void* bytes, uint32_t size)
   } head = {stamp, kind, size};
   write_all(&head, sizeof head);
   write_all(bytes, size);
-}
-
-static dds_qos_t* qos_of(char** words) {
-  dds_qos_t* qos = dds_create_qos();
-  const int reliable = strcmp(words[0], "reliable") == 0, latched = strcmp(words[1], "latched") == 0;
-  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
-                       DDS_MSECS(100));
-  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, atoi(words[2]));
-  return qos;
 }
 
 /* The struct once more as bytes, by Cyclone's own serializer. */
@@ -67,12 +60,14 @@ static void take_all(dds_entity_t reader) {
 }
 
 int main(int argc, char** argv) {
-  if (argc != 6) return 2;
+  if (argc != 7) return 2;
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
-  const dds_entity_t topic =
-      dds_create_topic(participant, &sensor_msgs_msg_dds__PointCloud2__desc, argv[2], NULL, NULL);
-  const dds_entity_t reader = dds_create_reader(participant, topic, qos_of(argv + 3), NULL);
+  const dds_topic_descriptor_t* type = strcmp(argv[6], "keyed") == 0
+                                           ? &house_msgs_msg_dds__Room__desc
+                                           : &sensor_msgs_msg_dds__PointCloud2__desc;
+  const dds_entity_t topic = dds_create_topic(participant, type, argv[2], NULL, NULL);
+  const dds_entity_t reader = dds_create_reader(participant, topic, vanilla_qos(argv + 3, argv[6]), NULL);
   if (reader < 0) return 3;
   const dds_entity_t waitset = dds_create_waitset(participant);
   dds_set_status_mask(reader, DDS_DATA_AVAILABLE_STATUS | DDS_SUBSCRIPTION_MATCHED_STATUS);

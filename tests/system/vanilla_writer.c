@@ -4,9 +4,9 @@
 
    vanilla_writer DOMAIN TOPIC reliable|best_effort volatile|latched DEPTH KIND
 
-   KIND is plain, or xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot hear. With
-   the kind "door" it writes doors with that number in place of clouds; with the kind "points" BYTES is the
-   number of points, which have x, y, z and intensity. */
+   KIND is plain, or keyed, xcdr2, other_type, partition or other_hash: a writer that a subscriber cannot
+   hear. With the kind "door" it writes doors with that number in place of clouds; with the kind "points"
+   BYTES is the number of points, which have x, y, z and intensity. */
 #include <dds/dds.h>
 #include <signal.h>
 #include <stdint.h>
@@ -17,32 +17,13 @@
 #include <unistd.h>
 
 #include "vanilla_messages.h"
+#include "tests/system/vanilla_qos.h"
 
 static void tell_matched(dds_entity_t writer, const dds_publication_matched_status_t status, void* unused) {
   (void)writer;
   (void)unused;
   const uint32_t readers = status.current_count;
   if (write(STDOUT_FILENO, &readers, sizeof readers) != sizeof readers) exit(0); /* the test has ended */
-}
-
-static dds_qos_t* qos_of(char** words) {
-  dds_qos_t* qos = dds_create_qos();
-  const int reliable = strcmp(words[0], "reliable") == 0, latched = strcmp(words[1], "latched") == 0;
-  const int depth = atoi(words[2]);
-  dds_qset_reliability(qos, reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT, DDS_SECS(10));
-  dds_qset_durability(qos, latched ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
-  dds_qset_durability_service(qos, 0, DDS_HISTORY_KEEP_LAST, depth, DDS_LENGTH_UNLIMITED,
-                              DDS_LENGTH_UNLIMITED, DDS_LENGTH_UNLIMITED);
-  dds_qset_history(qos, DDS_HISTORY_KEEP_LAST, depth);
-  if (strcmp(words[3], "xcdr2") == 0) {
-    const dds_data_representation_id_t only = DDS_DATA_REPRESENTATION_XCDR2;
-    dds_qset_data_representation(qos, 1, &only);
-  }
-  const char* partition = "left";
-  if (strcmp(words[3], "partition") == 0) dds_qset_partition(qos, 1, &partition);
-  const char* hash = "typehash=RIHS01_0;";
-  if (strcmp(words[3], "other_hash") == 0) dds_qset_userdata(qos, hash, strlen(hash));
-  return qos;
 }
 
 static void write_cloud(dds_entity_t writer, uint32_t number, uint32_t bytes) {
@@ -89,13 +70,15 @@ int main(int argc, char** argv) {
   prctl(PR_SET_PDEATHSIG, SIGKILL);
   const dds_entity_t participant = dds_create_participant((dds_domainid_t)atoi(argv[1]), NULL, NULL);
   const int is_other = strcmp(argv[6], "other_type") == 0, is_door = strcmp(argv[6], "door") == 0;
-  const dds_topic_descriptor_t* type = is_other  ? &std_msgs_msg_dds__Header__desc
-                                       : is_door ? &house_msgs_msg_dds__Door__desc
-                                                 : &sensor_msgs_msg_dds__PointCloud2__desc;
+  const int is_keyed = strcmp(argv[6], "keyed") == 0;
+  const dds_topic_descriptor_t* type = is_other   ? &std_msgs_msg_dds__Header__desc
+                                       : is_door  ? &house_msgs_msg_dds__Door__desc
+                                       : is_keyed ? &house_msgs_msg_dds__Room__desc
+                                                  : &sensor_msgs_msg_dds__PointCloud2__desc;
   const dds_entity_t topic = dds_create_topic(participant, type, argv[2], NULL, NULL);
   dds_listener_t* listener = dds_create_listener(NULL);
   dds_lset_publication_matched(listener, tell_matched);
-  const dds_entity_t writer = dds_create_writer(participant, topic, qos_of(argv + 3), listener);
+  const dds_entity_t writer = dds_create_writer(participant, topic, vanilla_qos(argv + 3, argv[6]), listener);
   if (writer < 0) return 3;
   unsigned number, bytes;
   const int has_points = strcmp(argv[6], "points") == 0;

@@ -29,13 +29,6 @@ class VanillaHearingTest : public VanillaTest {
     const SubscriberStatus status = subscriber.status();
     return status.writers.empty() ? SubscriberStatus::Writer{} : status.writers.front();
   }
-  template <class S>
-  static bool hears(const S& subscriber, std::ptrdiff_t writers) {
-    return eventually([&] {
-      const SubscriberStatus status = subscriber.status();
-      return std::ranges::count_if(status.writers, &SubscriberStatus::Writer::connected) == writers;
-    });
-  }
   /// Returns the number of the next cloud; nothing if none comes.
   template <class S>
   static std::optional<std::uint32_t> next(S& subscriber) {
@@ -345,11 +338,15 @@ TEST_F(VanillaHearingTest, TheLogAndTheStatusSayWhyAWriterIsNotHeard) {
     EXPECT_TRUE(eventually([&] { return sub.status().writers.empty(); }));
   };
   is_refused({.kind = "other_type"}, "its type is 'std_msgs::msg::dds_::Header_'");
+  is_refused(
+      {.kind = "keyed"},
+      "its type is 'house_msgs::msg::dds_::Room_', and that of the subscriber is "
+      "'sensor_msgs::msg::dds_::PointCloud2_'; its type has keys, and that of the subscriber has none");
   is_refused({.kind = "xcdr2"}, "it sends XCDR2");
   is_refused({.kind = "partition"}, "it is in the partition 'left'");
   is_refused({.kind = "other_hash"}, "its type has another definition (RIHS01_0)");
   is_refused({.reliability = "best_effort"}, "incompatible QoS: reliability best_effort is offered");
-  EXPECT_EQ(warnings_with("not heard"), 5);
+  EXPECT_EQ(warnings_with("not heard"), 6);
 }
 
 TEST_F(VanillaHearingTest, ANodeThatHearsThemNeverMatchesNoWriter) {

@@ -138,6 +138,14 @@ TEST_F(VanillaViewTest, DefinitionsAreComparedByTheHashesOfRos) {
   EXPECT_THAT(pair().reason, AllOf(HasSubstr("RIHS01_0"), HasSubstr(our_hash()), HasSubstr("misreads")));
 }
 
+TEST_F(VanillaViewTest, APublisherThatSomeReaderDoesNotAnswerSaysSo) {
+  view = {.readers = {of(10)}, .of_sft = {1}};
+  EXPECT_THAT(pair().reason, Not(HasSubstr("acknowledge")));
+  view.unanswered = {1};
+  EXPECT_TRUE(pair().connected);
+  EXPECT_THAT(pair().reason, HasSubstr("does not acknowledge what the publisher sends"));
+}
+
 TEST_F(VanillaViewTest, TheCountsOfTheSubscribersNodeAreThoseOfThePair) {
   view.writers = {of(10)};
   accounts[{10, 2}].subscriber = DomainSnapshot::Received{.received = 3, .lost = 1};

@@ -126,6 +126,13 @@ TEST(VanillaMatching, EndpointsOfSftAreKnownByTheirMarkWhateverElseTheySay) {
   EXPECT_FALSE(is_of_sft(""));
 }
 
+TEST(VanillaMatching, EndpointsOfSftSayIfSomeReaderDoesNotAnswer) {
+  EXPECT_TRUE(is_answered_in(endpoint_user_data("RIHS01_00", 7)));
+  EXPECT_FALSE(is_answered_in(endpoint_user_data("RIHS01_00", 7, false)));
+  EXPECT_EQ(id_in(endpoint_user_data("RIHS01_00", 7, false)), 7U);
+  EXPECT_TRUE(is_of_sft(endpoint_user_data("", 7, false)));
+}
+
 TEST(VanillaMatching, EndpointsOfSftNameTheirPublisherOrSubscriber) {
   constexpr EndpointId greatest = ~EndpointId{0};
   EXPECT_EQ(id_in(endpoint_user_data("RIHS01_00", greatest)), greatest);

@@ -1,0 +1,176 @@
+// Measures the processor time of programs that send or receive point clouds of 6.3 MB at 10 Hz.
+#include <sft/sft.h>
+
+#include <atomic>
+#include <chrono>
+#include <functional>
+#include <limits>
+#include <memory>
+#include <optional>
+#include <sensor_msgs/msg/PointCloud2.hpp>
+#include <set>
+
+#include "bench/common/hosts.h"
+#include "bench/common/node_options.h"
+#include "bench/common/statistics.h"
+#include "bench/vanilla/plain.h"
+#include "bench/vanilla/vanilla.h"
+
+namespace sft::bench {
+
+namespace {
+
+using sensor_msgs::msg::PointCloud2;
+
+constexpr double write_bound = 0.95, read_bound = 1.1;
+constexpr std::int64_t joining_us = 500'000;
+/// With it, the publisher keeps two samples for resending.
+constexpr std::size_t sample_bytes_max = 8 << 20;
+
+NodeOptions serving_node(const char* name) {
+  NodeOptions options = udp_node_options(name);
+  options.vanilla_dds = NodeOptions::VanillaDds::always;
+  return options;
+}
+
+using Write = std::function<void(std::uint32_t number)>;
+
+/// Writes `samples` samples once there is a reader.
+void write_all(Exchange& exchange, std::uint64_t samples, const std::function<bool()>& has_reader,
+               const Write& write) {
+  exchange.failed = !wait_until(has_reader);
+  sleep_us(joining_us);
+  const std::int64_t begin = now_ns(), cpu_begin = process_cpu_ns();
+  for (std::uint64_t i = 1; i <= samples && !exchange.failed; ++i) {
+    sleep_until(begin + static_cast<std::int64_t>(i) * vanilla_period_ns);
+    write(static_cast<std::uint32_t>(i));
+  }
+  sleep_until(now_ns() + vanilla_period_ns);  // the last sample is sent
+  exchange.returned_at[0] = process_cpu_ns() - cpu_begin;
+  exchange.sent = samples;
+}
+
+void write_by_sft(Exchange& exchange, std::uint64_t samples) {
+  Node node = Node::open(serving_node("writer")).value();
+  auto publisher = node.publisher<PointCloud2>("points", {.max_sample_bytes = sample_bytes_max}).value();
+  PointCloud2 cloud;
+  cloud.data.resize(vanilla_cloud_bytes);
+  write_all(
+      exchange, samples, [&] { return publisher.status().vanilla_readers == 1; },
+      [&](std::uint32_t number) {
+        cloud.height = number;
+        publisher.publish(cloud);
+      });
+}
+
+void write_by_cyclone(Exchange& exchange, std::uint64_t samples) {
+  PlainWriter writer(vanilla_cloud_bytes);
+  write_all(
+      exchange, samples, [&] { return writer.readers() == 1; },
+      [&](std::uint32_t number) { writer.write(number); });
+}
+
+/// Counts the samples that come to the reader that `open` opens, and the processor time until all were sent.
+void read_all(Exchange& exchange, const std::function<std::shared_ptr<void>(std::function<void()>)>& open) {
+  std::atomic<std::int64_t> came{0}, cpu_begin{0};
+  const auto reader = open([&] {
+    if (came++ == 0) cpu_begin = process_cpu_ns();
+  });
+  // A look costs a processor little here.
+  while (exchange.sent == 0 && !exchange.failed) sleep_us(vanilla_period_ns / 1000);
+  exchange.sent_at[0] = process_cpu_ns() - cpu_begin;
+  exchange.received_at[0] = came - 1;  // the first one was taken before
+}
+
+void read_by_sft(Exchange& exchange) {
+  Node node = Node::open(serving_node("reader")).value();
+  read_all(exchange, [&](std::function<void()> came) {
+    return std::make_shared<Subscriber<PointCloud2>>(
+        node.subscriber<PointCloud2>("points", [came = std::move(came)](const auto&) { came(); },
+                                     {.reliability = reliable})
+            .value());
+  });
+}
+
+void read_by_cyclone(Exchange& exchange) {
+  read_all(exchange, [](std::function<void()> came) {
+    return std::make_shared<PlainReader>([came = std::move(came)](std::uint32_t) { came(); });
+  });
+}
+
+/// What both sides of a pair have measured.
+struct Measured {
+  double writing_ms = 0;  ///< of each sample that was written
+  double reading_ms = 0;  ///< of each sample that came
+};
+
+using Writes = void (*)(Exchange&, std::uint64_t samples);
+using Reads = void (*)(Exchange&);
+
+/// A pair that loses a tenth of its samples or more measures nothing.
+std::optional<Measured> measure(const TwoHosts& hosts, std::uint64_t samples, Writes write, Reads read) {
+  const auto one = run_deliveries(hosts.sides([=](Exchange& e) { write(e, samples); }, read), 1);
+  if (one.empty()) return {};
+  const auto sent = static_cast<double>(samples), came = static_cast<double>(one[0].received_at);
+  if (came < 0.9 * sent) return {};
+  return Measured{.writing_ms = static_cast<double>(one[0].returned_at) / 1e6 / sent,
+                  .reading_ms = static_cast<double>(one[0].sent_at) / 1e6 / came};
+}
+
+/// The subscribers of this program read messages where these have arrived.
+void read_twice(Exchange& exchange) {
+  Node node = Node::open(serving_node("reader")).value();
+  auto first = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  auto second = node.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  const auto timeout = std::chrono::seconds(20);
+  exchange.failed = !first.wait(timeout) || !second.wait(timeout);
+  const auto one = first.take(), other = second.take();
+  if (one && other) {
+    const std::set<const void*> places{one->data().data(), other->data().data()};
+    exchange.received_at[0] = static_cast<std::int64_t>(places.size());
+  }
+  wait_until([&] { return exchange.sent != 0; });
+}
+
+void write_to_two(Exchange& exchange, std::uint64_t samples) {
+  PlainWriter writer(vanilla_cloud_bytes);
+  write_all(
+      exchange, samples, [&] { return writer.readers() == 2; },
+      [&](std::uint32_t number) { writer.write(number); });
+}
+
+double copies(const TwoHosts& hosts) {
+  const auto one = run_deliveries(hosts.sides([](Exchange& e) { write_to_two(e, 3); }, read_twice), 1);
+  return one.empty() ? std::numeric_limits<double>::quiet_NaN() : static_cast<double>(one[0].received_at);
+}
+
+}  // namespace
+
+std::vector<Figure> vanilla_write(const VanillaScale& scale) {
+  const TwoHosts hosts;
+  std::vector<double> ours, theirs;
+  for (int round = 0; round < scale.rounds; ++round) {
+    if (const auto one = measure(hosts, scale.samples, write_by_sft, read_by_cyclone))
+      ours.push_back(one->writing_ms);
+    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_cyclone))
+      theirs.push_back(one->writing_ms);
+  }
+  return {{"vanilla_write", median_if_any(ours), "ms", median_if_any(theirs), "dds_write, CPU of a sample",
+           write_bound}};
+}
+
+std::vector<Figure> vanilla_read(const VanillaScale& scale) {
+  const TwoHosts hosts;
+  std::vector<double> ours, theirs;
+  for (int round = 0; round < scale.rounds; ++round) {
+    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_sft))
+      ours.push_back(one->reading_ms);
+    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_cyclone))
+      theirs.push_back(one->reading_ms);
+  }
+  return {{"vanilla_read", median_if_any(ours), "ms", median_if_any(theirs), "dds_take, CPU of a sample",
+           read_bound},
+          {"vanilla_read_copies", copies(hosts), "", {}, "of a message for two subscribers", 1}};
+}
+
+}  // namespace sft::bench

@@ -1,0 +1,36 @@
+// The groups of this benchmark. "Vanilla" is a node of plain Cyclone DDS that knows nothing of SFT. All but
+// the first samples are point clouds of 6.3 MB.
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "bench/common/report.h"
+
+namespace sft::bench {
+
+struct VanillaScale {
+  int rounds = 3;              ///< rounds of each program, in turns; the median is used
+  std::uint64_t samples = 60;  ///< number of samples per round and program
+  int starts = 15;             ///< number of starts of readers, for each program
+  double idle_s = 30;          ///< the time in which idle nodes are measured
+};
+
+/// Measures the processor time of a program that publishes to a vanilla reader on another host, against one
+/// that writes the same struct by Cyclone DDS.
+std::vector<Figure> vanilla_write(const VanillaScale& scale);
+/// Measures the processor time of a program that subscribes to a vanilla writer on another host, against a
+/// vanilla reader. Counts the copies of a message that two subscribers of a program have.
+std::vector<Figure> vanilla_read(const VanillaScale& scale);
+/// Measures the time from the start of a vanilla reader until its first sample from another host.
+std::vector<Figure> vanilla_first_sample(const VanillaScale& scale);
+/// Measures the latency within a host while a vanilla reader of the same samples is stopped, against that
+/// without such a reader.
+std::vector<Figure> local_beside_stopped_vanilla(const VanillaScale& scale);
+/// Counts the bytes that a host with a subscriber receives of each sample, after a vanilla reader on a third
+/// host has come and before.
+std::vector<Figure> bytes_to_sft_readers(const VanillaScale& scale);
+/// Measures idle nodes while there is no vanilla node, against nodes that never serve or hear one.
+std::vector<Figure> idle_without_vanilla(const VanillaScale& scale);
+
+}  // namespace sft::bench
