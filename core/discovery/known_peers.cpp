@@ -36,9 +36,9 @@ KnownPeers::Todo KnownPeers::look(Time now) {
   return {std::exchange(of_links_, {}), peers_.next()};
 }
 
-void KnownPeers::link_made(LinkId link, const LinkSpec& spec) {
+void KnownPeers::link_made(LinkId link, const LinkSpec& spec, bool heartbeats_find) {
   const Lock lock(mutex_);
-  peers_.link_made(link, std::chrono::steady_clock::now());
+  peers_.link_made(link, std::chrono::steady_clock::now(), heartbeats_find);
   specs_[link] = spec;
 }
 

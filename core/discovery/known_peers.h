@@ -39,7 +39,7 @@ class KnownPeers {
   /// read. The caller needs no lock.
   Todo look(Time now);
   /// Must be called before the link is opened.
-  void link_made(LinkId link, const LinkSpec& spec);
+  void link_made(LinkId link, const LinkSpec& spec, bool heartbeats_find);
   void link_closed(LinkId link);
   /// See Discovery::vanilla().
   Discovery::Vanilla vanilla();

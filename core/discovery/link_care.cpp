@@ -5,8 +5,11 @@
 
 namespace sft::core {
 
-void LinkCare::made(LinkId id, Time now) {
-  links_.insert_or_assign(id, Link{.stirred_at = now, .renewed_at = now});
+void LinkCare::made(LinkId id, Time now, bool heartbeats_find) {
+  links_.insert_or_assign(id, Link{.stirred_at = now,
+                                   .renewed_at = now,
+                                   .repeat_until = heartbeats_find ? now : now + 2 * timing_.lease,
+                                   .announce_at = now + timing_.heartbeat_every});
 }
 
 /// The new link takes over the pause, which grows while renewals do not help.
@@ -95,10 +98,11 @@ LinkCare::Due LinkCare::look(Time now) {
 /// often than heartbeats are sent. A participant that sends heartbeats, but was not found, is asked to
 /// announce itself with growing pauses.
 std::optional<LinkCare::Announcement> LinkCare::announcement(LinkId id, Link& link, Time now) const {
-  if ((!link.has_unknown && !link.was_asked) || now < link.announce_at) return std::nullopt;
+  const bool repeats = link.announce_at < link.repeat_until;
+  if ((!link.has_unknown && !link.was_asked && !repeats) || now < link.announce_at) return std::nullopt;
   const bool asks = std::exchange(link.has_unknown, false);
   link.was_asked = false;
-  const auto longer = asks ? 2 * link.announce_pause : timing_.heartbeat_every;
+  const auto longer = asks || repeats ? 2 * link.announce_pause : timing_.heartbeat_every;
   link.announce_pause = std::clamp(longer, timing_.heartbeat_every, timing_.lease);
   link.announce_at = now + link.announce_pause;
   return Announcement{id, asks};
@@ -111,7 +115,8 @@ Time LinkCare::next() const {
       next = std::min(next, *link.retired_at + timing_.lease);
     } else {
       if (link.misses) next = std::min(next, renewal_due(link));
-      if (link.has_unknown || link.was_asked) next = std::min(next, link.announce_at);
+      if (link.has_unknown || link.was_asked || link.announce_at < link.repeat_until)
+        next = std::min(next, link.announce_at);
     }
   }
   return next;

@@ -22,7 +22,10 @@ class LinkCare {
 
   // Events that change the state.
 
-  void made(LinkId link, Time now);
+  /// `heartbeats_find`: heartbeats of participants that Cyclone does not know arrive on the link. Where they
+  /// do not, Cyclone would repeat an announcement that was lost only after minutes. So a new link repeats it
+  /// soon, and then with pauses that double, until two leases are over.
+  void made(LinkId link, Time now, bool heartbeats_find = true);
   /// The link is retired, because link `by` was made to replace it.
   void replaced(LinkId link, LinkId by, Time now);
   /// The link is retired, because its address is gone.
@@ -36,7 +39,8 @@ class LinkCare {
   /// A heartbeat came of a participant that Cyclone does not know. Either this process or that participant
   /// may have lost the other.
   void unknown_came(LinkId link, Time now);
-  /// A known participant has asked all others to announce themselves.
+  /// A known participant has asked all others to announce themselves, or gives no heartbeats, because it
+  /// probably does not know this process.
   void was_asked(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now);
@@ -82,6 +86,7 @@ class LinkCare {
     std::optional<Time>
         unknown_at{};  ///< when the first heartbeat of an unknown participant came after the last question
     bool has_unknown = false, was_asked = false;
+    Time repeat_until{};                         ///< the end of the time in which announcements are repeated
     Time announce_at{};                          ///< the earliest time of the next announcement on the link
     std::chrono::milliseconds announce_pause{};  ///< the pause after the last announcement
   };

@@ -81,12 +81,13 @@ Result<std::shared_ptr<const CycloneDomain>> Links::open_domain(const OpenLink& 
 Result<void> Links::open_link(OpenLink& link) {
   auto domain = open_domain(link);
   if (!domain) return tl::unexpected(domain.error());
-  known_.link_made(link.id, link.spec);
+  const std::optional<HeartbeatSocket::Place> heartbeats = heartbeats_on(link.spec, settings_.config);
+  known_.link_made(link.id, link.spec, heartbeats.has_value());
   auto opened = ControlLink::open({.link = link.id,
                                    .domain = std::move(*domain),
                                    .process = own_.process(),
                                    .is_secured = settings_.config.is_secured,
-                                   .heartbeats = heartbeats_on(link.spec, settings_.config)},
+                                   .heartbeats = heartbeats},
                                   known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);

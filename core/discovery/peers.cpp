@@ -26,6 +26,11 @@ Time silent_at(const Participant& participant, const Timing& timing) {
   return participant.heard_at.value_or(participant.found_at) + timing.lease;
 }
 
+/// Returns when heartbeats of the participant should have come if it knows this process.
+Time known_to_it_at(const Participant& participant, const Timing& timing) {
+  return participant.found_at + 2 * timing.settle;
+}
+
 }  // namespace
 
 void Peers::listen(Role role, Time now) {
@@ -217,6 +222,7 @@ void Peers::look_at(const RemoteParticipant& id, Participant& participant, Time 
     return;
   }
   if (now >= missed_at(id.link, participant)) peers_.at(*participant.process).suspect(participant);
+  if (!participant.heard_at && now >= known_to_it_at(participant, timing_)) care_.was_asked(id.link);
   if (now >= unheard_at(id.link, participant)) {
     unheard_.insert(id.link);
     actions_.emplace_back(HeartbeatsMissing{id.link});
@@ -255,6 +261,8 @@ Time Peers::next() const {
                      unheard_at(id.link, participant)});
     const bool may_be_cut = participant.heard_at && peers_.at(*participant.process).participants() > 1;
     const Time late_at = may_be_cut ? *participant.heard_at + timing_.late : Time::max();
+    const Time known_at = participant.heard_at ? Time::max() : known_to_it_at(participant, timing_);
+    if (known_at > looked_at_) next = std::min(next, known_at);
     if (late_at > looked_at_) next = std::min(next, late_at);
   }
   return next;

@@ -83,7 +83,9 @@ class Peers {
   /// Records of that role are read from now on.
   void listen(Role role, Time now);
   /// Must be called before the link is opened.
-  void link_made(LinkId link, Time now) { care_.made(link, now); }
+  void link_made(LinkId link, Time now, bool heartbeats_find = true) {
+    care_.made(link, now, heartbeats_find);
+  }
   void link_replaced(LinkId link, LinkId by, Time now);
   void link_retired(LinkId link, Time now) { care_.retire(link, now); }
   void link_gone(LinkId link);

@@ -29,7 +29,8 @@ inline std::atomic<const char*> expected_warning{nullptr};
 /// occur on a busy machine. In these cases the node tries again, and the test only has to wait longer.
 inline bool is_expected(std::string_view line) {
   const auto has = [&](const char* text) { return text != nullptr && line.find(text) != line.npos; };
-  return warnings_expected || has(expected_warning) || has("sftd did not answer in time");
+  return warnings_expected || has(expected_warning) || has("sftd did not answer in time") ||
+         has(" does not answer; is it stopped");
 }
 
 inline NodeOptions node_options(Way way, const std::string& name) {

@@ -215,6 +215,19 @@ TEST_F(LinkCareTest, AnswersOnceWhoAsksOnce) {
   EXPECT_EQ(care.next(), Time::max());
 }
 
+TEST_F(LinkCareTest, RepeatsTheAnnouncementOfALinkOnWhichHeartbeatsFindNobodyUntilTwoLeasesAreOver) {
+  care.made(link, now, false);
+  std::vector<Time::duration> announced;
+  const Time made_at = now;
+  for (int i = 0; i < 300; ++i) {
+    const auto announcements = after(100ms).announcements;
+    if (!announcements.empty()) announced.push_back(now - made_at);
+    for (const auto& one : announcements) EXPECT_FALSE(one.asks);
+  }
+  EXPECT_THAT(announced, ElementsAre(1s, 2s, 4s, 8s));
+  EXPECT_EQ(care.next(), Time::max());
+}
+
 TEST_F(LinkCareTest, AsksOnAllLinksAfterTheNetworkHasChanged) {
   care.made(2, now);
   care.network_changed(now);

@@ -8,6 +8,7 @@
 #include <map>
 #include <memory>
 #include <string>
+#include <tuple>
 #include <vector>
 
 #include "core/discovery/peers.h"
@@ -65,6 +66,8 @@ class PeersTest : public ::testing::Test {
       if (const auto* const cut = std::get_if<PathsCut>(&action)) cut_links = cut->links;
       if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action))
         unheard.push_back(missing->link);
+      if (const auto* const one = std::get_if<Announce>(&action))
+        announced.emplace_back(now - began_at, one->link, one->asks);
     }
   }
   void renew(LinkId link) {
@@ -92,12 +95,15 @@ class PeersTest : public ::testing::Test {
 
   const Timing timing;
   Time now = Time(std::chrono::seconds(100));
+  Time began_at = now;
   Peers peers{own_process, timing};
   Records own;
   LinkId last_link = wlan;
   std::uint64_t revision = 0;
   std::map<std::uint32_t, std::string> holds;
   int losses = 0;
+  /// When this process announced itself after `began_at`, on which link, and whether it asked others to.
+  std::vector<std::tuple<Time::duration, LinkId, bool>> announced;
   std::vector<LinkId> renewed, cut_links, unheard;
 };
 

@@ -429,5 +429,23 @@ TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {
   EXPECT_EQ(peers.find(neighbour), nullptr) << "what comes late of a link that is gone counts for nothing";
 }
 
+/// Two participants exchange announcements, and one of these may get lost.
+TEST_F(PeersTest, AnnounceThemselvesAgainToAParticipantThatSendsNoHeartbeats) {
+  found(cable);
+  began_at = now;
+  while (now < began_at + 10s) {
+    now = std::clamp(peers.next(), now + 1ms, now + 1s);
+    look();
+  }
+  const auto again = [](Time::duration at) { return std::tuple(at, cable, false); };
+  EXPECT_THAT(announced, ElementsAre(again(2s), again(3s), again(4s), again(5s), again(6s)));
+}
+
+TEST_F(PeersTest, AnnounceThemselvesToNoParticipantAgainThatSendsHeartbeats) {
+  found(cable);
+  goes_on(10s, {cable});
+  EXPECT_THAT(announced, IsEmpty());
+}
+
 }  // namespace
 }  // namespace sft::core
