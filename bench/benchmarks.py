@@ -26,6 +26,7 @@ ALL = [
     Benchmark("many", 1200, 100, ["--quick"]),
     Benchmark("paper", 1500, 80, ["--quick"]),
     Benchmark("peers", 660, 60, ["--quick"]),
+    Benchmark("bridge", 100, 35, ["--rounds", "1", "--seconds", "4"]),
     Benchmark("isolation", 540, 65, ["--quick"]),
     Benchmark("recovery", 140, 50, ["--rounds", "1"]),
 ]

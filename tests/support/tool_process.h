@@ -42,6 +42,7 @@ class ToolProcess {
   const std::string& out() const { return ended_.out; }
   /// Returns true if the terminal echoes input.
   bool echoes() const;
+  pid_t id() const { return process_; }
 
  private:
   bool read_some();

@@ -232,11 +232,12 @@ class VanillaJoins : public VanillaProcess {
   }
 };
 
-/// A process of vanilla_forger, which writes any bytes that the test gives it as a sample of "points".
+/// A process of vanilla_forger, which writes any bytes that the test gives it as a sample of the topic.
 class VanillaForger : public VanillaProcess {
  public:
-  explicit VanillaForger(const hosts::NetworkNamespace& host)
-      : VanillaProcess(host, "vanilla_forger", {"rt/points", "sensor_msgs::msg::dds_::PointCloud2_"}) {}
+  explicit VanillaForger(const hosts::NetworkNamespace& host, const std::string& topic = "rt/points",
+                         const std::string& type = "sensor_msgs::msg::dds_::PointCloud2_")
+      : VanillaProcess(host, "vanilla_forger", {topic, type}) {}
   void write_sample(const std::vector<std::byte>& bytes) const {
     const auto size = static_cast<std::uint32_t>(bytes.size());
     write_all(&size, sizeof size);

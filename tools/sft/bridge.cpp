@@ -30,6 +30,7 @@ using namespace std::chrono_literals;
 constexpr auto bridge_look_pause = 100ms;
 constexpr auto bridge_report_pause = 1s;
 constexpr auto incomplete_after = 5s;
+constexpr std::size_t complaints_most = 1'000;
 
 /// A rule at work.
 struct RuleAccount {
@@ -64,19 +65,22 @@ class Bridge {
   }
 
  private:
+  /// A rule, a topic that it is for, and the name and the hash of a type that publishers of the topic have.
+  using Known = std::tuple<std::size_t, std::string, std::string, std::uint64_t>;
+
   void look();
   void look_for_topics();
-  void add_flow(std::size_t rule, const std::string& topic, const Result<DynamicType>& type,
-                std::uint64_t type_hash);
+  void add_flow(std::size_t rule, const std::string& topic, const Result<DynamicType>& type);
   bool is_named_by_another(const BridgeRule& rule, const std::string& topic) const;
   void carry();
   void report();
   void report_missing();
   void name_missing(const BridgeRule& rule);
   Json json_of(std::size_t rule) const;
-  /// The details may differ each time.
+  /// The details may differ each time. A sentence that would be one too many is not said.
   void complain_once(const std::string& sentence, const std::string& details = {}) {
-    if (complaints_.insert(sentence).second) complain(printable(sentence + details));
+    if (complaints_.size() < complaints_most && complaints_.insert(sentence).second)
+      complain(printable(sentence + details));
   }
   static std::string on(const BridgeEnd& end) { return "on side '" + end.name + "'"; }
 
@@ -89,7 +93,7 @@ class Bridge {
   std::vector<RuleAccount> accounts_;  ///< one for each rule
   const int epoll_;
   std::list<BridgeFlow> flows_{};
-  std::set<std::tuple<std::size_t, std::string, std::uint64_t>> known_{};  ///< rule, topic and type of flows
+  std::set<Known> known_{};
   std::set<std::string> complaints_{};
   std::uint64_t reported_bytes_ = 0;
   const SteadyClock::time_point begin_ = SteadyClock::now();
@@ -103,9 +107,7 @@ bool Bridge::is_named_by_another(const BridgeRule& rule, const std::string& topi
          });
 }
 
-void Bridge::add_flow(std::size_t rule, const std::string& topic, const Result<DynamicType>& type,
-                      std::uint64_t type_hash) {
-  if (!known_.emplace(rule, topic, type_hash).second) return;
+void Bridge::add_flow(std::size_t rule, const std::string& topic, const Result<DynamicType>& type) {
   const BridgeRule& one = plan_.rules[rule];
   const auto refuse = [&](const Error& error) {
     complain_once(fmt::format("rule '{}': topic '{}' is not carried: {}", one.text, topic, error.message));
@@ -126,17 +128,19 @@ void Bridge::add_flow(std::size_t rule, const std::string& topic, const Result<D
 }
 
 void Bridge::look_for_topics() {
+  std::set<Known> seen;
   for (std::size_t i = 0; i < plan_.rules.size(); ++i) {
     const BridgeRule& rule = plan_.rules[i];
     for (const DomainSnapshot::Endpoint& publisher : ends_[rule.from].domain.publishers) {
       if (publisher.is_own || publisher.topic == bridge_topic || !rule.target_of(publisher.topic)) continue;
       if (is_named_by_another(rule, publisher.topic)) continue;
-      if (known_.contains({i, publisher.topic, publisher.type_hash})) continue;
-      const Result<DynamicType> type =
-          publisher.type ? Result<DynamicType>(*publisher.type) : definition_of(publisher, common_);
-      add_flow(i, publisher.topic, type, publisher.type_hash);
+      const auto [known, is_new] = seen.emplace(i, publisher.topic, publisher.type_name, publisher.type_hash);
+      if (!is_new || known_.contains(*known)) continue;
+      add_flow(i, publisher.topic,
+               publisher.type ? Result<DynamicType>(*publisher.type) : definition_of(publisher, common_));
     }
   }
+  known_ = std::move(seen);
 }
 
 void Bridge::look() {
@@ -154,6 +158,7 @@ void Bridge::look() {
     if (!done) complain_once(fmt::format("rule '{}': {}", rule.text, done.error().message));
   }
   for (std::size_t i = 0; i < ends_.size(); ++i) ends_[i].routes.announce(std::move(routes[i]), now);
+  std::erase_if(flows_, [&](const BridgeFlow& flow) { return flow.is_over(now); });
 }
 
 void Bridge::carry() {
@@ -205,7 +210,6 @@ void Bridge::name_missing(const BridgeRule& rule) {
   if (!rule.is_pattern()) {
     if (const auto type = from.node.find_type("/" + rule.topic, 0ns); !type)
       hint = ": " + type.error().message;
-    if (rule.options.type.empty()) hint += "; if only nodes of DDS publish it, name its type (--type)";
   }
   complain_once(fmt::format("rule '{}': topic '{}' has no publisher {} yet", rule.text, rule.topic, on(from)),
                 hint);
@@ -248,13 +252,6 @@ void Bridge::report() {
 }
 
 void Bridge::run() {
-  for (std::size_t i = 0; i < plan_.rules.size(); ++i) {
-    const BridgeRule& rule = plan_.rules[i];
-    if (rule.options.type.empty() || rule.is_pattern()) continue;
-    const Result<DynamicType> type = find_definition(rule.options.type, common_);
-    add_flow(i, rule.topic, type, type ? type->hash() : 0);
-    failed_ |= !type;
-  }
   auto next_look = begin_;
   auto next_report = begin_ + bridge_report_pause;
   while (!stop_.requested() && !failed_) {

@@ -4,7 +4,6 @@
 #include <sys/epoll.h>
 
 #include <algorithm>
-#include <array>
 
 #include "tools/recording/sample_type.h"
 
@@ -19,9 +18,11 @@ constexpr std::uint32_t bridge_retained_most = 128;  // PublisherOptions::histor
 constexpr std::uint32_t retained_if_unknown = 16;  // of writers that do not tell how many samples they retain
 constexpr std::uint32_t depth_of_bridge = 128;
 constexpr std::size_t early_most = 128;
-constexpr auto linger = 2s;          // a publisher that is not seen any more may have sent more samples
-constexpr auto reader_time = 2s;     // readers on the other side find a new publisher within this time
-constexpr auto dds_match_time = 1s;  // DDS writers match within this time
+constexpr auto linger = 2s;  // a publisher that is not seen any more may have sent more samples
+// Subscriptions stay for this time after the last publisher is gone. So samples come as soon as both sides of
+// a link see each other again.
+constexpr auto outage_time = 15min;
+constexpr auto reader_time = 2s;  // readers on the other side find a new publisher within this time
 constexpr std::size_t turn_samples = 64, turn_bytes = 1 << 20;  // before other topics have their turn
 
 /// Bounds what comes late after a pause of the network: 4 MiB take 0.7 s at 50 Mbit/s.
@@ -58,8 +59,8 @@ Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
                               std::vector<BridgeRoutes::Route>& there) {
   Result<void> all;
   find_sources(from, now);
-  find_dds_writers(from, now);
   std::erase_if(sources_, [&](const auto& one) { return now - one.second.seen > linger; });
+  if (!sources_.empty()) had_sources_ = now;
   for (auto& [id, source] : sources_) {
     if (!source.is_known) continue;
     if (source.is_dds) here.push_back({.origin = id, .topic = topic_});
@@ -76,7 +77,7 @@ Result<void> BridgeFlow::look(BridgeEnd& from, BridgeEnd& to, Time now,
                      .topic = target_,
                      .publisher = source.publisher ? source.publisher_id : 0});
   }
-  return all.and_then([&] { return subscribe(from.node); });
+  return all.and_then([&] { return subscribe(from.node, now); });
 }
 
 void BridgeFlow::find_sources(const BridgeEnd& from, Time now) {
@@ -95,39 +96,6 @@ void BridgeFlow::find_sources(const BridgeEnd& from, Time now) {
     source.seen = now;
     source.origin = from.routes.source_of(publisher);
   }
-}
-
-/// Writers that know nothing of SFT are known by the subscriptions that match them. The first one that does
-/// tells what the writer offers.
-void BridgeFlow::find_dds_writers(const BridgeEnd& from, Time now) {
-  std::set<std::uint64_t> unmatched;
-  const auto is_dds = [&](const SubscriberStatus::Writer& writer) {
-    return std::ranges::any_of(from.domain.publishers, [&](const DomainSnapshot::Endpoint& publisher) {
-      return publisher.id == writer.id && publisher.dds.has_value();
-    });
-  };
-  for (const Subscription& one : subscriptions_) {
-    const SubscriberStatus status = one.subscriber.status();
-    for (const SubscriberStatus::Writer& writer : status.writers) {
-      if (!is_dds(writer)) continue;
-      if (!writer.matched) {
-        unmatched.insert(writer.id);
-        continue;
-      }
-      Source& source = sources_[writer.id];
-      source.seen = now;
-      if (source.is_known) continue;
-      source.is_known = source.is_dds = true;
-      source.qos = {
-          .reliability = one.offer.reliability, .durability = one.offer.durability, .history_depth = 0};
-      source.origin = BridgeRoutes::Source{writer.id, 0};
-    }
-  }
-  std::erase_if(unmatched, [&](std::uint64_t id) { return sources_.contains(id); });
-  const bool is_first = dds_kinds_ == 0 && !rule_->options.type.empty();
-  if (!is_first && (unmatched.empty() || now - dds_kinds_since_ < dds_match_time)) return;
-  ++dds_kinds_;
-  dds_kinds_since_ = now;
 }
 
 Result<void> BridgeFlow::decide(Source& source, BridgeEnd& to, Time now) {
@@ -176,21 +144,32 @@ Result<void> BridgeFlow::begin(Source& source, Node& node, Time now) {
 }
 
 std::vector<BridgeFlow::Offer> BridgeFlow::wanted_offers() const {
-  constexpr std::array<Offer, 3> kinds{Offer{reliable, transient_local}, Offer{reliable, volatile_},
-                                       Offer{best_effort, volatile_}};
-  std::vector<Offer> wanted(kinds.begin(),
-                            kinds.begin() + static_cast<long>(std::min(dds_kinds_, kinds.size())));
+  std::vector<Offer> wanted;
   for (const auto& [id, source] : sources_) {
     if (source.publisher && (source.is_read || source.is_retained())) wanted.push_back(source.offer());
   }
   return wanted;
 }
 
-Result<void> BridgeFlow::subscribe(Node& node) {
+/// Returns true if a publisher with this offer is there, and its samples need not be carried now.
+bool BridgeFlow::is_unwanted(const Offer& offer, Time now) const {
+  return std::ranges::any_of(sources_, [&](const auto& one) {
+    const Source& source = one.second;
+    return source.is_known && source.offer() == offer &&
+           (source.publisher ? now - source.opened > reader_time : source.verdict != Verdict::settles);
+  });
+}
+
+bool BridgeFlow::is_over(Time now) const {
+  return sources_.empty() && (subscriptions_.empty() || now - had_sources_ > outage_time);
+}
+
+Result<void> BridgeFlow::subscribe(Node& node, Time now) {
   const std::vector<Offer> wanted = wanted_offers();
   std::vector<Offer> unwanted;
   for (const Subscription& one : subscriptions_) {
-    if (std::ranges::find(wanted, one.offer) == wanted.end()) unwanted.push_back(one.offer);
+    if (std::ranges::find(wanted, one.offer) == wanted.end() && is_unwanted(one.offer, now))
+      unwanted.push_back(one.offer);
   }
   for (const Offer& offer : unwanted) close(offer);
   for (const Offer& offer : wanted) {

@@ -63,6 +63,8 @@ class BridgeFlow {
   const std::string& target() const { return target_; }
   std::uint64_t type_hash() const { return type_.hash(); }
   State state() const;
+  /// Returns true if the topic is gone. The caller has to call look() before.
+  bool is_over(Time now) const;
   /// The size of a sample, about.
   std::size_t sample_bytes() const { return sample_bytes_; }
   /// Returns the reason why samples were refused, once.
@@ -109,11 +111,11 @@ class BridgeFlow {
         epoll_(epoll),
         counts_(&counts) {}
   void find_sources(const BridgeEnd& from, Time now);
-  void find_dds_writers(const BridgeEnd& from, Time now);
   Result<void> decide(Source& source, BridgeEnd& to, Time now);
   Result<void> begin(Source& source, Node& node, Time now);
   std::vector<Offer> wanted_offers() const;
-  Result<void> subscribe(Node& node);
+  bool is_unwanted(const Offer& offer, Time now) const;
+  Result<void> subscribe(Node& node, Time now);
   void close(const Offer& offer);
   void take(const Offer& offer, DynamicSample&& sample, Time now);
   void pass_on_early(Source& source);
@@ -128,10 +130,7 @@ class BridgeFlow {
   Counts* counts_;
   std::list<Subscription> subscriptions_{};
   std::map<std::uint64_t, Source> sources_{};  ///< by the id of the publisher
-  /// The number of kinds of subscriptions by which DDS writers are looked for, beginning with the strongest,
-  /// and when it was last raised.
-  std::size_t dds_kinds_ = 0;
-  Time dds_kinds_since_{};
+  Time had_sources_{};                         ///< the time of the last look at which there was a publisher
   std::size_t sample_bytes_ = 0;
   std::set<std::string> faults_{};
   std::string fault_{};

@@ -23,9 +23,11 @@ constexpr auto discovery_time = 3s;
 constexpr auto hearing_time = 5s;
 /// After an outage of the network, a bridge does not announce its old routes again. So they are kept.
 constexpr auto memory_time = 1h;
-constexpr std::uint32_t bridges_most = 64;   // in a chain
-constexpr std::size_t routes_most = 16'384;  // of one bridge
-constexpr std::size_t routes_bytes_most = 4 << 20;
+constexpr std::uint32_t bridges_most = 64;  // in a chain
+// Limits of what other bridges announce, since anybody may claim to be one.
+constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // of one bridge
+constexpr std::size_t routes_of_all_most = 16'384, others_most = 256;
+constexpr std::size_t topic_bytes_most = 255;
 
 }  // namespace
 
@@ -37,49 +39,83 @@ Result<BridgeRoutes> BridgeRoutes::open(Node& node, std::uint64_t bridge) {
       topic, *type,
       {.reliability = reliable, .durability = transient_local, .max_sample_bytes = routes_bytes_most});
   if (!publisher) return tl::unexpected(publisher.error());
-  Result<DynamicSubscriber> subscriber =
-      node.subscriber(topic, *type, "*", {.reliability = reliable, .durability = transient_local});
+  Result<DynamicSubscriber> subscriber = node.subscriber(
+      topic, *type, "*",
+      {.reliability = reliable, .durability = transient_local, .depth = 1, .depth_bytes = routes_bytes_most});
   if (!subscriber) return tl::unexpected(subscriber.error());
-  return BridgeRoutes(bridge, *std::move(publisher), *std::move(subscriber));
+  BridgeRoutes routes(bridge, *std::move(publisher), *std::move(subscriber));
+  if (const Result<void> said = routes.publish({}); !said) return tl::unexpected(said.error());
+  return routes;
 }
 
-void BridgeRoutes::look(const DomainSnapshot& domain, Time now) {
-  while (const DynamicSample sample = subscriber_.take()) {
+/// Reads only some of the messages at a time, so that a flood of them delays no samples.
+void BridgeRoutes::hear(Time now) {
+  for (std::size_t bytes = 0; bytes < routes_bytes_most;) {
+    const DynamicSample sample = subscriber_.take();
+    if (!sample) return;
+    bytes += sample.cdr().size();
+    if (sample.cdr().size() > routes_bytes_most || sample.info().writer == own_id_) continue;
     const Result<std::string> text = sample.to_json();
     const auto json = nlohmann::json::parse(text ? *text : "", nullptr, false);
     if (json.is_discarded() || json["routes"].size() > routes_most) continue;
     Other& other = others_[sample.info().writer];
-    other = {.bridge = json["bridge"].get<std::uint64_t>(), .heard = now, .seen = other.seen};
+    other = {
+        .bridge = json["bridge"].get<std::uint64_t>(), .node = other.node, .heard = now, .seen = other.seen};
     for (const auto& route : json["routes"]) {
-      if (route["bridges"].get<std::uint32_t>() > bridges_most) continue;
-      other.routes.push_back({.origin = route["origin"].get<std::uint64_t>(),
-                              .bridges = route["bridges"].get<std::uint32_t>(),
-                              .topic = route["topic"].get<std::string>(),
-                              .publisher = route["publisher"].get<std::uint64_t>()});
+      Route one{.origin = route["origin"].get<std::uint64_t>(),
+                .bridges = route["bridges"].get<std::uint32_t>(),
+                .topic = route["topic"].get<std::string>(),
+                .publisher = route["publisher"].get<std::uint64_t>()};
+      if (one.bridges <= bridges_most && one.topic.size() <= topic_bytes_most)
+        other.routes.push_back(std::move(one));
     }
   }
+}
+
+void BridgeRoutes::look(const DomainSnapshot& domain, Time now) {
+  hear(now);
   publishers_.clear();
   std::map<std::uint64_t, Time> unheard;
   for (const DomainSnapshot::Endpoint& publisher : domain.publishers) {
     publishers_.insert(publisher.id);
-    if (publisher.is_own || publisher.topic != bridge_topic || others_.contains(publisher.id)) continue;
+    if (publisher.is_own || publisher.topic != bridge_topic) continue;
+    if (const auto other = others_.find(publisher.id); other != others_.end()) {
+      other->second.node = publisher.node_id;
+      other->second.seen = now;
+      continue;
+    }
     const auto known = unheard_.find(publisher.id);
     unheard.emplace(publisher.id, known == unheard_.end() ? now : known->second);
   }
   unheard_ = std::move(unheard);
   for (auto& [id, other] : others_) {
-    if (publishers_.contains(id)) other.seen = now;
     const bool is_awaited = other.seen == Time{} && now - other.heard < hearing_time;
     other.is_there = is_awaited || other.seen == now;
   }
+  forget(now);
+}
+
+/// Forgets bridges that have been gone for long, and as many others as the limits require: those that are
+/// gone first, and then those that announce most.
+void BridgeRoutes::forget(Time now) {
   std::erase_if(others_, [&](const auto& one) {
     return now - std::max(one.second.seen, one.second.heard) > memory_time;
   });
+  std::size_t routes = 0;
+  for (const auto& [id, other] : others_) routes += other.routes.size();
+  while (others_.size() > others_most || routes > routes_of_all_most) {
+    const auto most = std::ranges::max_element(others_, {}, [](const auto& one) {
+      return std::pair(!one.second.is_there, one.second.routes.size());
+    });
+    routes -= most->second.routes.size();
+    others_.erase(most);
+  }
 }
 
 std::optional<BridgeRoutes::Source> BridgeRoutes::source_of(const DomainSnapshot::Endpoint& publisher) const {
   for (const auto& [id, other] : others_) {
-    if (!other.is_there) continue;
+    // A bridge has routes of its own publishers only.
+    if (!other.is_there || other.node != publisher.node_id) continue;
     const auto route = std::ranges::find_if(
         other.routes, [&](const Route& one) { return one.publisher == publisher.id && one.bridges > 0; });
     if (route != other.routes.end()) return Source{route->origin, route->bridges};
@@ -109,7 +145,8 @@ BridgeRoutes::Verdict BridgeRoutes::verdict(const Source& source, const std::str
         return Verdict::held_by_another;
     }
   }
-  return is_settled(source, topic, now) ? Verdict::holds : Verdict::settles;
+  // Bridges that come later do not interrupt a route.
+  return is_carried || is_settled(source, topic, now) ? Verdict::holds : Verdict::settles;
 }
 
 bool BridgeRoutes::is_settled(const Source& source, const std::string& topic, Time now) const {
@@ -123,24 +160,30 @@ bool BridgeRoutes::is_settled(const Source& source, const std::string& topic, Ti
   return is_alone || now - since->second >= settling_time;
 }
 
-void BridgeRoutes::announce(std::vector<Route> routes, Time now) {
-  std::ranges::sort(routes);
-  if (routes == announced_) return;
+Result<void> BridgeRoutes::publish(const std::vector<Route>& routes) {
   nlohmann::json list = nlohmann::json::array();
-  std::map<std::pair<std::uint64_t, std::string>, Time> since;
   for (const Route& route : routes) {
     list.push_back({{"origin", route.origin},
                     {"bridges", route.bridges},
                     {"topic", route.topic},
                     {"publisher", route.publisher}});
+  }
+  const nlohmann::json message{{"bridge", bridge_}, {"routes", std::move(list)}};
+  const Result<PublishStatus> done =
+      publisher_.publish_json(message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace));
+  return done ? Result<void>() : tl::unexpected(done.error());
+}
+
+void BridgeRoutes::announce(std::vector<Route> routes, Time now) {
+  std::ranges::sort(routes);
+  if (routes == announced_ || !publish(routes)) return;
+  std::map<std::pair<std::uint64_t, std::string>, Time> since;
+  for (const Route& route : routes) {
     if (route.bridges == 0) continue;
     const std::pair key(route.origin, route.topic);
     const auto known = since_.find(key);
     since.emplace(key, known == since_.end() ? now : known->second);
   }
-  const nlohmann::json message{{"bridge", bridge_}, {"routes", std::move(list)}};
-  if (!publisher_.publish_json(message.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace)))
-    return;
   announced_ = std::move(routes);
   since_ = std::move(since);
 }

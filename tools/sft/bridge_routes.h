@@ -47,7 +47,8 @@ class BridgeRoutes {
   /// `bridge` is the number of this bridge, the time at which it was started.
   static Result<BridgeRoutes> open(Node& node, std::uint64_t bridge);
 
-  /// Takes the routes of other bridges, and forgets bridges that are gone.
+  /// Takes the routes of other bridges, and forgets bridges that are gone. What they announce is bounded, and
+  /// counts only while their publishers are there.
   void look(const DomainSnapshot& domain, Time now);
   /// Returns nothing for the publisher of a bridge that has not announced the route yet.
   std::optional<Source> source_of(const DomainSnapshot::Endpoint& publisher) const;
@@ -59,18 +60,26 @@ class BridgeRoutes {
  private:
   struct Other {
     std::uint64_t bridge = 0;
+    std::uint64_t node = 0;  ///< the node of its publisher; 0: the publisher has not been seen yet
     std::vector<Route> routes{};
     Time heard{};
     Time seen{};            ///< when its publisher was last there
     bool is_there = false;  ///< false: its routes hold again when it comes back, as after an outage
   };
   BridgeRoutes(std::uint64_t bridge, DynamicPublisher publisher, DynamicSubscriber subscriber)
-      : bridge_(bridge), publisher_(std::move(publisher)), subscriber_(std::move(subscriber)) {}
+      : bridge_(bridge),
+        publisher_(std::move(publisher)),
+        subscriber_(std::move(subscriber)),
+        own_id_(publisher_.status().id) {}
+  Result<void> publish(const std::vector<Route>& routes);
+  void hear(Time now);
+  void forget(Time now);
   bool is_settled(const Source& source, const std::string& topic, Time now) const;
 
   std::uint64_t bridge_;
   DynamicPublisher publisher_;
   DynamicSubscriber subscriber_;
+  std::uint64_t own_id_;                     ///< the id of `publisher_`, which the subscriber hears, too
   std::map<std::uint64_t, Other> others_{};  ///< by the id of their publisher
   std::map<std::uint64_t, Time> unheard_{};  ///< and since when they are known
   std::set<std::uint64_t> publishers_{};     ///< all of the domain

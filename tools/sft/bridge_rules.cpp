@@ -110,7 +110,6 @@ void read_rule(const toml::table& table, Mistake& mistake, std::vector<BridgeRul
   {
     TableReader keys(table, mistake);
     keys.read("rule", "\"points -> robot/points\"", text);
-    keys.read("type", "\"sensor_msgs/PointCloud2\"", options.type);
     keys.read("defaults", "[\"covariance\"]", options.defaults);
     keys.read("priority", "1", priority);
     keys.read("reliable", "true", options.reliable);

@@ -20,7 +20,6 @@ namespace sft::tool {
 
 /// The options of a rule besides the topic and the direction.
 struct BridgeRuleOptions {
-  std::string type{};                   ///< the type of a topic that no node announces with its fields
   std::vector<std::string> defaults{};  ///< fields that may be zero on the other side; "*": all
   std::int8_t priority = 0;             ///< PublisherOptions::priority
   bool reliable = false;                ///< offer reliability, also if the publisher does not

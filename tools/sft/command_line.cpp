@@ -388,8 +388,6 @@ void declare_bridge(CLI::App& app, Parsed& parsed) {
       ->allow_extra_args(false);
   command->add_flag("--reliable", bridge.each.reliable,
                     "Send lost samples again, also if the publisher does not offer that");
-  command->add_option("--type", bridge.each.type,
-                      "The type of topics that only unmodified DDS nodes publish: sensor_msgs/PointCloud2");
   command->add_option("--for", bridge.for_s, "End after this many seconds")->check(CLI::Range(0.1, 1e9));
   add_includes(command, common);
   command->callback([&parsed] { parsed.line.command = parsed.bridge; });

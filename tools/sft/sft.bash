@@ -88,7 +88,7 @@ _sft() {
     bag) own="--like --output --html --include" ;;
     bridge)
       own="--file --from --from-dds --to --to-interface --to-peer --to-dds --defaults --priority --reliable"
-      own+=" --type --for --include" ;;
+      own+=" --for --include" ;;
   esac
   if [[ $word == -* ]]; then
     mapfile -t COMPREPLY < <(compgen -W "$own $common" -- "$word")

@@ -1,4 +1,5 @@
 // The verb bridge between domains of this host. tests/system/bridge_test.cpp has bridges of two hosts.
+#include <sft/msg_text.h>
 #include <algorithm>
 #include <array>
 #include <atomic>
@@ -77,6 +78,16 @@ class Listener {
   std::optional<Subscriber<UInt32>> subscriber_;
 };
 
+/// The memory that the process has written, and no file backs.
+std::size_t anonymous_bytes(const ToolProcess& process) {
+  std::ifstream status("/proc/" + std::to_string(process.id()) + "/status");
+  std::size_t kilobytes = 0;
+  for (std::string line; std::getline(status, line);) {
+    if (line.starts_with("RssAnon:")) kilobytes = std::stoul(line.substr(8));
+  }
+  return kilobytes * 1024;
+}
+
 class BridgeTest : public ::testing::Test {
  protected:
   static Node open(std::uint32_t domain) {
@@ -93,6 +104,13 @@ class BridgeTest : public ::testing::Test {
   static Ended end(const Bridge& bridge) {
     bridge->send(SIGINT);
     return bridge->end();
+  }
+  /// Waits until that number of bridges is in the node's domain.
+  static bool has_bridges(Node& node, std::ptrdiff_t bridges) {
+    return eventually([&] {
+      return std::ranges::count(node.domain().publishers, "sft_bridges", &DomainSnapshot::Endpoint::topic) ==
+             bridges;
+    });
   }
 };
 
@@ -215,8 +233,6 @@ TEST_F(BridgeTest, RulesThatCannotWorkAreRefusedInASentence) {
       {{"--from", "5", "--to", "6", "points{data{x}, width}[::4] -> p"}, "for a single field"},
       {{"--from", "5", "--to", "6", "points", "--priority", "points=high"}, "write TOPIC=NUMBER"},
       {{"--from", "5", "--to", "6", "points", "--priority", "imu=1"}, "no rule has the topic 'imu'"},
-      {{"--from", "5", "--to", "6", "points", "--type", "sensor_msgs/Nothing"},
-       "there is no sensor_msgs/msg/Nothing.msg"},
       {{"-f", file, "chatter"}, "bridge.toml:5: 'radio' is no key here; there are name, domain"}};
   for (Wrong one : wrong) {
     SCOPED_TRACE(one.says);
@@ -290,6 +306,150 @@ TEST_F(BridgeTest, PatternsCarryTheTopicsOfANamespaceIntoAnother) {
   left.publish({.data = 1});
   tf.publish({.data = 2});
   EXPECT_TRUE(heard.has(1) && back.has(2));
+}
+
+TEST_F(BridgeTest, WhenABridgeIsKilledAnotherTakesOverAndNobodyGetsASampleTwice) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener heard(there, "chatter", {.reliability = reliable});
+  const Bridge first = bridge(41, 42, {"chatter"});
+  std::atomic<std::uint32_t> published{0};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    publisher.publish({.data = number});
+    published = number;
+  });
+  EXPECT_TRUE(heard.hears_more_than(0));
+  const Bridge second = bridge(41, 42, {"chatter"});
+  ASSERT_TRUE(second->says("this one waits"));
+  first->send(SIGKILL);
+  EXPECT_EQ(first->end().code, -SIGKILL);
+  const std::uint32_t at_end = published;
+  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
+  EXPECT_EQ(end(second).code, 0);
+  EXPECT_THAT(heard.repeated(), ElementsAre());
+}
+
+TEST_F(BridgeTest, FiftyRestartsOfAnotherBridgeCostNoSampleAndNoMemory) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener heard(there, "chatter", {.reliability = reliable});
+  const Bridge stays = bridge(41, 42, {"chatter"});
+  const Ticker ticker(10ms, [&](std::uint32_t number) { publisher.publish({.data = number}); });
+  ASSERT_TRUE(heard.hears_more_than(0));
+  std::size_t before = 0;
+  for (int i = 0; i < 50; ++i) {
+    const Bridge other = bridge(41, 42, {"chatter"});
+    ASSERT_TRUE(has_bridges(there, 2));
+    EXPECT_LT(end(other).code, 2);
+    ASSERT_TRUE(has_bridges(there, 1));
+    if (i == 9) before = anonymous_bytes(*stays);
+  }
+  EXPECT_LT(anonymous_bytes(*stays), before + 4'000'000);
+  const std::vector<std::uint32_t> numbers = heard.numbers();
+  EXPECT_EQ(numbers.back() - numbers.front() + 1, numbers.size()) << "some are missing";
+  EXPECT_THAT(heard.repeated(), ElementsAre());
+}
+
+TEST_F(BridgeTest, ATopicThatComesBackWithAnotherTypeIsCarried) {
+  Node here = open(41), there = open(42);
+  const Bridge work = bridge(41, 42, {"data"});
+  for (std::uint32_t i = 1; i <= 3; ++i) {
+    {
+      auto numbers = here.publisher<UInt32>("data", {.reliability = reliable}).value();
+      Listener heard(there, "data", {.reliability = reliable});
+      ASSERT_TRUE(numbers.wait_for_subscribers(1, hang_timeout));
+      numbers.publish({.data = i});
+      EXPECT_TRUE(heard.has(i));
+    }
+    auto poses = here.publisher<PoseWithCovariance>("data", {.reliability = reliable}).value();
+    auto subscriber = there.subscriber<PoseWithCovariance>("data", {.reliability = reliable}).value();
+    ASSERT_TRUE(poses.wait_for_subscribers(1, hang_timeout));
+    poses.publish({});
+    EXPECT_TRUE(subscriber.wait(hang_timeout));
+  }
+}
+
+TEST_F(BridgeTest, APatternCarriesSixtyFourTopics) {
+  Node here = open(41), there = open(42);
+  const Bridge work = bridge(41, 42, {"sensors/* -> robot/*"});
+  std::vector<Publisher<UInt32>> publishers;
+  std::vector<std::unique_ptr<Listener>> listeners;
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    const std::string name = "s" + std::to_string(i);
+    publishers.push_back(here.publisher<UInt32>("sensors/" + name, {.reliability = reliable}).value());
+    listeners.push_back(
+        std::make_unique<Listener>(there, "robot/" + name, SubscriberOptions{.reliability = reliable}));
+  }
+  for (std::uint32_t i = 0; i < 64; ++i) {
+    ASSERT_TRUE(publishers[i].wait_for_subscribers(1, hang_timeout)) << i;
+    publishers[i].publish({.data = i});
+  }
+  for (std::uint32_t i = 0; i < 64; ++i) EXPECT_TRUE(listeners[i]->has(i)) << i;
+}
+
+/// A node that claims to be a bridge of another start, and announces what the test wants.
+class FalseBridge {
+ public:
+  FalseBridge()
+      : node_(Node::open({.name = "sft_bridge_1", .domain = 42, .transport = TransportChoice::udp}).value()) {
+  }
+  /// The route is the one that `publisher` holds: as far from the origin as the bridge that is there, and
+  /// older.
+  void claim(std::uint64_t origin) {
+    announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", 1}}});
+  }
+  void announce_many(std::size_t routes, std::size_t topic_bytes) {
+    Json list = Json::array();
+    for (std::size_t i = 0; i < routes; ++i)
+      list.push_back(
+          {{"origin", i}, {"bridges", 1}, {"topic", std::string(topic_bytes, 'x')}, {"publisher", i}});
+    announce(list);
+  }
+
+ private:
+  void announce(const Json& routes) {
+    const DynamicType type =
+        from_msg("sft_bridge/Routes",
+                 "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\n"
+                 "uint32 bridges\nstring topic\nuint64 publisher\n")
+            .value();
+    publishers_.push_back(
+        node_
+            .publisher("sft_bridges", type,
+                       {.reliability = reliable, .durability = transient_local, .max_sample_bytes = 16 << 20})
+            .value());
+    EXPECT_TRUE(publishers_.back().wait_for_subscribers(1, hang_timeout));
+    EXPECT_TRUE(publishers_.back().publish_json(Json{{"bridge", 1}, {"routes", routes}}.dump()));
+  }
+
+  Node node_;
+  std::vector<DynamicPublisher> publishers_;
+};
+
+TEST_F(BridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAreThere) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener heard(there, "chatter", {.reliability = reliable});
+  const Bridge work = bridge(41, 42, {"chatter"});
+  std::atomic<std::uint32_t> published{0};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    publisher.publish({.data = number});
+    published = number;
+  });
+  ASSERT_TRUE(heard.hears_more_than(0));
+  const std::size_t before = anonymous_bytes(*work);
+  {
+    FalseBridge attacker;
+    attacker.announce_many(100'000, 1);
+    for (int i = 0; i < 40; ++i) attacker.announce_many(900, 200);
+    attacker.claim(publisher.status().id);
+    EXPECT_TRUE(work->says("another bridge carries 'chatter' to side 'domain 42'; this one waits"));
+  }
+  const std::uint32_t at_end = published;
+  EXPECT_TRUE(heard.hears_more_than(at_end + 100));
+  EXPECT_LT(anonymous_bytes(*work), before + 40'000'000);
+  EXPECT_EQ(end(work).code, 0);
+  EXPECT_THAT(heard.repeated(), ElementsAre());
 }
 
 }  // namespace
