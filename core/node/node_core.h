@@ -72,7 +72,6 @@ class NodeCore final : private DiscoveryListener {
  private:
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
-  EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
   // Functions of DiscoveryListener: each posts its event to the agent.
@@ -87,6 +86,7 @@ class NodeCore final : private DiscoveryListener {
   /// Makes discovery report all publishers from now on, and all subscribers if `readers_too` is true. Called
   /// by the agent only.
   void hear(bool readers_too);
+  std::vector<TableEntry> copies_of_endpoints() const;
   /// Calls `question` on the agent's thread, which is the only thread that may use the reconciler. Returns
   /// the answer.
   template <class Question>

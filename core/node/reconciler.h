@@ -11,12 +11,13 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/control_monitor.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
+#include "core/node/misspelt_topics.h"
 #include "core/node/node_context.h"
 #include "core/node/port_attempts.h"
 #include "core/node/reports.h"
+#include "core/node/second_servers.h"
 #include "core/node/tick_pace.h"
 #include "core/node/transport_monitor.h"
 #include "core/node/vanilla_access.h"
@@ -62,9 +63,7 @@ class Reconciler {
 
   /// Returns all endpoints that are known and not lost, including those of this node. Valid until the next
   /// event.
-  std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
-  /// Returns the same endpoints, with the progress of writers.
-  std::vector<KnownEndpoint> known_endpoints() const;
+  std::vector<const TableEntry*> endpoints() const { return negotiation_.table().present(); }
   VanillaView vanilla() const { return vanilla_.view(); }
   Reports& reports() { return reports_; }
 
@@ -93,7 +92,8 @@ class Reconciler {
   NodeLog& log_;
   TransportMonitor transports_;
   Negotiation negotiation_;
-  ControlMonitor control_monitor_;
+  MisspeltTopics misspelt_topics_;
+  SecondServers second_servers_;
   PortAttempts attempts_;
   VanillaAccess vanilla_;
   NodeContext context_;

@@ -113,7 +113,7 @@ TEST_F(LinkCareTest, DoesNotMakeAReplacedLinkAnew) {
   EXPECT_THAT(after(1min).renewals, IsEmpty());
 }
 
-TEST_F(LinkCareTest, LetsRecordsOfACrowdTakeTheirTime) {
+TEST_F(LinkCareTest, LetsRecordsOfManyNewcomersTakeTheirTime) {
   const Time since = now;
   const Time of_none = care.missed_from(link, since, true);
   EXPECT_EQ(of_none, since + timing.settle);
@@ -175,7 +175,7 @@ TEST_F(LinkCareTest, AsksAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
   EXPECT_LE(asked, 20s / timing.lease);
 }
 
-TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceSomebodyJoins) {
+TEST_F(LinkCareTest, AsksEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceAProcessJoins) {
   const auto asks_within = [&](int seconds) {
     int asked = 0;
     for (int second = 0; second < seconds; ++second) {
