@@ -131,10 +131,10 @@ class SilentSwitchTest : public testing::Test {
 };
 
 TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
-  SharedWithChildren<Report> told;
+  SharedWithChildren<Report> reported;
   NodeOptions with_log = options("publisher");
   with_log.log = [&](LogLevel, std::string_view line) {
-    if (line.find(limit) != line.npos) ++told->limits_in_log;
+    if (line.find(limit) != line.npos) ++reported->limits_in_log;
   };
   const NodeProcess publisher(network_->host(0), with_log, publish);
   const NodeProcess subscriber(network_->host(1), options("subscriber"), subscribe);
@@ -143,8 +143,8 @@ TEST_F(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
         << name_of(i) << ": " << subscriber.report().taken[i];
   }
   EXPECT_TRUE(eventually([&] { return publisher.report().limits_in_status == topics; }));
-  EXPECT_TRUE(eventually([&] { return told->limits_in_log > 0; }));
-  EXPECT_EQ(told->limits_in_log, 1U);
+  EXPECT_TRUE(eventually([&] { return reported->limits_in_log > 0; }));
+  EXPECT_EQ(reported->limits_in_log, 1U);
 }
 
 /// Two hosts request the same fields. So one copy by multicast serves both of them, once the maximum length
