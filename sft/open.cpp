@@ -4,7 +4,6 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
-#include "core/discovery/ros_discovery.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/vanilla_choice.h"
@@ -12,6 +11,7 @@
 #include "core/platform/forked.h"
 #include "core/platform/process_limits.h"
 #include "core/platform/thread.h"
+#include "core/vanilla/ros_discovery.h"
 #include "sft/msg_text.h"
 #include "sft/node.h"
 #include "shm_transport/shm_transport.h"

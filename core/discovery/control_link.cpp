@@ -25,16 +25,6 @@ struct ListenerDeleter {
 };
 using DdsListener = std::unique_ptr<dds_listener_t, ListenerDeleter>;
 
-struct TopicName {
-  const dds_topic_descriptor_t* type = nullptr;
-  const char* name = nullptr;
-};
-
-TopicName topic_of(Role role) {
-  return {&sft_control_Record_desc, role == Role::writer ? "sft_writer" : "sft_reader"};
-}
-constexpr const char* heartbeat_topic = "sft_heartbeat";
-constexpr const char* report_topic = "sft_report";
 constexpr int heartbeats_kept = 16;
 constexpr std::size_t writers_remembered = 4096;
 
@@ -44,30 +34,14 @@ ParticipantGuid guid_of(const dds_guid_t& guid) {
   return octets;
 }
 
-/// Records are reliable, and are kept for participants that are found later.
-DdsQos record_qos() {
+DdsQos qos_of(bool is_reliable) {
   DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_RELIABLE, DDS_MSECS(100));
-  dds_qset_durability(qos.get(), DDS_DURABILITY_TRANSIENT_LOCAL);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, 1);
+  dds_qset_reliability(qos.get(), is_reliable ? DDS_RELIABILITY_RELIABLE : DDS_RELIABILITY_BEST_EFFORT,
+                       DDS_MSECS(100));
+  dds_qset_durability(qos.get(), is_reliable ? DDS_DURABILITY_TRANSIENT_LOCAL : DDS_DURABILITY_VOLATILE);
+  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, is_reliable ? 1 : heartbeats_kept);
   // Missing heartbeats show that a process has ended, so its writers do not dispose of its records.
   dds_qset_writer_data_lifecycle(qos.get(), false);
-  return qos;
-}
-
-/// Returns the QoS for a reader, derived from the QoS `written` of its writers. The reader gets no samples
-/// of its own participant.
-DdsQos reading_qos(const dds_qos_t* written) {
-  DdsQos qos(dds_create_qos());
-  dds_copy_qos(qos.get(), written);
-  dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-  return qos;
-}
-
-DdsQos heartbeat_qos() {
-  DdsQos qos(dds_create_qos());
-  dds_qset_reliability(qos.get(), DDS_RELIABILITY_BEST_EFFORT, 0);
-  dds_qset_history(qos.get(), DDS_HISTORY_KEEP_LAST, heartbeats_kept);
   return qos;
 }
 
@@ -85,18 +59,6 @@ std::string user_data_of(const dds_qos_t* qos) {
   std::string user_data(static_cast<const char*>(data), bytes);
   dds_free(data);
   return user_data;
-}
-
-/// Creates the topic in that participant. Then calls `create(topic)`, which creates an endpoint on the
-/// topic.
-template <class Create>
-Result<dds_entity_t> create_on_topic(dds_entity_t participant, const TopicName& name, const dds_qos_t* qos,
-                                     Create create) {
-  const dds_entity_t topic = dds_create_topic(participant, name.type, name.name, qos, nullptr);
-  const dds_entity_t created = topic < 0 ? topic : create(topic);
-  if (created >= 0) return created;
-  if (topic >= 0) dds_delete(topic);
-  return fail(Errc::system, std::string("control topic ") + name.name + ": " + dds_strretcode(created));
 }
 
 /// Takes all samples that a reader has, in batches, and calls `use(sample, info)` for each. Cyclone calls the
@@ -127,7 +89,21 @@ ControlLink::ControlLink(const Place& place, KnownPeers& known)
     : place_(place),
       peers_(known),
       data_{.process = place.process, .is_secured = place.is_secured},
-      topics_{{.link = this, .role = Role::writer}, {.link = this, .role = Role::reader}} {}
+      records_{
+          {.type = &sft_control_Record_desc,
+           .name = "sft_writer",
+           .is_reliable = true,
+           .take = [](dds_entity_t reader, void* link) { of(link).take_records(reader, Role::writer); }},
+          {.type = &sft_control_Record_desc,
+           .name = "sft_reader",
+           .is_reliable = true,
+           .take = [](dds_entity_t reader, void* link) { of(link).take_records(reader, Role::reader); }}},
+      heartbeats_{.type = &sft_control_HeartbeatSample_desc,
+                  .name = "sft_heartbeat",
+                  .take = [](dds_entity_t reader, void* link) { of(link).take_heartbeat_samples(reader); }},
+      reports_{.type = &sft_control_Report_desc,
+               .name = "sft_report",
+               .take = [](dds_entity_t reader, void* link) { of(link).take_reports(reader); }} {}
 
 ControlLink::~ControlLink() {
   if (participant_ > 0) dds_delete(participant_);  // Cyclone waits until running listeners have returned
@@ -150,41 +126,50 @@ Result<void> ControlLink::open() {
                                        "; check the network interfaces and CYCLONEDDS_URI");
   guid_ = guid_of(guid);
   const DdsListener listener(dds_create_listener(this));
-  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
-    static_cast<ControlLink*>(self)->take_participants(reader);
-  });
+  dds_lset_data_available(listener.get(),
+                          [](dds_entity_t reader, void* link) { of(link).take_participants(reader); });
   const dds_entity_t reader =
       dds_create_reader(participant_, DDS_BUILTIN_TOPIC_DCPSPARTICIPANT, nullptr, listener.get());
   if (reader < 0) return refused("the participants cannot be watched", reader);
   return data_.uses_topic ? use_topic() : Result<void>();
 }
 
-Result<void> ControlLink::hear(Role role) {
-  Topic& topic = topics_[role];
-  if (topic.reader != 0) return {};
-  const DdsListener listener(dds_create_listener(&topic));
-  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* at) {
-    Topic& read = *static_cast<Topic*>(at);
-    read.link->take_records(reader, read);
-  });
-  const DdsQos written = record_qos();
-  const DdsQos qos = reading_qos(written.get());
-  const Result<dds_entity_t> made = create_on_topic(
-      participant_, topic_of(role), written.get(),
-      [&](dds_entity_t on) { return dds_create_reader(participant_, on, qos.get(), listener.get()); });
-  if (!made) return tl::unexpected(made.error());
-  topic.reader = *made;
-  return {};
+/// Opens or closes the endpoints on the topic. Once the topic is created, it is kept, since a topic alone is
+/// not announced to other participants. A reader gets no samples of its own participant.
+Result<void> ControlLink::use(Topic& topic, bool reads, bool writes) {
+  if (reads == (topic.reader != 0) && writes == (topic.writer != 0)) return {};
+  const DdsQos qos = qos_of(topic.is_reliable);
+  const auto set = [&](dds_entity_t& entity, bool wanted, auto create) -> Result<void> {
+    if (wanted == (entity != 0)) return {};
+    if (!wanted) return dds_delete(std::exchange(entity, 0)), Result<void>();
+    const dds_entity_t created = create();
+    if (created < 0) return refused((std::string("control topic ") + topic.name).c_str(), created);
+    entity = created;
+    return {};
+  };
+  return set(topic.topic, true,
+             [&] { return dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr); })
+      .and_then([&] {
+        return set(topic.writer, writes,
+                   [&] { return dds_create_writer(participant_, topic.topic, qos.get(), nullptr); });
+      })
+      .and_then([&] {
+        return set(topic.reader, reads, [&] {
+          const DdsListener listener(dds_create_listener(this));
+          dds_lset_data_available(listener.get(), topic.take);
+          dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+          return dds_create_reader(participant_, topic.topic, qos.get(), listener.get());
+        });
+      });
 }
 
-Result<dds_entity_t> ControlLink::writer_of(Topic& topic) {
-  if (topic.writer != 0) return topic.writer;
-  const DdsQos qos = record_qos();
-  Result<dds_entity_t> made = create_on_topic(
-      participant_, topic_of(topic.role), qos.get(),
-      [&](dds_entity_t on) { return dds_create_writer(participant_, on, qos.get(), nullptr); });
-  if (made) topic.writer = *made;
-  return made;
+Result<void> ControlLink::follow(const LinkUse& wanted) {
+  Result<void> result = use(reports_, wanted.reads_reports, wanted.writes_reports);
+  for (const Role role : both_roles) {
+    Topic& topic = records_[role];
+    if (Result<void> used = use(topic, wanted.reads_records[role], topic.writer != 0); !used) result = used;
+  }
+  return wants_topic_ && result ? use_topic() : result;
 }
 
 /// A write may block while other participants are slow to acknowledge earlier records. So after a failure
@@ -195,9 +180,6 @@ void ControlLink::write(Role role, const OwnRecords::Change& change) {
 }
 
 Result<void> ControlLink::write_again() {
-  if (wants_topic_) {
-    if (Result<void> used = use_topic(); !used) return used;
-  }
   while (!unwritten_.empty()) {
     const auto& [what, record] = *unwritten_.begin();
     if (Result<void> written = try_to_write(what.first, what.second, record); !written) return written;
@@ -207,8 +189,8 @@ Result<void> ControlLink::write_again() {
 }
 
 Result<void> ControlLink::try_to_write(Role role, const RecordKey& key, const Record& record) {
-  const Result<dds_entity_t> writer = writer_of(topics_[role]);
-  if (!writer) return tl::unexpected(writer.error());
+  Topic& topic = records_[role];
+  if (Result<void> used = use(topic, topic.reader != 0, true); !used) return used;
   sft_control_Record sample{};
   std::ranges::copy(guid_, sample.participant);
   sample.slot = key.slot;
@@ -220,18 +202,18 @@ Result<void> ControlLink::try_to_write(Role role, const RecordKey& key, const Re
     auto* const octets = const_cast<std::byte*>(record.body->data());
     sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
   }
-  const dds_return_t status = dds_write(*writer, &sample);
+  const dds_return_t status = dds_write(topic.writer, &sample);
   return status == DDS_RETCODE_OK ? Result<void>() : refused("a control record was not written", status);
 }
 
 void ControlLink::give_heartbeat(const PerRole<std::uint64_t>& digests) {
   const Heartbeat heartbeat{guid_, place_.process, digests};
   if (socket_) socket_->send(heartbeat);
-  if (heartbeat_writer_ == 0) return;
+  if (heartbeats_.writer == 0) return;
   sft_control_HeartbeatSample sample{};
   const HeartbeatDatagram datagram = encode(heartbeat);
   std::memcpy(sample.datagram, datagram.data(), datagram.size());
-  dds_write(heartbeat_writer_, &sample);
+  dds_write(heartbeats_.writer, &sample);
 }
 
 void ControlLink::take_heartbeats(Time now) {
@@ -244,71 +226,19 @@ void ControlLink::take_heartbeats(Time now) {
 
 Result<void> ControlLink::use_topic() {
   wants_topic_ = true;
-  if (heartbeat_writer_ != 0) return {};
-  const DdsListener listener(dds_create_listener(this));
-  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
-    static_cast<ControlLink*>(self)->take_heartbeat_samples(reader);
+  return use(heartbeats_, true, true).map([&] {
+    if (!std::exchange(data_.uses_topic, true)) say_user_data();
   });
-  const DdsQos written = heartbeat_qos();
-  const DdsQos qos = reading_qos(written.get());
-  const auto made = create_on_topic(
-      participant_, {&sft_control_HeartbeatSample_desc, heartbeat_topic}, written.get(),
-      [&](dds_entity_t on) {
-        const dds_entity_t writer = dds_create_writer(participant_, on, written.get(), nullptr);
-        if (writer < 0) return writer;
-        const dds_entity_t reader = dds_create_reader(participant_, on, qos.get(), listener.get());
-        if (reader >= 0) return writer;
-        dds_delete(writer);
-        return reader;
-      });
-  if (!made) return tl::unexpected(made.error());
-  heartbeat_writer_ = *made;
-  if (!std::exchange(data_.uses_topic, true)) say_user_data();
-  return {};
-}
-
-/// Once the topic is created, it is kept. A topic alone is not announced to other participants.
-Result<void> ControlLink::use_reports(bool reads, bool writes) {
-  if (reads == (report_reader_ != 0) && writes == (report_writer_ != 0)) return {};
-  const DdsQos qos = heartbeat_qos();
-  if ((reads || writes) && report_topic_ == 0) {
-    const dds_entity_t topic =
-        dds_create_topic(participant_, &sft_control_Report_desc, report_topic, qos.get(), nullptr);
-    if (topic < 0) return refused("the topic of reports cannot be made", topic);
-    report_topic_ = topic;
-  }
-  const auto set = [](dds_entity_t& endpoint, bool wanted, auto open) -> Result<void> {
-    if (wanted == (endpoint != 0)) return {};
-    if (!wanted) return dds_delete(std::exchange(endpoint, 0)), Result<void>();
-    const dds_entity_t opened = open();
-    if (opened < 0) return refused("reports cannot be exchanged", opened);
-    endpoint = opened;
-    return {};
-  };
-  Result<void> reading = set(report_reader_, reads, [&] { return open_report_reader(); });
-  Result<void> writing = set(report_writer_, writes, [&] {
-    return dds_create_writer(participant_, report_topic_, qos.get(), nullptr);
-  });
-  return reading ? writing : reading;
-}
-
-dds_entity_t ControlLink::open_report_reader() {
-  const DdsListener listener(dds_create_listener(this));
-  dds_lset_data_available(listener.get(), [](dds_entity_t reader, void* self) {
-    static_cast<ControlLink*>(self)->take_reports(reader);
-  });
-  const DdsQos written = heartbeat_qos();
-  return dds_create_reader(participant_, report_topic_, reading_qos(written.get()).get(), listener.get());
 }
 
 void ControlLink::give_report(std::span<const std::byte> body) {
-  if (report_writer_ == 0) return;
+  if (reports_.writer == 0) return;
   sft_control_Report sample{};
   sample.version = static_cast<std::uint8_t>(control_protocol_version());
   const auto size = static_cast<std::uint32_t>(body.size());
   auto* const octets = const_cast<std::byte*>(body.data());
   sample.body = {size, size, reinterpret_cast<std::uint8_t*>(octets), false};
-  dds_write(report_writer_, &sample);
+  dds_write(reports_.writer, &sample);
 }
 
 void ControlLink::announce(bool asks) {
@@ -325,7 +255,8 @@ void ControlLink::flush(std::chrono::milliseconds timeout) {
   const auto end = std::chrono::steady_clock::now() + timeout;
   for (const Role role : both_roles) {
     const std::chrono::nanoseconds left = end - std::chrono::steady_clock::now();
-    if (topics_[role].writer != 0 && left.count() > 0) dds_wait_for_acks(topics_[role].writer, left.count());
+    if (records_[role].writer != 0 && left.count() > 0)
+      dds_wait_for_acks(records_[role].writer, left.count());
   }
 }
 
@@ -336,14 +267,11 @@ void ControlLink::take_participants(dds_entity_t reader) {
                   SFT_NO_THREAD_SAFETY_ANALYSIS { note_participant(sample, info); });
 }
 
-/// The user data of a participant that is new here may be old. So KnownPeers is notified that the participant
-/// is new, and ignores `asks` in this case.
 void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
                                    const dds_sample_info_t& info) {
   const ParticipantGuid guid = guid_of(sample.key);
   if (guid == guid_) return;
   if (info.instance_state != DDS_IST_ALIVE) {
-    known_.erase(guid);
     std::erase_if(writers_, [&](const auto& item) { return item.second == guid; });
     peers_.participant_gone(here(guid));
     return;
@@ -353,7 +281,7 @@ void ControlLink::note_participant(const dds_builtintopic_participant_t& sample,
   if (info.valid_data && !place_.is_secured && !is_of_sft(user_data)) peers_.vanilla_came(here(guid));
   const auto data = parse_participant_data(user_data);
   if (!data || data->is_secured != place_.is_secured) return;
-  peers_.participant_came(here(guid), *data, known_.insert(guid).second);
+  peers_.participant_came(here(guid), *data);
 }
 
 /// Returns the participant that the writer belongs to; nothing if the writer is gone and no sample of it was
@@ -373,7 +301,7 @@ std::optional<ParticipantGuid> ControlLink::participant_of(dds_entity_t reader,
 
 /// SFT neither disposes of records nor unregisters them: only forged samples do. So only samples with data
 /// are used.
-void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
+void ControlLink::take_records(dds_entity_t reader, Role role) {
   const Lock lock(taking_);
   take_all<sft_control_Record>(reader, [&](const sft_control_Record& sample,
                                            const dds_sample_info_t& info) SFT_NO_THREAD_SAFETY_ANALYSIS {
@@ -389,7 +317,7 @@ void ControlLink::take_records(dds_entity_t reader, Topic& topic) {
     const auto* const first = reinterpret_cast<const std::byte*>(sample.body._buffer);
     if (sample.body._length > 0)
       record.body = std::make_shared<const std::vector<std::byte>>(first, first + sample.body._length);
-    peers_.record_came(here(*by), topic.role, {sample.slot, static_cast<RecordKind>(sample.kind)},
+    peers_.record_came(here(*by), role, {sample.slot, static_cast<RecordKind>(sample.kind)},
                        std::move(record));
   });
 }

@@ -8,7 +8,6 @@
 #include <map>
 #include <memory>
 #include <optional>
-#include <set>
 #include <span>
 #include <string>
 #include <utility>
@@ -24,6 +23,12 @@ namespace sft::core {
 
 class CycloneDomain;
 class KnownPeers;
+
+/// What the links of a process exchange with others, beside heartbeats and the records that they write.
+struct LinkUse {
+  PerRole<bool> reads_records{};
+  bool reads_reports = false, writes_reports = false;
+};
 
 class ControlLink {
  public:
@@ -45,24 +50,20 @@ class ControlLink {
 
   // An object must be used by only one thread at a time.
 
-  /// Starts to read the records that other participants write for that role.
-  Result<void> hear(Role role);
+  /// Opens and closes readers and writers as `use` requires. Does what failed before again, except writes.
+  Result<void> follow(const LinkUse& use);
   /// Writes a record. If that fails, the record is kept for write_again().
   void write(Role role, const OwnRecords::Change& change);
-  /// Writes the records that could not be written before. Opens the topic of heartbeats if use_topic() has
-  /// failed before. Returns the error if either of them fails again.
+  /// Writes the records that could not be written before. Returns the error if that fails again.
   Result<void> write_again();
   void give_heartbeat(const PerRole<std::uint64_t>& digests);
-  /// Opens or closes the reader and the writer of reports.
-  Result<void> use_reports(bool reads, bool writes);
   /// Sends a report, which may get lost. It is dropped if no writer of reports is open.
   void give_report(std::span<const std::byte> body);
   /// Passes on the heartbeats that have come by UDP since the last call.
   void take_heartbeats(Time now);
-  /// Starts to send and receive heartbeats by the topic as well, and announces this. If it fails,
-  /// write_again() tries again.
+  /// Starts to send and receive heartbeats by the topic as well, and announces this. If it fails, follow()
+  /// tries again.
   Result<void> use_topic();
-  bool uses_topic() const { return data_.uses_topic; }
   /// Announces the participant to all others once more. If `asks` is true, the others are asked to announce
   /// themselves, too.
   void announce(bool asks);
@@ -71,25 +72,27 @@ class ControlLink {
   void flush(std::chrono::milliseconds timeout);
 
  private:
-  /// The DDS topic with the records of one role.
+  /// A DDS topic, and its endpoints in our participant.
   struct Topic {
-    ControlLink* link = nullptr;
-    Role role{};
-    dds_entity_t writer = 0, reader = 0;
+    const dds_topic_descriptor_t* type = nullptr;
+    const char* name = nullptr;
+    bool is_reliable = false;  ///< samples arrive, and are kept for participants that are found later
+    dds_on_data_available_fn take = nullptr;
+    dds_entity_t topic = 0, writer = 0, reader = 0;  ///< 0 if it is not open
   };
 
   ControlLink(const Place& place, KnownPeers& known);
+  static ControlLink& of(void* listener) { return *static_cast<ControlLink*>(listener); }
   Result<void> open();
-  Result<dds_entity_t> writer_of(Topic& topic);
+  Result<void> use(Topic& topic, bool reads, bool writes);
   Result<void> try_to_write(Role role, const RecordKey& key, const Record& record);
   void say_user_data();
   void take_participants(dds_entity_t reader);
   void note_participant(const dds_builtintopic_participant_t& sample, const dds_sample_info_t& info)
       SFT_REQUIRES(taking_);
-  void take_records(dds_entity_t reader, Topic& topic);
+  void take_records(dds_entity_t reader, Role role);
   void take_heartbeat_samples(dds_entity_t reader);
   void take_reports(dds_entity_t reader);
-  dds_entity_t open_report_reader();
   std::optional<ParticipantGuid> participant_of(dds_entity_t reader, dds_instance_handle_t writer)
       SFT_REQUIRES(taking_);
   RemoteParticipant here(const ParticipantGuid& guid) const { return {place_.link, guid}; }
@@ -100,14 +103,13 @@ class ControlLink {
   dds_entity_t participant_ = 0;
   ParticipantGuid guid_{};
   std::optional<HeartbeatSocket> socket_;
-  dds_entity_t heartbeat_writer_ = 0, report_topic_ = 0, report_writer_ = 0, report_reader_ = 0;
-  PerRole<Topic> topics_;
+  PerRole<Topic> records_;
+  Topic heartbeats_, reports_;
   std::map<std::pair<Role, RecordKey>, Record> unwritten_;
   bool wants_topic_ = false;  ///< heartbeats should be sent by the topic as well
 
   /// Held while samples are taken and passed on, so that they are passed on in order.
   Mutex taking_;
-  std::set<ParticipantGuid> known_ SFT_GUARDED_BY(taking_);
   /// The participant of each DDS writer.
   std::map<dds_instance_handle_t, ParticipantGuid> writers_ SFT_GUARDED_BY(taking_);
 };

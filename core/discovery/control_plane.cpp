@@ -13,13 +13,13 @@ namespace sft::core {
 namespace {
 
 using Names = std::vector<std::string>;
-using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, Names, ThreadSettings>;
+using PlaneKey = std::tuple<std::uint32_t, std::string, std::string, Names, Names, ThreadSettings>;
 
 /// Returns all values that must be equal for nodes to share discovery. The text of the configuration
-/// contains neither the user's interfaces nor the user's domain number, so these are added.
+/// contains neither the user's interfaces nor peers nor domain number, so these are added.
 PlaneKey key_of_plane(const DiscoveryOptions& options, const DdsConfig& config) {
-  return {options.domain, config.text,       config.domain_on_wire, config.interfaces,
-          config.peers,   config.user_peers, options.threads};
+  return {options.domain,    config.text,  config.domain_on_wire,
+          config.interfaces, config.peers, options.threads};
 }
 
 /// Holds the control planes of this process, as long as any node uses them.
@@ -38,14 +38,6 @@ constexpr const char* way_through_firewalls =
     "of "
     "it, or name both hosts as DiscoverySettings::peers of each other (docs/operations.md, Firewalls)";
 
-/// Returns the peers that Cyclone gets as numeric addresses. This process looks up their names.
-Names peers_in_numbers(const DdsConfig& config) {
-  Names peers = config.peers;
-  if (!config.text_has_user_peers)
-    peers.insert(peers.end(), config.user_peers.begin(), config.user_peers.end());
-  return peers;
-}
-
 /// Returns the interfaces that may have links; nothing if the system cannot list them. Interfaces of
 /// containers come and go, so they have no link unless they are listed.
 std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig& config) {
@@ -60,12 +52,16 @@ std::optional<std::vector<HostInterface>> interfaces_that_count(const DdsConfig&
 /// Its functions lock the mutex of the control plane, which nodes share.
 class ControlPlane::OfNode final : public Discovery {
  public:
-  OfNode(std::shared_ptr<ControlPlane> plane, DiscoveryListener& listener)
+  OfNode(std::shared_ptr<ControlPlane> plane, std::function<void()> wake)
       : plane_(std::move(plane)),
-        node_(plane_->ask([&](Directory& directory) { return directory.join(listener); })) {}
+        node_(plane_->ask([&](Directory& directory) { return directory.join(std::move(wake)); })) {}
   ~OfNode() override;
 
   Configuration configuration() const override { return plane_->configuration(); }
+  void take_events(DiscoveryListener& listener) override {
+    const auto take = [&](Directory& directory) { return directory.take_events(*node_); };
+    for (const DiscoveryEvent& event : plane_->ask(take)) event(listener);
+  }
   void hear(Role role) override;
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {
     return plane_->ask([&](Directory& directory) { return directory.publishers_of(type_name); });
@@ -93,10 +89,10 @@ class ControlPlane::OfNode final : public Discovery {
 };
 
 Result<std::unique_ptr<Discovery>> Discovery::open(const DiscoveryOptions& options,
-                                                   DiscoveryListener& listener) {
+                                                   std::function<void()> wake) {
   Result<std::shared_ptr<ControlPlane>> plane = ControlPlane::of(options);
   if (!plane) return tl::unexpected(plane.error());
-  return std::make_unique<ControlPlane::OfNode>(std::move(*plane), listener);
+  return std::make_unique<ControlPlane::OfNode>(std::move(*plane), std::move(wake));
 }
 
 Result<std::shared_ptr<ControlPlane>> ControlPlane::of(const DiscoveryOptions& options) {
@@ -116,7 +112,7 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
     : config_(std::move(config)),
       process_(random_id()),
       known_(process_, timing_),
-      peers_by_name_(peers_in_numbers(config_), threads),
+      peers_by_name_(config_.peers, threads),
       own_(process_, timing_),
       links_({config_, threads, timing_}, own_, known_) {}
 
@@ -151,18 +147,18 @@ Discovery::Configuration ControlPlane::configuration() const {
   return configuration_;
 }
 
-/// If the topic cannot be read yet, try_again() warns and tries it again.
 void ControlPlane::OfNode::hear(Role role) {
   const Lock lock(plane_->mutex_);
   plane_->known_.with([&](Peers& peers, Directory& directory) {
     peers.listen(role, std::chrono::steady_clock::now());
     directory.hear_all(node_, role);
   });
-  (void)plane_->links_.hear(role);
+  plane_->use_.reads_records[role] = true;
+  (void)plane_->use_links();
 }
 
 /// The request is written first, because other processes use the announcement of a subscriber only together
-/// with its request. If reading of the topic cannot begin yet, try_again() tries it again.
+/// with its request.
 void ControlPlane::OfNode::announce(const Endpoint& endpoint) {
   const Lock lock(plane_->mutex_);
   const Time now = std::chrono::steady_clock::now();
@@ -170,7 +166,8 @@ void ControlPlane::OfNode::announce(const Endpoint& endpoint) {
     peers.listen(other(endpoint.role), now);
     directory.announced(node_, endpoint);
   });
-  (void)plane_->links_.hear(other(endpoint.role));
+  plane_->use_.reads_records[other(endpoint.role)] = true;
+  (void)plane_->use_links();
   if (endpoint.role == Role::reader)
     plane_->put(endpoint.role, endpoint.id, RecordKind::request, to_bytes(endpoint.request), now);
   plane_->put(endpoint.role, endpoint.id, RecordKind::announcement, to_bytes(endpoint), now);
@@ -227,7 +224,7 @@ void ControlPlane::OfNode::inquire(const std::set<Inquiry>& inquiries) {
 /// records, which processes with subscribers read.
 void ControlPlane::write_inquiries(Time now) {
   const auto wanted = ask([](Directory& directory) { return directory.own_inquiries(); });
-  use_reports();  // called first, because reports come soon
+  (void)use_links();  // called first, because reports come soon
   std::erase_if(inquiries_, [&](const auto& item) SFT_NO_THREAD_SAFETY_ANALYSIS {
     const auto& [inquiry, owner] = item;
     if (wanted.contains(inquiry)) return false;
@@ -244,20 +241,20 @@ void ControlPlane::write_inquiries(Time now) {
   }
 }
 
-/// Opens and closes readers and writers of reports as inquiries require. Returns true if other processes
-/// inquire. If a reader or writer cannot be opened, try_again() tries it again.
-bool ControlPlane::use_reports() {
-  const auto [reads, writes] = ask([](Directory& directory) {
+/// Opens and closes readers and writers on all links as endpoints and inquiries require. If one cannot be
+/// opened, try_again() warns and tries it again.
+Result<void> ControlPlane::use_links() {
+  std::tie(use_.reads_reports, use_.writes_reports) = ask([](Directory& directory) {
     return std::pair(!directory.own_inquiries().empty(), directory.do_others_inquire());
   });
-  (void)links_.use_reports(reads, writes);
-  return writes;
+  return links_.follow(use_);
 }
 
 void ControlPlane::OfNode::report(const NodeReport& report) {
   const Lock lock(plane_->mutex_);
   plane_->ask([&](Directory& directory) { directory.reported(node_, report); });
-  if (plane_->use_reports())
+  (void)plane_->use_links();
+  if (plane_->use_.writes_reports)
     plane_->links_.each([body = to_bytes(report)](ControlLink& link) { link.give_report(body); });
 }
 
@@ -269,7 +266,7 @@ Time ControlPlane::look(Time now) {
   links_.each([&](ControlLink& link) { link.take_heartbeats(now); });
   const KnownPeers::Todo todo = known_.look(now);
   for (const PeerAction& action : todo.of_links) act(action, now);
-  use_reports();
+  (void)use_links();
   if (now >= try_again_at_) try_again(now);
   give_heartbeats(now);
   return std::min({next, todo.next, own_.heartbeat_due()});
@@ -278,7 +275,8 @@ Time ControlPlane::look(Time now) {
 /// A failure is reported only once while it lasts.
 void ControlPlane::try_again(Time now) {
   try_again_at_ = now + timing_.try_again;
-  const Result<void> tried = links_.try_again();
+  Result<void> tried = links_.write_again();
+  if (Result<void> used = use_links(); !used) tried = std::move(used);
   const std::string failure = tried ? "" : tried.error().message;
   if (std::exchange(failure_, failure) != failure && !tried)
     log_news(News::warning, failure + "; it is tried again until it succeeds");
@@ -302,8 +300,7 @@ void ControlPlane::act(const PeerAction& action, Time now) {
     if (ControlLink* const link = links_.find(announcement->link)) link->announce(announcement->asks);
   }
   if (const auto* const missing = std::get_if<HeartbeatsMissing>(&action)) {
-    ControlLink* const link = links_.find(missing->link);
-    if (link != nullptr && !link->uses_topic()) (void)link->use_topic();  // try_again() reports a failure
+    if (ControlLink* const link = links_.find(missing->link)) (void)link->use_topic();
   }
 }
 

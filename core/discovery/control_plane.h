@@ -50,7 +50,7 @@ class ControlPlane {
   void withdraw_records(EndpointId id, Time now) SFT_REQUIRES(mutex_);
   void withdraw_owned(Role role, std::uint64_t owner, Time now) SFT_REQUIRES(mutex_);
   void write_inquiries(Time now) SFT_REQUIRES(mutex_);
-  bool use_reports() SFT_REQUIRES(mutex_);
+  Result<void> use_links() SFT_REQUIRES(mutex_);
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
   void try_again(Time now) SFT_REQUIRES(mutex_);
@@ -83,6 +83,7 @@ class ControlPlane {
   std::map<Inquiry, std::uint64_t> inquiries_ SFT_GUARDED_BY(mutex_);  ///< our inquiries, and the owner
                                                                        ///< number of each one's record
   OwnRecords own_ SFT_GUARDED_BY(mutex_);
+  LinkUse use_ SFT_GUARDED_BY(mutex_);
   Links links_ SFT_GUARDED_BY(mutex_);  ///< declared after `known_`, so that it is destroyed first, since its
                                         ///< threads use `known_`
 

@@ -9,8 +9,8 @@
 #include <array>
 #include <cerrno>
 #include <charconv>
-#include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <iterator>
 #include <memory>
 #include <ranges>
@@ -20,23 +20,14 @@ namespace sft::core {
 
 namespace {
 
-struct FileCloser {
-  void operator()(std::FILE* file) const { std::fclose(file); }
-};
 struct ParserDeleter {
   void operator()(ddsrt_xmlp_state* parser) const { ddsrt_xmlp_free(parser); }
 };
-using File = std::unique_ptr<std::FILE, FileCloser>;
 using Parser = std::unique_ptr<ddsrt_xmlp_state, ParserDeleter>;
 
 constexpr std::string_view separators = ", \t\r\n";
 constexpr const char* where_from =
     "the configuration of Cyclone DDS (CYCLONEDDS_URI or NodeOptions::cyclonedds_config)";
-
-bool is_called(std::string_view written, std::string_view name, bool may_be_short) {
-  const bool is_short = may_be_short && !written.empty() && written.size() < name.size();
-  return equals(written, is_short ? name.substr(0, written.size()) : name);
-}
 
 /// Returns the value with ${VARIABLES} replaced.
 std::string expanded(const char* value, std::uint32_t domain) {
@@ -51,7 +42,7 @@ bool sets_anything(const CycloneElement& element) {
 /// Builds a tree of the elements that the parser finds in one text or file.
 class DocumentReader {
  public:
-  DocumentReader(std::uint32_t domain, bool is_file) : domain_(domain), may_be_short_(!is_file) {}
+  explicit DocumentReader(std::uint32_t domain) : domain_(domain) {}
 
   static const ddsrt_xmlp_callbacks& callbacks() {
     static constexpr ddsrt_xmlp_callbacks all{&on_open, &on_attribute, &on_data, &on_close, &on_error};
@@ -69,7 +60,7 @@ class DocumentReader {
  private:
   static DocumentReader& self(void* reader) { return *static_cast<DocumentReader*>(reader); }
   static int on_open(void* reader, std::uintptr_t, std::uintptr_t*, const char* name, int) {
-    self(reader).open_.push_back({.name = name, .may_be_short = self(reader).may_be_short_});
+    self(reader).open_.push_back({.name = name});
     return 1;
   }
   static int on_attribute(void* reader, std::uintptr_t, const char* name, const char* value, int) {
@@ -95,7 +86,6 @@ class DocumentReader {
   }
 
   const std::uint32_t domain_;
-  const bool may_be_short_;
   std::vector<CycloneElement> open_{1};  ///< the elements that are not closed yet; the first one is the root
   bool has_variables_ = false;
   std::string error_;
@@ -131,97 +121,84 @@ void write(const CycloneElement& element, const std::vector<const CycloneElement
   text += "</" + element.name + ">";
 }
 
+Result<std::string> text_of_file(const std::string& name) {
+  constexpr std::string_view scheme = "file://";
+  std::ifstream file(name);
+  if (!file && name.starts_with(scheme)) file.open(name.substr(scheme.size()));
+  if (!file) {
+    return fail(Errc::invalid_argument, std::string(where_from) + " names the file '" + name +
+                                            "', which cannot be read: " + std::strerror(errno));
+  }
+  return std::string(std::istreambuf_iterator<char>(file), {});
+}
+
 }  // namespace
 
 bool equals(std::string_view a, std::string_view b) {
   return a.size() == b.size() && strncasecmp(a.data(), b.data(), a.size()) == 0;
 }
 
+std::string xml_element(std::string_view name, std::string_view content) {
+  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
+}
+
+std::string xml_document(std::string_view groups) {
+  return "<CycloneDDS><Domain id=\"any\">" + std::string(groups) + "</Domain></CycloneDDS>";
+}
+
 Result<CycloneSettings> CycloneSettings::read(const std::string& config, std::uint32_t domain) {
-  CycloneSettings settings(domain);
+  CycloneSettings settings(config, domain);
   for (std::size_t at = config.find_first_not_of(separators); at < config.size();
        at = config.find_first_not_of(separators, at)) {
     if (config[at] == '<') {
-      const Result<std::size_t> bytes = settings.read_text(config.substr(at));
+      const Result<std::size_t> bytes = settings.read_document(
+          config.substr(at), where_from, DDSRT_XMLP_ANONYMOUS_CLOSE_TAG | DDSRT_XMLP_MISSING_CLOSE_AS_EOF);
       if (!bytes) return tl::unexpected(bytes.error());
       at += *bytes;
-    } else {
-      const std::size_t end = std::min(config.find(',', at), config.size());
-      if (const auto read = settings.read_file(config.substr(at, end - at)); !read)
-        return tl::unexpected(read.error());
-      at = end;
+      continue;
     }
+    const std::size_t end = std::min(config.find(',', at), config.size());
+    const std::string name = config.substr(at, end - at);
+    const Result<std::string> text = text_of_file(name);
+    if (!text) return tl::unexpected(text.error());
+    if (const auto read = settings.read_document(*text, "the file '" + name + "'", 0); !read)
+      return tl::unexpected(read.error());
+    at = end;
   }
   return settings;
 }
 
 /// Adds the settings of the XML document at the beginning of `text`. Returns the offset at which the document
-/// ends.
-Result<std::size_t> CycloneSettings::read_text(const std::string& text) {
-  DocumentReader reader(domain_, false);
+/// ends. The elements around the groups of settings, <CycloneDDS> and <Domain>, may be missing.
+Result<std::size_t> CycloneSettings::read_document(const std::string& text, const std::string& source,
+                                                   unsigned leniency) {
+  DocumentReader reader(domain_);
   const Parser parser(ddsrt_xmlp_new_string(text.c_str(), &reader, &DocumentReader::callbacks()));
-  ddsrt_xmlp_set_options(parser.get(), DDSRT_XMLP_ANONYMOUS_CLOSE_TAG | DDSRT_XMLP_MISSING_CLOSE_AS_EOF);
-  return reader.parse(parser, where_from).map([&](const CycloneElement& document) {
-    add_document(document, reader.has_variables());
+  ddsrt_xmlp_set_options(parser.get(), leniency);
+  return reader.parse(parser, source).map([&](const CycloneElement& document) {
+    depends_on_domain_ |= reader.has_variables();
+    for (const CycloneElement& outer : document.elements) {
+      if (!equals(outer.name, "CycloneDDS")) {
+        add_domain(outer);
+        continue;
+      }
+      for (const CycloneElement& inner : outer.elements) add_domain(inner);
+    }
     return ddsrt_xmlp_get_bufpos(parser.get());
   });
 }
 
-Result<void> CycloneSettings::read_file(const std::string& name) {
-  constexpr std::string_view scheme = "file://";
-  File file(std::fopen(name.c_str(), "re"));
-  if (file == nullptr && name.starts_with(scheme)) file.reset(std::fopen(name.c_str() + scheme.size(), "re"));
-  if (file == nullptr) {
-    return fail(Errc::invalid_argument, std::string(where_from) + " names the file '" + name +
-                                            "', which cannot be read: " + std::strerror(errno));
+/// Attributes of outer elements are left out; one may be an XML namespace, for example.
+void CycloneSettings::add_domain(const CycloneElement& element) {
+  if (!equals(element.name, "Domain") && !equals(element.name, "DDSI2E") && !equals(element.name, "DDSI2")) {
+    if (!element.name.starts_with('@')) all_.elements.push_back(element);
+    return;
   }
-  DocumentReader reader(domain_, true);
-  const Parser parser(ddsrt_xmlp_new_file(file.get(), &reader, &DocumentReader::callbacks()));
-  return reader.parse(parser, "the file '" + name + "'").map([&](const CycloneElement& document) {
-    add_document(document, reader.has_variables());
-  });
-}
-
-/// Adds the settings of a document. The elements around the groups of settings, <CycloneDDS> and <Domain>,
-/// may be missing.
-void CycloneSettings::add_document(const CycloneElement& document, bool has_variables) {
-  depends_on_domain_ |= has_variables;
-  for (const CycloneElement& outer : document.elements) {
-    if (!equals(outer.name, "CycloneDDS")) {
-      add_domain(outer, false);
-      continue;
-    }
-    for (const CycloneElement& inner : outer.elements) add_domain(inner, inner.may_be_short);
-  }
-}
-
-void CycloneSettings::add_domain(const CycloneElement& element, bool may_be_short) {
-  if (!is_called(element.name, "Domain", may_be_short) && !equals(element.name, "DDSI2E") &&
-      !equals(element.name, "DDSI2"))
-    return add_group(element);
   for (const CycloneElement& one : element.elements) {
     const bool is_id = equals(one.name, "@Id") || equals(one.name, "Id");
     if (is_id && one.value && !is_for_us(*one.value)) return;
-    if (!is_id) add_group(one);
+    if (!is_id && !one.name.starts_with('@')) all_.elements.push_back(one);
   }
-}
-
-/// Adds a group of settings. Settings that had another name or group in older releases of Cyclone are
-/// renamed to the present one.
-void CycloneSettings::add_group(CycloneElement group) {
-  if (group.name.starts_with('@')) return;  // an XML namespace, for example
-  if (equals(group.name, "Unsupported")) group.name = "Internal";
-  if (equals(group.name, "DDSSecurity")) group.name = "Security";
-  const auto was_moved = [](const CycloneElement& one) {
-    return equals(one.name, "MaxMessageSize") || equals(one.name, "FragmentSize");
-  };
-  if (equals(group.name, "Internal")) {
-    for (const CycloneElement& one : group.elements) {
-      if (was_moved(one)) all_.elements.push_back({.name = "General", .elements = {one}});
-    }
-    std::erase_if(group.elements, was_moved);
-  }
-  all_.elements.push_back(std::move(group));
 }
 
 bool CycloneSettings::is_for_us(const std::string& id) {
@@ -241,7 +218,7 @@ std::vector<const CycloneElement*> CycloneSettings::at(std::string_view path) co
     std::vector<const CycloneElement*> inner;
     for (const CycloneElement* outer : found) {
       for (const CycloneElement& one : outer->elements) {
-        if (is_called(one.name, name, one.may_be_short)) inner.push_back(&one);
+        if (equals(one.name, name)) inner.push_back(&one);
       }
     }
     found = std::move(inner);
@@ -266,14 +243,24 @@ bool CycloneSettings::sets(std::string_view path) const {
   return std::ranges::any_of(at(path), [](const CycloneElement* one) { return sets_anything(*one); });
 }
 
+/// Older releases of Cyclone had another name for the group.
+bool CycloneSettings::is_secured() const { return sets("Security") || sets("DDSSecurity"); }
+
+std::string CycloneSettings::domain_on_wire() const {
+  const std::string number = value(domain_number_path).value_or("default");
+  return equals(number, "default") ? std::to_string(domain_) : number;
+}
+
 bool CycloneSettings::only_for_others() const { return has_others_ && !sets_anything(all_); }
 
 std::string CycloneSettings::for_any_domain(const std::vector<std::string_view>& left_out) const {
+  const auto is_set = [&](std::string_view path) { return sets(path); };
+  if (!depends_on_domain_ && std::ranges::none_of(left_out, is_set)) return text_;
   std::vector<const CycloneElement*> skipped;
   for (const std::string_view path : left_out) std::ranges::copy(at(path), std::back_inserter(skipped));
-  std::string text = "<CycloneDDS><Domain id=\"any\">";
-  for (const CycloneElement& group : all_.elements) write(group, skipped, text);
-  return text + "</Domain></CycloneDDS>";
+  std::string groups;
+  for (const CycloneElement& group : all_.elements) write(group, skipped, groups);
+  return xml_document(groups);
 }
 
 }  // namespace sft::core

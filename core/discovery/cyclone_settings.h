@@ -1,13 +1,15 @@
 // The settings that a user's configuration of Cyclone DDS (CYCLONEDDS_URI) makes for a domain, in the way
-// in which Cyclone will understand them. Cyclone accepts more than XML: `</>` closes any element, and
-// closing tags may be missing. In text that does not come from a file, names may be shortened and outer
-// elements left out. So this class uses Cyclone's own parser, and its rules for names.
+// in which Cyclone will understand them. Cyclone accepts more than XML: `</>` closes any element, closing
+// tags may be missing, and outer elements may be left out. So this class uses Cyclone's own parser. Settings
+// under shortened or former names, which Cyclone also accepts, are passed on, but are not found by their
+// paths.
 #pragma once
 
 #include <cstdint>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "sft/result.h"
@@ -17,10 +19,17 @@ namespace sft::core {
 /// Compares names or values of settings, ignoring case.
 bool equals(std::string_view a, std::string_view b);
 
+/// Returns the element as XML.
+std::string xml_element(std::string_view name, std::string_view content);
+/// Returns a configuration with these groups of settings that applies to any domain.
+std::string xml_document(std::string_view groups);
+
+/// The number of the domain on the network, where it is not that within the process.
+inline constexpr std::string_view domain_number_path = "Discovery/ExternalDomainId";
+
 /// An element of the configuration. Attributes are stored as elements whose names begin with "@".
 struct CycloneElement {
   std::string name;
-  bool may_be_short = false;           ///< true: `name` may be only the beginning of the full name
   std::optional<std::string> value{};  ///< nothing if the element has no text
   std::vector<CycloneElement> elements{};
 };
@@ -43,28 +52,28 @@ class CycloneSettings {
   /// Returns true if the configuration has settings, but none of them applies to this domain.
   bool only_for_others() const;
 
+  /// Returns true if the configuration has DDS Security.
+  bool is_secured() const;
+  /// Returns the number of the domain on the network.
+  std::string domain_on_wire() const;
+
   /// Returns the configuration as text that applies to any domain, since links have other domain numbers
-  /// within this process. Variables are replaced. The elements at the paths of `left_out`, and all elements
-  /// inside them, are omitted.
+  /// within this process. The elements at the paths of `left_out`, and all elements inside them, are omitted.
+  /// Where that changes nothing, this is the user's own text, because Cyclone's messages name its lines.
   std::string for_any_domain(const std::vector<std::string_view>& left_out) const;
-  /// Returns false if the user's own text and for_any_domain({}) mean the same to Cyclone. Pass the user's
-  /// text to Cyclone then, because Cyclone's messages name its lines.
-  bool depends_on_domain() const { return depends_on_domain_; }
 
  private:
-  explicit CycloneSettings(std::uint32_t domain) : domain_(domain) {}
-  Result<std::size_t> read_text(const std::string& text);
-  Result<void> read_file(const std::string& name);
-  void add_document(const CycloneElement& document, bool has_variables);
-  void add_domain(const CycloneElement& element, bool may_be_short);
-  void add_group(CycloneElement group);
+  CycloneSettings(std::string text, std::uint32_t domain) : text_(std::move(text)), domain_(domain) {}
+  Result<std::size_t> read_document(const std::string& text, const std::string& source, unsigned leniency);
+  void add_domain(const CycloneElement& element);
   bool is_for_us(const std::string& id);
   std::vector<const CycloneElement*> at(std::string_view path) const;
 
+  std::string text_;
   std::uint32_t domain_;
   CycloneElement all_{};  ///< the groups of settings for this domain
   bool has_others_ = false;
-  bool depends_on_domain_ = false;
+  bool depends_on_domain_ = false;  ///< the text means something else to a domain with another number
 };
 
 }  // namespace sft::core

@@ -32,8 +32,6 @@ constexpr Required predictable_port{
     "Discovery", "ParticipantIndex", "auto",
     "without multicast, nodes are looked for at the ports that DDS derives from the index"};
 
-constexpr std::string_view own_domain_number = "Discovery/ExternalDomainId";
-
 // The offset of the first port of nodes that find each other on the loopback without multicast. Because of
 // the offset, these nodes do not use the first ports, of which there are few and which the other links
 // need.
@@ -58,14 +56,6 @@ constexpr std::array<std::string_view, 6> changes_of_multicasts{
     "Discovery/SPDPMulticastAddress",
     "Discovery/Tag"};
 
-std::string element(std::string_view name, std::string_view content) {
-  return "<" + std::string(name) + ">" + std::string(content) + "</" + std::string(name) + ">";
-}
-
-std::string document(std::string_view content) {
-  return "<CycloneDDS><Domain id=\"any\">" + std::string(content) + "</Domain></CycloneDDS>";
-}
-
 std::string in_cyclone(std::chrono::milliseconds time) { return std::to_string(time.count()) + " ms"; }
 
 std::string list(const std::vector<std::string>& names) {
@@ -89,46 +79,29 @@ std::string insist_on(const Required& setting, const CycloneSettings& user,
     warnings.push_back(path + " is '" + std::string(setting.value) + "', not '" + *value +
                        "' as CYCLONEDDS_URI says: " + std::string(setting.why));
   }
-  return element(setting.section, element(setting.name, setting.value));
+  return xml_element(setting.section, xml_element(setting.name, setting.value));
 }
 
 std::string loopback_ports(bool finds_by_unicast) {
   const auto offsets = [](const std::string& cast, int first) {
-    return element(cast + "MetaOffset", std::to_string(first)) +
-           element(cast + "DataOffset", std::to_string(first + 1));
+    return xml_element(cast + "MetaOffset", std::to_string(first)) +
+           xml_element(cast + "DataOffset", std::to_string(first + 1));
   };
   return offsets("Multicast", loopback_multicast_offset) +
          (finds_by_unicast ? offsets("Unicast", loopback_port_offset) : "");
-}
-
-bool has_name(const std::vector<std::string>& peers) {
-  return std::ranges::any_of(peers, [](const auto& peer) { return name_in(peer).has_value(); });
 }
 
 bool chooses_interfaces(const CycloneSettings& user) {
   return user.sets("General/Interfaces") || user.sets("General/NetworkInterfaceAddress");
 }
 
-/// Returns the user's peers. One `Address` element of Cyclone's configuration may list several peers.
-std::vector<std::string> peers_of(const CycloneSettings& user) {
-  std::vector<std::string> peers;
+/// Returns the peers of the settings and of the user. One `Address` element of Cyclone's configuration may
+/// list several peers.
+std::vector<std::string> all_peers(const DiscoverySettings& settings, const CycloneSettings& user) {
+  std::vector<std::string> peers = settings.peers;
   for (const std::string& listed : user.values("Discovery/Peers/Peer/@Address"))
     std::ranges::move(split(listed), std::back_inserter(peers));
   return peers;
-}
-
-/// Returns the user's configuration, unchanged if possible. Its interfaces and its domain number are left
-/// out, because text_for() writes these for each link. Peers are left out, too, if one of them is a name,
-/// because Cyclone would look it up.
-std::string passed_through(const std::string& user_config, const CycloneSettings& user,
-                           bool leaves_out_peers) {
-  const bool suffices = !chooses_interfaces(user) && !user.sets(own_domain_number) &&
-                        !user.depends_on_domain() && !leaves_out_peers;
-  if (suffices) return user_config;
-  std::vector<std::string_view> left_out{"General/Interfaces", "General/NetworkInterfaceAddress",
-                                         own_domain_number};
-  if (leaves_out_peers) left_out.emplace_back("Discovery/Peers");
-  return user.for_any_domain(left_out);
 }
 
 /// Acknowledgements without delay and early heartbeats make a newcomer's first request arrive within
@@ -154,14 +127,15 @@ constexpr std::string_view message_max = "1232 B", fragment_max = "1100 B";
 /// So peers are asked rarely, and at few ports.
 std::string settings_of_sft(const std::string& multicast, bool asks_peers) {
   const auto lease = asks_peers ? usual_times.cyclone_lease_to_peers : usual_times.cyclone_lease;
-  std::string discovery =
-      element("SPDPInterval", in_cyclone(lease * 3 / 4)) + element("LeaseDuration", in_cyclone(lease));
-  if (asks_peers) discovery += element("ParticipantIndex", "auto") + element("MaxAutoParticipantIndex", "20");
-  const std::string general = element("AllowMulticast", multicast) + element("MaxMessageSize", message_max) +
-                              element("MaxRexmitMessageSize", message_max) +
-                              element("FragmentSize", fragment_max);
-  return document(element("General", general) + element("Discovery", discovery) +
-                  std::string(settings_of_all_links));
+  std::string discovery = xml_element("SPDPInterval", in_cyclone(lease * 3 / 4)) +
+                          xml_element("LeaseDuration", in_cyclone(lease));
+  if (asks_peers)
+    discovery += xml_element("ParticipantIndex", "auto") + xml_element("MaxAutoParticipantIndex", "20");
+  const std::string general =
+      xml_element("AllowMulticast", multicast) + xml_element("MaxMessageSize", message_max) +
+      xml_element("MaxRexmitMessageSize", message_max) + xml_element("FragmentSize", fragment_max);
+  return xml_document(xml_element("General", general) + xml_element("Discovery", discovery) +
+                      std::string(settings_of_all_links));
 }
 
 /// `multicast`: the value of General/AllowMulticast.
@@ -179,7 +153,7 @@ std::optional<std::uint16_t> heartbeat_port_of(const DdsConfig& config, const Cy
 }
 
 std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySettings& settings,
-                                    const CycloneSettings& user, bool has_peers) {
+                                    const CycloneSettings& user) {
   std::vector<std::string> remarks;
   if (user.only_for_others())
     remarks.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
@@ -187,7 +161,7 @@ std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySett
     remarks.emplace_back("DDS Security protects discovery and requests, not the samples");
   if (!settings.interfaces.empty() && chooses_interfaces(user))
     remarks.emplace_back("CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
-  if (!config.found_by_multicast && !has_peers)
+  if (!config.found_by_multicast && config.peers.empty())
     remarks.emplace_back("multicast is off and there are no peers: only nodes of this host are found");
   return remarks;
 }
@@ -232,79 +206,41 @@ Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& sett
   if (const auto ok = check_names(settings.interfaces, "interfaces"); !ok) return tl::unexpected(ok.error());
   const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
   if (!user) return tl::unexpected(user.error());
-  const bool has_peers = !settings.peers.empty() || user->sets("Discovery/Peers");
+  DdsConfig config;
+  config.peers = all_peers(settings, *user);
   // With configured peers, multicast serves discovery only: multicast might not reach those peers, so all
   // other data are sent to them by unicast.
-  const std::string ours = !settings.multicast ? "false" : has_peers ? "spdp" : "default";
+  const std::string ours = !settings.multicast ? "false" : !config.peers.empty() ? "spdp" : "default";
   const std::string multicast = user->value("General/AllowMulticast").value_or(ours);
 
-  DdsConfig config;
-  config.domain_on_wire = user->value(own_domain_number).value_or("default");
-  if (equals(config.domain_on_wire, "default")) config.domain_on_wire = std::to_string(domain);
+  config.domain_on_wire = user->domain_on_wire();
   config.found_by_multicast = !equals(multicast, "false");
-  config.is_secured = user->sets("Security");
+  config.is_secured = user->is_secured();
   config.heartbeat_port = heartbeat_port_of(config, *user, multicast);
-  config.peers = settings.peers;
-  config.user_peers = peers_of(*user);
-  config.text_has_user_peers = !has_name(config.user_peers);
   config.interfaces = chosen_interfaces(*user, settings);
   const bool has_no_port = equals(user->value("Discovery/ParticipantIndex").value_or(""), "none");
-  config.warnings = remarks_on(config, settings, *user, has_peers);
+  config.warnings = remarks_on(config, settings, *user);
   std::string insisted;
   for (const Required& setting : required) insisted += insist_on(setting, *user, config.warnings);
   if (has_no_port && !config.found_by_multicast)
     insisted += insist_on(predictable_port, *user, config.warnings);
-  // A later setting overrides an earlier one.
-  const std::string users = passed_through(user_config, *user, !config.text_has_user_peers);
-  config.text = settings_of_sft(ours, !config.found_by_multicast || has_peers) + "," +
-                (users.empty() ? "" : users + ",") + document(insisted);
+  // text_for() writes these for each link, peers as numbers, because Cyclone would look up names. A later
+  // setting overrides an earlier one.
+  const std::string users = user->for_any_domain(
+      {"General/Interfaces", "General/NetworkInterfaceAddress", "Discovery/Peers", domain_number_path});
+  config.text = settings_of_sft(ours, !config.found_by_multicast || !config.peers.empty()) + "," +
+                (users.empty() ? "" : users + ",") + xml_document(insisted);
   return config;
 }
 
-/// Participants with an index are few where peers are asked, and ROS 2's nodes need one each. This one has
-/// none: it asks the peers, and they answer.
-static std::string settings_of_ros(const RosDiscovery& ros) {
-  if (ros.loopback_only) return "<General><Interfaces><NetworkInterface address=\"127.0.0.1\"/></></>";
-  std::string peers = ros.localhost_only ? "<Peer address=\"localhost\"/>" : "";
-  for (const std::string& peer : ros.peers) peers += "<Peer address=\"" + peer + "\"/>";
-  if (peers.empty()) return {};
-  return (ros.localhost_only ? "<General><AllowMulticast>false</></>" : "") +
-         element("Discovery",
-                 "<ParticipantIndex>none</><MaxAutoParticipantIndex>32</>" + element("Peers", peers));
-}
-
-/// Multicasts of samples would reach the ports of all links of this network. The one setting that SFT cannot
-/// do without concerns the runtime of iceoryx, of which a process has one.
-Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
-                                     const RosDiscovery& ros) {
-  const Result<CycloneSettings> user = CycloneSettings::read(user_config, domain);
-  if (!user) return tl::unexpected(user.error());
-  const bool suffices = !user->sets(own_domain_number) && !user->depends_on_domain();
-  const std::string users = suffices ? user_config : user->for_any_domain({own_domain_number});
-  std::string on_wire = user->value(own_domain_number).value_or("default");
-  if (equals(on_wire, "default")) on_wire = std::to_string(domain);
-  constexpr std::string_view ours =
-      "<General><AllowMulticast>spdp</></><Sizing><ReceiveBufferSize>256 KiB</></>"
-      "<Internal><MultipleReceiveThreads>false</><WriterLingerDuration>0 s</></>";
-  const std::string insisted = element("SharedMemory", element("Enable", "false")) +
-                               element("Discovery", element("ExternalDomainId", on_wire));
-  const std::string of_ros = settings_of_ros(ros);
-  return VanillaConfig{.text = document(ours) + "," + (of_ros.empty() ? "" : document(of_ros) + ",") +
-                               (users.empty() ? "" : users + ",") + document(insisted),
-                       .is_secured = user->sets("Security")};
-}
-
 std::string DdsConfig::summary(std::span<const LinkSpec> links) const {
-  std::vector<std::string> asked = peers;
-  asked.insert(asked.end(), user_peers.begin(), user_peers.end());
-  const std::string on_peers = asked.empty() ? "" : ", and on the peers " + list(asked);
+  const std::string on_peers = peers.empty() ? "" : ", and on the peers " + list(peers);
   return found_by_multicast ? "by multicast on " + describe(links) + on_peers
                             : "on this host" + on_peers + ", by " + describe(links);
 }
 
 std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> links) const {
-  const auto asks = [&](const LinkSpec& link) { return !link.loopback || !text_has_user_peers; };
-  const auto link = std::ranges::find_if(links, asks);
+  const auto link = std::ranges::find(links, false, &LinkSpec::loopback);
   return link == links.end() ? std::nullopt : std::optional(family_on(*link));
 }
 
@@ -314,12 +250,12 @@ std::optional<IpFamily> DdsConfig::family_of_peers(std::span<const LinkSpec> lin
 /// not looped back to the host, since nodes of this host would otherwise find each other a second time.
 std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) const {
   const std::string which = link.ip.is_any() ? "name=\"" + link.interface : "address=\"" + format(link.ip);
-  std::string general = element(
+  std::string general = xml_element(
       "Interfaces", "<NetworkInterface " + which + (link.loopback ? "\" multicast=\"true\"/>" : "\"/>"));
-  if (link.ip.is_any()) general += element("Transport", "udp6");
-  if (!rules().peers) general += element("DontRoute", "true");
-  if (!link.reaches_own_host) general += element("EnableMulticastLoopback", "false");
-  std::string discovery = element("ExternalDomainId", domain_on_wire);
+  if (link.ip.is_any()) general += xml_element("Transport", "udp6");
+  if (!rules().peers) general += xml_element("DontRoute", "true");
+  if (!link.reaches_own_host) general += xml_element("EnableMulticastLoopback", "false");
+  std::string discovery = xml_element("ExternalDomainId", domain_on_wire);
   std::string asked;
   const auto ask = [&](const std::vector<std::string>& these) {
     for (const std::string& peer : these) {
@@ -329,10 +265,9 @@ std::string DdsConfig::text_for(const LinkSpec& link, const KnownHosts& hosts) c
   };
   if (!found_by_multicast && link.reaches_own_host) ask({format(loopback_ipv4), format(loopback_ipv6)});
   if (!link.loopback) ask(peers);
-  if (!text_has_user_peers) ask(user_peers);
-  if (!asked.empty()) discovery += element("Peers", asked);
-  if (link.loopback) discovery += element("Ports", loopback_ports(!found_by_multicast || rules().peers));
-  return text + "," + document(element("General", general) + element("Discovery", discovery));
+  if (!asked.empty()) discovery += xml_element("Peers", asked);
+  if (link.loopback) discovery += xml_element("Ports", loopback_ports(!found_by_multicast || rules().peers));
+  return text + "," + xml_document(xml_element("General", general) + xml_element("Discovery", discovery));
 }
 
 Result<std::vector<std::string>> discovery_interfaces(std::uint32_t domain, const DiscoverySettings& settings,

@@ -9,7 +9,6 @@
 #include <vector>
 
 #include "core/discovery/desired_links.h"
-#include "core/discovery/ros_discovery.h"
 #include "core/platform/host_lookup.h"
 #include "core/platform/peer_addresses.h"
 #include "sft/options.h"
@@ -28,18 +27,14 @@ struct DdsConfig {
   /// case with DDS Security, because heartbeats have no certificates. It is also the case if the user's
   /// configuration or the lack of multicast may keep heartbeats from arriving.
   std::optional<std::uint16_t> heartbeat_port{};
-  std::vector<std::string> peers;       ///< hosts to search for nodes, in addition to those that multicast
-                                        ///< reaches
-  std::vector<std::string> user_peers;  ///< peers that the user's configuration names for all links
-  bool text_has_user_peers = true;      ///< false if one of them is a name; text_for() adds the addresses of
-                                        ///< `user_peers` then
+  /// Hosts to search for nodes, in addition to those that multicast reaches: the peers of the settings and of
+  /// the user's configuration.
+  std::vector<std::string> peers;
   std::vector<std::string> interfaces;  ///< the chosen interfaces; empty: all interfaces
   std::vector<std::string> warnings;    ///< which of the user's settings do not apply, and why; other hints
 
   LinkRules rules() const {
-    return {.listed = interfaces,
-            .multicast = found_by_multicast,
-            .peers = !peers.empty() || !user_peers.empty()};
+    return {.listed = interfaces, .multicast = found_by_multicast, .peers = !peers.empty()};
   }
   /// Returns the configuration for dds_create_domain. A peer that is given by name is included once `hosts`
   /// has its addresses.
@@ -53,15 +48,6 @@ struct DdsConfig {
 /// The error says what is wrong with a setting, or with the user's configuration.
 Result<DdsConfig> dds_config(std::uint32_t domain, const DiscoverySettings& settings,
                              const std::string& user_config);
-
-/// The configuration of the participant that serves and hears DDS nodes which know nothing of SFT. It is that
-/// of a ROS 2 node in the same environment: interfaces, peers and all other settings are those of the user.
-struct VanillaConfig {
-  std::string text;         ///< the argument of dds_create_domain
-  bool is_secured = false;  ///< the user's configuration has DDS Security
-};
-Result<VanillaConfig> vanilla_config(std::uint32_t domain, const std::string& user_config,
-                                     const RosDiscovery& ros = {});
 
 /// Returns the names and addresses of the interfaces that the user's configuration chooses. If it chooses
 /// none, returns those that `settings` choose.

@@ -1,6 +1,7 @@
 #include "core/discovery/directory.h"
 
 #include <algorithm>
+#include <iterator>
 #include <set>
 
 #include "core/control/described_type.h"
@@ -8,24 +9,59 @@
 
 namespace sft::core {
 
-std::shared_ptr<ListeningNode> Directory::join(DiscoveryListener& listener) {
-  return nodes_.emplace_back(std::make_shared<ListeningNode>(ListeningNode{listener}));
+namespace {
+
+DiscoveryEvent seen(const Endpoint& endpoint) {
+  return [endpoint = std::make_shared<const Endpoint>(endpoint)](DiscoveryListener& to) {
+    to.endpoint_seen(*endpoint);
+  };
+}
+
+DiscoveryEvent departed(EndpointId id) {
+  return [id](DiscoveryListener& to) { to.endpoint_departed(id); };
+}
+
+DiscoveryEvent received(const Request& request) {
+  return [request](DiscoveryListener& to) { to.request_received(request); };
+}
+
+}  // namespace
+
+std::shared_ptr<ListeningNode> Directory::join(std::function<void()> wake) {
+  return nodes_.emplace_back(std::make_shared<ListeningNode>(ListeningNode{.wake = std::move(wake)}));
+}
+
+void Directory::wake(const std::shared_ptr<ListeningNode>& node) {
+  if (!std::exchange(node->is_woken, true)) woken_.push_back(node);
+}
+
+void Directory::give(const std::shared_ptr<ListeningNode>& node, DiscoveryEvent event) {
+  node->events.push_back(std::move(event));
+  wake(node);
+}
+
+/// The refusals come first, so that they are counted before what came after them is seen.
+std::vector<DiscoveryEvent> Directory::take_events(ListeningNode& node) {
+  std::vector<DiscoveryEvent> events;
+  for (auto& [news, refused] : std::exchange(node.refused, {})) {
+    events.emplace_back(
+        [news, refused](DiscoveryListener& to) { to.log_news(news, refused.text, refused.times); });
+  }
+  std::ranges::move(node.events, std::back_inserter(events));
+  node.events.clear();
+  node.is_woken = false;
+  return events;
 }
 
 bool Directory::concerns(const ListeningNode& node, const Endpoint& endpoint) {
   return node.hears_all[endpoint.role] || node.topics[other(endpoint.role)].contains(endpoint.topic);
 }
 
-/// Calls call(listener) for each node that the entry concerns.
-template <class Call>
-void Directory::notify(const Entry& entry, Call call) const {
+/// Notifies each node that the entry concerns.
+void Directory::notify(const Entry& entry, const DiscoveryEvent& event) {
   for (const auto& node : nodes_) {
-    if (node != entry.node && concerns(*node, entry.endpoint)) call(node->listener);
+    if (node != entry.node && concerns(*node, entry.endpoint)) give(node, event);
   }
-}
-
-void Directory::notify_seen(const Entry& entry) const {
-  notify(entry, [&](DiscoveryListener& to) { to.endpoint_seen(entry.endpoint); });
 }
 
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
@@ -35,18 +71,12 @@ void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) 
 }
 
 void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint) {
-  const auto known = entries_.find(endpoint.id);
-  if (known != entries_.end() && known->second.node == nullptr) {  // another process has used the id
-    notify(known->second, [&](DiscoveryListener& to) { to.endpoint_departed(endpoint.id); });
-    give_back_share(known->second);
-    entries_.erase(known);
-  }
   const auto [place, is_new] = entries_.try_emplace(endpoint.id);
   Entry& entry = place->second;
   if (entry.endpoint.request.sequence > endpoint.request.sequence) endpoint.request = entry.endpoint.request;
   entry.node = node;
   entry.endpoint = std::move(endpoint);
-  notify_seen(entry);
+  notify(entry, seen(entry.endpoint));
   if (!is_new) return;
   const Endpoint& own = entry.endpoint;
   notify_of_all(node, [&](const Endpoint& one) {
@@ -59,7 +89,7 @@ bool Directory::requested(const Request& request) {
   const auto found = entries_.find(request.reader);
   if (found == entries_.end() || found->second.node == nullptr) return false;
   found->second.endpoint.request = request;
-  notify(found->second, [&](DiscoveryListener& to) { to.request_received(request); });
+  notify(found->second, received(request));
   return true;
 }
 
@@ -72,13 +102,13 @@ std::optional<Role> Directory::withdrawn(EndpointId id) {
   const Role role = found->second.endpoint.role;
   auto& topics = node->topics[role];
   const auto topic = topics.find(found->second.endpoint.topic);
-  end(id, &DiscoveryListener::endpoint_departed);
+  end(id, departed(id));
   if (--topic->second > 0) return role;
   const std::string name = topics.extract(topic).key();
   for (const auto& [other_id, entry] : entries_) {
     const Endpoint& one = entry.endpoint;
     const bool was_told = one.role == other(role) && one.topic == name;
-    if (was_told && entry.node != node && !concerns(*node, one)) node->listener.endpoint_departed(other_id);
+    if (was_told && entry.node != node && !concerns(*node, one)) give(node, departed(other_id));
   }
   return role;
 }
@@ -117,8 +147,7 @@ void Directory::take_announcement(const Place& place, const Record& record) {
       before && slot.endpoint && slot.endpoint->id == before->id && slot.endpoint->topic == before->topic;
   if (before && !is_same) {
     const auto shown = entries_.find(before->id);
-    if (shown != entries_.end() && shown->second.place == place)
-      end(before->id, &DiscoveryListener::endpoint_departed);
+    if (shown != entries_.end() && shown->second.place == place) end(before->id, departed(before->id));
   }
   show(place);
 }
@@ -134,7 +163,7 @@ void Directory::take_request(const Place& place, const Record& record) {
   const auto shown = entries_.find(slot.request->reader);
   if (shown == entries_.end() || shown->second.place != place) return show(place);
   shown->second.endpoint.request = *slot.request;
-  notify(shown->second, [&](DiscoveryListener& to) { to.request_received(*slot.request); });
+  notify(shown->second, received(*slot.request));
 }
 
 void Directory::take_inquiry(const Place& place, const Record& record) {
@@ -176,7 +205,7 @@ void Directory::show(const Place& place) {
   Entry& entry = entries_[shown.id];
   entry.place = place;
   entry.endpoint = std::move(shown);
-  notify_seen(entry);
+  notify(entry, seen(entry.endpoint));
 }
 
 void Directory::give_back_share(const Entry& entry) {
@@ -186,16 +215,13 @@ void Directory::give_back_share(const Entry& entry) {
   if (--share->second == 0) shares_.erase(share);
 }
 
-void Directory::end(EndpointId id, End how) {
+/// Then notifies nodes of an endpoint of another process that has announced the same id, and was refused
+/// before.
+void Directory::end(EndpointId id, const DiscoveryEvent& event) {
   const auto ended = entries_.extract(id);
   if (!ended) return;
   give_back_share(ended.mapped());
-  notify(ended.mapped(), [&](DiscoveryListener& to) { (to.*how)(id); });
-  show_next(id);
-}
-
-/// Notifies nodes of an endpoint of another process that has announced the same id, and was refused before.
-void Directory::show_next(EndpointId id) {
+  notify(ended.mapped(), event);
   const auto has_id = [&](const auto& item) {
     return item.second.endpoint && item.second.endpoint->id == id;
   };
@@ -214,7 +240,7 @@ void Directory::peer_lost(ProcessId process) {
     if (entry != entries_.end() && entry->second.place == last->first) lost.push_back(entry->first);
   }
   slots_.erase(first, last);
-  for (const EndpointId id : lost) end(id, &DiscoveryListener::endpoint_lost);
+  for (const EndpointId id : lost) end(id, [id](DiscoveryListener& to) { to.endpoint_lost(id); });
 }
 
 void Directory::paths_cut(const PathsCut& cut) {
@@ -252,8 +278,14 @@ void Directory::notify_report(NodeReport report, const std::shared_ptr<Listening
     return is_foreign(one.id.said_by == Role::writer ? one.id.pair.writer : one.id.pair.reader);
   });
   if (report.empty()) return;
+  const bool is_urgent = !report.living.empty();  // because of leases
+  const DiscoveryEvent event = [report = std::move(report)](DiscoveryListener& to) {
+    to.report_received(report);
+  };
   for (const auto& node : nodes_) {
-    if (node != by && !node->inquiries.empty()) node->listener.report_received(report);
+    if (node == by || node->inquiries.empty()) continue;
+    node->events.push_back(event);
+    if (is_urgent || node->events.size() >= unread_max) wake(node);
   }
 }
 
@@ -287,16 +319,23 @@ Discovery::Inquiries Directory::inquiries() const {
 template <class Which>
 void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
   for (const auto& [id, entry] : entries_) {
-    if (entry.node != node && which(entry.endpoint)) node->listener.endpoint_seen(entry.endpoint);
+    if (entry.node != node && which(entry.endpoint)) give(node, seen(entry.endpoint));
   }
 }
 
-void Directory::log_news(News news, const std::string& text) const {
-  for (const auto& node : nodes_) node->listener.log_news(news, text);
+void Directory::log_news(News news, const std::string& text) {
+  for (const auto& node : nodes_) {
+    if (news != News::malformed && news != News::too_much) {
+      give(node, [news, text](DiscoveryListener& to) { to.log_news(news, text, 1); });
+      continue;
+    }
+    ListeningNode::Refused& refused = node->refused[news];
+    if (refused.times++ == 0) refused.text = text;
+  }
 }
 
 void Directory::vanilla_changed() {
-  for (const auto& node : nodes_) node->listener.vanilla_changed();
+  for (const auto& node : nodes_) give(node, [](DiscoveryListener& to) { to.vanilla_changed(); });
 }
 
 std::vector<Discovery::KnownPublisher> Directory::publishers_of(std::string_view type_name) const {

@@ -3,8 +3,8 @@
 // those with the other role and the same topic. A node that has called hear_all() for a role is notified of
 // all endpoints of that role. An endpoint id belongs to the process that announced it first, until that
 // process withdraws it or is lost. Meanwhile other processes cannot announce or change it. Uses no
-// clock, thread or I/O: events are passed in, listeners are called. An object must be used by only one thread
-// at a time.
+// clock, thread or I/O: what nodes are notified of is kept for them. An object must be used by only one
+// thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -26,9 +26,19 @@
 
 namespace sft::core {
 
-/// A node of this process. Only the directory uses its members.
+/// Calls the function of a listener by which a node is notified.
+using DiscoveryEvent = std::function<void(DiscoveryListener&)>;
+
+/// A node of this process. Only the directory uses its members, except `wake`.
 struct ListeningNode {
-  DiscoveryListener& listener;  ///< must exist until Directory::leave() has returned
+  const std::function<void()> wake;  ///< see Discovery::open()
+  std::vector<DiscoveryEvent> events{};
+  bool is_woken = false;  ///< true: the node was woken, and has not called take_events() since
+  struct Refused {
+    std::string text{};  ///< that of the first one
+    std::uint64_t times = 0;
+  };
+  std::map<DiscoveryListener::News, Refused> refused{};
   PerRole<bool> hears_all{};
   std::set<Inquiry> inquiries{};
   PerRole<std::map<std::string, std::size_t>> topics{};  ///< the number of this node's endpoints on each
@@ -46,8 +56,8 @@ class Directory {
 
   // Events of the nodes of this process.
 
-  std::shared_ptr<ListeningNode> join(DiscoveryListener& listener);
-  /// Call this only when the node has withdrawn its endpoints. Its listener is not called after that.
+  std::shared_ptr<ListeningNode> join(std::function<void()> wake);
+  /// Call this only when the node has withdrawn its endpoints. It is not notified after that.
   void leave(const std::shared_ptr<ListeningNode>& node) { std::erase(nodes_, node); }
   void hear_all(const std::shared_ptr<ListeningNode>& node, Role role);
   void announced(const std::shared_ptr<ListeningNode>& node, Endpoint endpoint);
@@ -58,6 +68,9 @@ class Directory {
   void inquires(const std::shared_ptr<ListeningNode>& node, std::set<Inquiry> inquiries);
   void reported(const std::shared_ptr<ListeningNode>& node, const NodeReport& report);
   std::vector<EndpointId> endpoints_of(const std::shared_ptr<ListeningNode>& node) const;
+  std::vector<DiscoveryEvent> take_events(ListeningNode& node);
+  /// Returns the nodes that have to be woken, because there are events for them.
+  std::vector<std::shared_ptr<ListeningNode>> take_woken() { return std::exchange(woken_, {}); }
 
   // Events of other processes.
 
@@ -70,8 +83,9 @@ class Directory {
   /// Notifies all nodes that participants which do not belong to SFT have come or gone.
   void vanilla_changed();
   using News = DiscoveryListener::News;
-  /// Calls log_news() of the listeners of all nodes.
-  void log_news(News news, const std::string& text) const;
+  /// Notifies all nodes. Of refusals, a node gets the number and the text of the first one, however many
+  /// there are until it takes them. They do not wake it, since there may be a flood of them.
+  void log_news(News news, const std::string& text);
 
   /// The inquiries of our own nodes and of other processes.
   Discovery::Inquiries inquiries() const;
@@ -91,23 +105,23 @@ class Directory {
     std::shared_ptr<ListeningNode> node{};  ///< the node that has the endpoint; null: another process has it
     std::optional<Place> place{};           ///< the slot, if another process has the endpoint
   };
-  using End = void (DiscoveryListener::*)(EndpointId id);  ///< endpoint_departed() or endpoint_lost()
-
   /// The maximum number of endpoints of one role that another process may announce on one topic. So a process
   /// that announces endpoints without end costs the others on the topic little.
   static constexpr std::size_t topic_share = 256;
 
+  /// Reports that are not urgent do not wake a node unless this number of events has come.
+  static constexpr std::size_t unread_max = 64;
+
   static bool concerns(const ListeningNode& node, const Endpoint& endpoint);
-  template <class Call>
-  void notify(const Entry& entry, Call call) const;
-  void notify_seen(const Entry& entry) const;
+  void wake(const std::shared_ptr<ListeningNode>& node);
+  void give(const std::shared_ptr<ListeningNode>& node, DiscoveryEvent event);
+  void notify(const Entry& entry, const DiscoveryEvent& event);
   void take_announcement(const Place& place, const Record& record);
   void take_request(const Place& place, const Record& record);
   void take_inquiry(const Place& place, const Record& record);
   void give_back_share(const Entry& entry);
   void show(const Place& place);
-  void end(EndpointId id, End how);
-  void show_next(EndpointId id);
+  void end(EndpointId id, const DiscoveryEvent& event);
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
@@ -115,7 +129,7 @@ class Directory {
   void notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which);
 
   const LeadsTo leads_to_;
-  std::vector<std::shared_ptr<ListeningNode>> nodes_;
+  std::vector<std::shared_ptr<ListeningNode>> nodes_, woken_;
   std::map<Place, Slot> slots_;
   std::map<EndpointId, Entry> entries_;
   /// The number of entries of each other process, by role and topic.

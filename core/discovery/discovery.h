@@ -5,6 +5,7 @@
 
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <set>
 #include <string>
@@ -25,18 +26,17 @@ struct DiscoveryOptions {
 };
 
 /// A listener is notified of what other nodes announce: once of each item, even if several links bring it.
-/// Cyclone's threads and agents of this process call the listener, one at a time, while they hold a lock of
-/// discovery. So a listener must only post a task, and must not call Discovery.
+/// Discovery::take_events() calls its functions, in the thread of the node.
 class DiscoveryListener {
  public:
-  virtual void endpoint_seen(Endpoint endpoint) = 0;
+  virtual void endpoint_seen(const Endpoint& endpoint) = 0;
   virtual void endpoint_departed(EndpointId id) = 0;
   /// No heartbeats of the endpoint's process come any more. If the process is found again, endpoint_seen()
   /// is called again.
   virtual void endpoint_lost(EndpointId id) = 0;
-  virtual void request_received(Request request) = 0;
+  virtual void request_received(const Request& request) = 0;
   /// A node has reported on its own endpoints. Called only for nodes that have called inquire().
-  virtual void report_received(NodeReport report) = 0;
+  virtual void report_received(const NodeReport& report) = 0;
   /// The result of Discovery::vanilla() has changed.
   virtual void vanilla_changed() {}
   enum class News : std::uint8_t {
@@ -46,8 +46,9 @@ class DiscoveryListener {
     links_changed,  ///< the interfaces in use have changed; the text is the summary of the configuration
     warning         ///< for example, a participant has another release, or a peer's name has no address
   };
-  /// Called with a text for the log.
-  virtual void log_news(News news, std::string text) = 0;
+  /// Called with a text for the log. `times`: the number of refusals since the last call, of which the text
+  /// describes the first one; else 1.
+  virtual void log_news(News news, const std::string& text, std::uint64_t times) = 0;
 
  protected:
   ~DiscoveryListener() = default;
@@ -55,9 +56,9 @@ class DiscoveryListener {
 
 class Discovery {
  public:
-  /// `listener` must outlive the returned object.
-  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options,
-                                                 DiscoveryListener& listener);
+  /// Any thread calls `wake` when there is something for take_events(), once until that is called. It may do
+  /// so even after the returned object was destroyed, so `wake` must own what it uses.
+  static Result<std::unique_ptr<Discovery>> open(const DiscoveryOptions& options, std::function<void()> wake);
   virtual ~Discovery() = default;
 
   struct Configuration {
@@ -72,6 +73,8 @@ class Discovery {
 
   // The following functions must be called by only one thread at a time.
 
+  /// Notifies the listener of what has happened since the last call. No lock is held meanwhile.
+  virtual void take_events(DiscoveryListener& listener) = 0;
   /// Reports from now on all endpoints of that role that other nodes announce, and the requests of readers.
   /// Endpoints that were announced earlier are reported soon, too. Without this call, a node is notified
   /// only of endpoints that may match its own: those with the other role and the same topic.

@@ -29,20 +29,19 @@ sockaddr_in ddsi_address_at(std::uint16_t port) {
   return address;
 }
 
-using ControlData = std::array<std::byte, CMSG_SPACE(sizeof(timespec))>;
-
 std::chrono::nanoseconds since_epoch(const timespec& time) {
   return std::chrono::seconds(time.tv_sec) + std::chrono::nanoseconds(time.tv_nsec);
 }
 
 /// Returns how long ago the system received the datagram; 0 if it does not report that, or if the system's
 /// clock was set meanwhile.
-std::chrono::nanoseconds age_of(msghdr& datagram, std::chrono::nanoseconds now) {
+std::chrono::nanoseconds age_of(msghdr& datagram) {
   for (cmsghdr* one = CMSG_FIRSTHDR(&datagram); one != nullptr; one = CMSG_NXTHDR(&datagram, one)) {
     if (one->cmsg_level != SOL_SOCKET || one->cmsg_type != SCM_TIMESTAMPNS) continue;
-    timespec received{};
+    timespec received{}, now{};
     std::memcpy(&received, CMSG_DATA(one), sizeof received);
-    return std::max(now - since_epoch(received), std::chrono::nanoseconds(0));
+    ::clock_gettime(CLOCK_REALTIME, &now);
+    return std::max(since_epoch(now) - since_epoch(received), std::chrono::nanoseconds(0));
   }
   return {};
 }
@@ -85,31 +84,24 @@ void HeartbeatSocket::send(const Heartbeat& heartbeat) const noexcept {
            sizeof to);
 }
 
-/// Receives at most `batch` datagrams, and returns their number.
-std::size_t HeartbeatSocket::receive() noexcept {
-  std::array<iovec, batch> places{};
-  std::array<mmsghdr, batch> datagrams{};
-  std::array<sockaddr_in, batch> senders{};
-  alignas(cmsghdr) std::array<ControlData, batch> control_data;
-  for (std::size_t i = 0; i < batch; ++i) {
-    places[i] = {buffers_[i].data(), buffers_[i].size()};
-    datagrams[i].msg_hdr.msg_name = &senders[i];
-    datagrams[i].msg_hdr.msg_namelen = sizeof senders[i];
-    datagrams[i].msg_hdr.msg_iov = &places[i];
-    datagrams[i].msg_hdr.msg_iovlen = 1;
-    datagrams[i].msg_hdr.msg_control = control_data[i].data();
-    datagrams[i].msg_hdr.msg_controllen = control_data[i].size();
-  }
-  const int came = ::recvmmsg(socket_.get(), datagrams.data(), batch, MSG_DONTWAIT, nullptr);
-  if (came <= 0) return 0;
-  timespec now{};
-  ::clock_gettime(CLOCK_REALTIME, &now);
-  for (std::size_t i = 0; i < static_cast<std::size_t>(came); ++i) {
-    sizes_[i] = datagrams[i].msg_len;
-    ages_[i] = age_of(datagrams[i].msg_hdr, since_epoch(now));
-    senders_[i] = ntohl(senders[i].sin_addr.s_addr);
-  }
-  return static_cast<std::size_t>(came);
+/// Returns false if no datagram has come.
+bool HeartbeatSocket::receive(Received& into) const noexcept {
+  alignas(cmsghdr) std::array<char, CMSG_SPACE(sizeof(timespec))> control_data{};
+  sockaddr_in sender{};
+  iovec octets{into.octets.data(), into.octets.size()};
+  msghdr datagram{};
+  datagram.msg_name = &sender;
+  datagram.msg_namelen = sizeof sender;
+  datagram.msg_iov = &octets;
+  datagram.msg_iovlen = 1;
+  datagram.msg_control = control_data.data();
+  datagram.msg_controllen = control_data.size();
+  const ssize_t size = ::recvmsg(socket_.get(), &datagram, MSG_DONTWAIT);
+  if (size < 0) return false;
+  into.size = static_cast<std::size_t>(size);
+  into.age = age_of(datagram);
+  into.from = ntohl(sender.sin_addr.s_addr);
+  return true;
 }
 
 }  // namespace sft::core

@@ -37,32 +37,28 @@ class HeartbeatSocket {
   /// for which the heartbeat has waited in the socket, `from` the address of its sender. Other datagrams are
   /// dropped.
   template <class Hear>
-  void take(Hear hear) {
-    for (std::size_t taken = 0; taken < taken_at_once_max;) {
-      const std::size_t came = receive();
-      for (std::size_t i = 0; i < came; ++i) {
-        if (const auto heartbeat = decode_heartbeat(received(i))) hear(*heartbeat, ages_[i], senders_[i]);
-      }
-      if (came < batch) return;
-      taken += came;
+  void take(Hear hear) const {
+    Received one;
+    for (std::size_t taken = 0; taken < taken_at_once_max && receive(one); ++taken) {
+      if (const auto heartbeat = decode_heartbeat(std::span(one.octets).first(one.size)))
+        hear(*heartbeat, one.age, one.from);
     }
   }
 
  private:
-  static constexpr std::size_t batch = 32;
-  /// Has one octet more than a heartbeat, so that longer datagrams are recognized.
-  using Buffer = std::array<std::byte, heartbeat_bytes + 1>;
+  struct Received {
+    /// Has one octet more than a heartbeat, so that longer datagrams are recognized.
+    std::array<std::byte, heartbeat_bytes + 1> octets{};
+    std::size_t size = 0;
+    std::chrono::nanoseconds age{};
+    IpAddress from{};
+  };
 
   HeartbeatSocket(FileDescriptor socket, std::uint16_t port) : socket_(std::move(socket)), port_(port) {}
-  std::size_t receive() noexcept;
-  std::span<const std::byte> received(std::size_t i) const { return {buffers_[i].data(), sizes_[i]}; }
+  bool receive(Received& into) const noexcept;
 
   FileDescriptor socket_;
   std::uint16_t port_ = 0;
-  std::array<Buffer, batch> buffers_{};
-  std::array<std::size_t, batch> sizes_{};
-  std::array<std::chrono::nanoseconds, batch> ages_{};
-  std::array<IpAddress, batch> senders_{};
 };
 
 }  // namespace sft::core

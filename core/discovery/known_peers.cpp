@@ -12,6 +12,15 @@ KnownPeers::KnownPeers(ProcessId self, const Timing& timing)
         return spec != specs_.end() && leads_to(spec->second, address);
       }) {}
 
+KnownPeers::Turn::Turn(KnownPeers& known) : known_(known) { known_.mutex_.lock(); }
+
+KnownPeers::Turn::~Turn() {
+  known_.take_actions();
+  const auto woken = known_.directory_.take_woken();
+  known_.mutex_.unlock();
+  for (const auto& node : woken) node->wake();
+}
+
 /// Notifies nodes of what has changed. Actions that concern links are kept until an agent calls look().
 void KnownPeers::take_actions() {
   for (PeerAction& action : peers_.take_actions()) {
@@ -28,7 +37,7 @@ void KnownPeers::take_actions() {
 }
 
 KnownPeers::Todo KnownPeers::look(Time now) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   peers_.look(now);
   take_actions();
   for (const std::string& text : std::exchange(warnings_, {}))
@@ -37,22 +46,21 @@ KnownPeers::Todo KnownPeers::look(Time now) {
 }
 
 void KnownPeers::link_made(LinkId link, const LinkSpec& spec, bool heartbeats_find) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   peers_.link_made(link, std::chrono::steady_clock::now(), heartbeats_find);
   specs_[link] = spec;
 }
 
 void KnownPeers::link_closed(LinkId link) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   peers_.link_gone(link);
   specs_.erase(link);
   if (std::erase_if(vanilla_, [link](const RemoteParticipant& one) { return one.link == link; }) > 0)
     note_vanilla_gone();
-  take_actions();
 }
 
 Discovery::Vanilla KnownPeers::vanilla() {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   return {!vanilla_.empty(), vanilla_came_};
 }
 
@@ -61,30 +69,27 @@ void KnownPeers::note_vanilla_gone() {
   if (vanilla_.empty()) directory_.vanilla_changed();
 }
 
-void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new) {
-  const Lock lock(mutex_);
-  peers_.participant_found(id, data.process, std::chrono::steady_clock::now());
-  if (data.asks && !is_new) peers_.participant_asks(id);
+void KnownPeers::participant_came(const RemoteParticipant& id, const ParticipantData& data) {
+  const Turn turn(*this);
+  peers_.participant_found(id, data.process, std::chrono::steady_clock::now(), data.asks);
   if (data.uses_topic) of_links_.emplace_back(HeartbeatsMissing{id.link});
-  take_actions();
 }
 
 void KnownPeers::participant_gone(const RemoteParticipant& id) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   peers_.participant_gone(id);
   if (vanilla_.erase(id) > 0) note_vanilla_gone();
-  take_actions();
 }
 
 void KnownPeers::vanilla_came(const RemoteParticipant& id) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   if (vanilla_.size() >= vanilla_known_max || !vanilla_.insert(id).second) return;
   ++vanilla_came_;
   directory_.vanilla_changed();
 }
 
 void KnownPeers::other_release_seen(LinkId link, std::uint32_t version) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   if (releases_.size() >= releases_max || !releases_.insert(version).second) return;
   const auto spec = specs_.find(link);
   warnings_.push_back("a participant with control protocol " + std::to_string(version) + " is on " +
@@ -94,28 +99,26 @@ void KnownPeers::other_release_seen(LinkId link, std::uint32_t version) {
 }
 
 void KnownPeers::record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   if (!peers_.record_came(by, role, key, std::move(record), std::chrono::steady_clock::now()))
     directory_.log_news(Directory::News::too_much,
                         "a record of a participant that has as many as one may have");
-  take_actions();
 }
 
 void KnownPeers::heartbeat_came(LinkId link, const Heartbeat& heartbeat, Time now, Time::duration age,
                                 const IpAddress& from) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   peers_.heartbeat_came(link, heartbeat, now, age, from);
-  take_actions();
 }
 
 void KnownPeers::report_came(const RemoteParticipant& by, NodeReport report) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   if (const std::optional<ProcessId> process = peers_.process_of(by))
     directory_.report_came(*process, std::move(report));
 }
 
 void KnownPeers::sample_refused(const std::string& why) {
-  const Lock lock(mutex_);
+  const Turn turn(*this);
   directory_.log_news(Directory::News::malformed, why);
 }
 

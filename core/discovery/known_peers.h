@@ -1,6 +1,6 @@
-// Keeps the state of all other processes, and the nodes of this process that are notified of changes. Several
-// of Cyclone's threads report events at the same time. One mutex guards all members. It is held while nodes
-// are notified, which only post tasks. No function of Cyclone is called while it is held.
+// Keeps the state of all other processes, and what the nodes of this process have to be notified of. Several
+// of Cyclone's threads report events at the same time. One mutex guards all members. While it is held,
+// neither a function of Cyclone nor one of a node is called.
 #pragma once
 
 #include <cstddef>
@@ -26,7 +26,7 @@ class KnownPeers {
   /// Calls act(peers, directory).
   template <class Act>
   auto with(Act act) {
-    const Lock lock(mutex_);
+    const Turn turn(*this);
     return act(peers_, directory_);
   }
 
@@ -47,7 +47,7 @@ class KnownPeers {
   // Events that Cyclone's threads and agents report, several at the same time.
 
   /// Cyclone has found a participant of a process of this release, or its user data have changed.
-  void participant_came(const RemoteParticipant& id, const ParticipantData& data, bool is_new);
+  void participant_came(const RemoteParticipant& id, const ParticipantData& data);
   void participant_gone(const RemoteParticipant& id);
   /// look() notifies nodes of a release that was not seen before.
   void other_release_seen(LinkId link, std::uint32_t version);
@@ -62,6 +62,18 @@ class KnownPeers {
   void sample_refused(const std::string& why);
 
  private:
+  /// Holds the mutex. At its end, it applies the actions of Peers, unlocks the mutex, and then wakes the
+  /// nodes that have something to take.
+  class SFT_SCOPED_CAPABILITY Turn {
+   public:
+    explicit Turn(KnownPeers& known) SFT_ACQUIRE(known.mutex_) SFT_NO_THREAD_SAFETY_ANALYSIS;
+    ~Turn() SFT_RELEASE() SFT_NO_THREAD_SAFETY_ANALYSIS;
+    Turn(const Turn&) = delete;
+    Turn& operator=(const Turn&) = delete;
+
+   private:
+    KnownPeers& known_;
+  };
   void take_actions() SFT_REQUIRES(mutex_);
   void note_vanilla_gone() SFT_REQUIRES(mutex_);
 

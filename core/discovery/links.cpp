@@ -91,11 +91,7 @@ Result<void> Links::open_link(OpenLink& link) {
                                   known_);
   if (!opened) return tl::unexpected(opened.error());
   link.link = std::move(*opened);
-  if (Result<void> used = link.link->use_reports(reads_reports_, writes_reports_); !used) return used;
-  for (const Role role : both_roles) {
-    if (!heard_[role]) continue;
-    if (Result<void> heard = link.link->hear(role); !heard) return heard;
-  }
+  if (Result<void> used = link.link->follow(use_); !used) return used;
   for (const Role role : both_roles) {
     for (const auto& [key, record] : own_.records(role).all()) link.link->write(role, {key, record});
   }
@@ -125,31 +121,17 @@ void Links::close_all() {
   for (const OpenLink& one : std::exchange(links_, {})) known_.link_closed(one.id);
 }
 
-Result<void> Links::hear(Role role) {
-  heard_[role] = true;
+Result<void> Links::follow(const LinkUse& use) {
+  use_ = use;
   Result<void> result;
   for (const OpenLink& one : links_) {
-    if (Result<void> heard = one.link->hear(role); !heard && result) result = std::move(heard);
+    if (Result<void> used = one.link->follow(use); !used) result = std::move(used);
   }
   return result;
 }
 
-Result<void> Links::use_reports(bool reads, bool writes) {
-  reads_reports_ = reads;
-  writes_reports_ = writes;
+Result<void> Links::write_again() {
   Result<void> result;
-  for (const OpenLink& one : links_) {
-    if (Result<void> used = one.link->use_reports(reads, writes); !used) result = std::move(used);
-  }
-  return result;
-}
-
-Result<void> Links::try_again() {
-  Result<void> result = use_reports(reads_reports_, writes_reports_);
-  for (const Role role : both_roles) {
-    if (!heard_[role]) continue;
-    if (Result<void> heard = hear(role); !heard) result = std::move(heard);
-  }
   for (const OpenLink& one : links_) {
     if (Result<void> written = one.link->write_again(); !written) result = std::move(written);
   }

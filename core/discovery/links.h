@@ -45,14 +45,11 @@ class Links {
   Result<LinkSpec> renew(LinkId link);
   void close(LinkId link);
   void close_all();
-  /// Starts to read, on all links, what other participants announce for that role. Links that are opened
-  /// later are included.
-  Result<void> hear(Role role);
-  /// Opens or closes the readers and the writers of reports on all links. Links that are opened later are
-  /// included.
-  Result<void> use_reports(bool reads, bool writes);
-  /// Opens the readers and writes the records for which this has failed before. Returns the last error.
-  Result<void> try_again();
+  /// Opens and closes readers and writers on all links. Links that are opened later are included. Returns the
+  /// last error; the next call does again what has failed.
+  Result<void> follow(const LinkUse& use);
+  /// Writes the records that could not be written before. Returns the last error.
+  Result<void> write_again();
 
   bool empty() const { return links_.empty(); }
   /// Returns the specs of the links that have not retired.
@@ -87,8 +84,7 @@ class Links {
   const OwnRecords& own_;
   KnownPeers& known_;
   KnownHosts hosts_;
-  PerRole<bool> heard_{};
-  bool reads_reports_ = false, writes_reports_ = false;
+  LinkUse use_;
   LinkId links_made_ = 0;
   std::vector<std::string> failures_, warnings_;
   std::vector<OpenLink> links_;

@@ -1,7 +1,27 @@
-// Keeps track of the other processes and of their participants on each link: decides which processes are
-// alive, when records of them are missing, and what has to be done with the links of this process. Uses no
-// clock, thread or I/O: events and times are passed in, actions are returned. An object must be used by
-// only one thread at a time.
+// Keeps track of the other processes and of their participants on each link: decides which processes live,
+// which of their records are in force, what is missing, and what has to be done with the links of this
+// process.
+//
+// A process has a participant on each of its links, and writes all its records by each of them. Each
+// participant has tables of its own, so that records from a broken link can be distinguished from others.
+// Only these participants of a process count:
+//
+// 1. those whose tables agreed with the process's heartbeats at least once, and are not suspect;
+// 2. if there are none, those that agreed at least once;
+// 3. if there are none, the one that was found first.
+//
+// So a participant that falsely claims the id of a process does not count while that process's own
+// participants do. If the tables of the participants that count have several records with the same key, the
+// record with the greatest revision is in force, whichever link has brought it. All tables are compared
+// with the digests of the first participant that sends heartbeats regularly.
+//
+// This is all that the core does about trust. Without DDS Security, a record or heartbeat that is forged in
+// the name of a process cannot be distinguished from a true one. It is corrected like a record that was
+// lost: the digests of the process itself disagree with the table, and the link is made anew. With DDS
+// Security, Cyclone drops data without a certificate (SECURITY.md).
+//
+// Uses no clock, thread or I/O: events and times are passed in, actions are returned. An object must be used
+// by only one thread at a time.
 #pragma once
 
 #include <cstddef>
@@ -14,9 +34,8 @@
 #include <vector>
 
 #include "core/discovery/heartbeat.h"
-#include "core/discovery/link_care.h"
-#include "core/discovery/peer.h"
 #include "core/discovery/records.h"
+#include "core/discovery/remote_table.h"
 #include "core/discovery/timing.h"
 #include "core/platform/clock.h"
 #include "core/platform/ip_address.h"
@@ -35,20 +54,18 @@ struct RecordChanged {
   RecordKey key{};
   Record record{};
 };
-/// Heartbeats of the process come by the links `heard`, but no longer by the links `cut`: the path there is
-/// interrupted. Both lists are empty once no path is interrupted any more.
+/// Heartbeats of the process come by the links `heard`, but no longer by the links `links`: the path there is
+/// interrupted. Both lists are empty once no path is interrupted any more. A link counts as cut until a
+/// heartbeat comes by it again, however long that takes.
 struct PathsCut {
   ProcessId process = 0;
   std::vector<LinkId> links{};
   std::vector<LinkId> heard{};  ///< the links with heartbeats; two of these may lead to the same network
+  friend bool operator==(const PathsCut&, const PathsCut&) = default;
 };
 /// Heartbeats of a participant that Cyclone has found do not arrive on the link. A firewall may let only
 /// the ports of DDS pass. So heartbeats have to be sent through Cyclone.
 struct HeartbeatsMissing {
-  LinkId link = 0;
-};
-/// The retired link is not needed any more and has to be closed.
-struct EndLink {
   LinkId link = 0;
 };
 /// Records are missing on the link, which has to be replaced by a new one.
@@ -56,9 +73,17 @@ struct RenewLink {
   LinkId link = 0;
   IpAddress from{};  ///< the address of a process whose records are missing; "any" if it is not known
 };
-using Announce = LinkCare::Announcement;
+/// The retired link is not needed any more and has to be closed.
+struct EndLink {
+  LinkId link = 0;
+};
+/// The participant of this process on the link has to announce itself once more.
+struct Announce {
+  LinkId link = 0;
+  bool asks = false;  ///< asks all receivers to announce themselves, too
+};
 using PeerAction =
-    std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, Announce, EndLink>;
+    std::variant<PeerLost, RecordChanged, PathsCut, HeartbeatsMissing, RenewLink, EndLink, Announce>;
 
 /// These limits bound what attackers can make this process store. Further records are refused, counted and
 /// logged.
@@ -66,15 +91,42 @@ struct PeerLimits {
   std::size_t records = 4'096;                        ///< of one participant
   std::size_t bytes = std::size_t{16} << 20;          ///< the bytes of these records
   std::size_t bytes_of_all = std::size_t{256} << 20;  ///< the bytes of the records of all participants
-  /// The maximum number of participants of one process: one on each link, and a second one on a link that
-  /// is being replaced.
-  std::size_t participants = 32;
 };
 
+/// A participant of another process on one of our links, and the records that it has written.
+struct Participant {
+  std::optional<ProcessId> process{};  ///< nothing if only records of the participant have come so far
+  Time found_at{};
+  std::optional<Time> heard_at{};  ///< when the last heartbeat came
+  IpAddress address{};             ///< the address that the last heartbeat came from; "any" if it came
+                                   ///< through Cyclone
+  Time regular_since{};            ///< the time since which no two successive heartbeats were missing
+  PerRole<RemoteTable> tables{};
+  bool has_agreed = false;  ///< its tables have matched the process's digests at least once
+  bool is_suspect = false;  ///< a record is missing in its tables, or is not the process's own
+  bool is_silent = false;   ///< no heartbeat came for the lease
+  bool is_cropped = false;  ///< some records did not fit into the free memory, so digests prove nothing
+};
+using Participants = std::map<RemoteParticipant, Participant>;
+
+/// Another process that lives.
+struct Peer {
+  ProcessId process = 0;
+  std::vector<Participants::value_type*> participants{};  ///< in the order in which they were found
+  std::set<LinkId> links{};                               ///< the links by which the process has been found
+  /// The digests of the last heartbeat that speaks for the whole process; empty: there was none.
+  std::optional<PerRole<std::uint64_t>> digests{};
+  PerRole<Records> records{};  ///< the records that are in force, including withdrawn ones
+  PathsCut cut{};              ///< as last reported
+};
+
+/// Larger than usual: there is a function for each kind of event.
 class Peers {
  public:
+  /// `self` also varies the waiting times, so that processes that notice the same loss do not all act at the
+  /// same time.
   Peers(ProcessId self, const Timing& timing, const PeerLimits& limits = {})
-      : self_(self), timing_(timing), limits_(limits), care_(self, timing) {}
+      : self_(self), timing_(timing), limits_(limits) {}
   Peers(const Peers&) = delete;
   Peers& operator=(const Peers&) = delete;
 
@@ -82,20 +134,23 @@ class Peers {
 
   /// Records of that role are read from now on.
   void listen(Role role, Time now);
-  /// Must be called before the link is opened.
-  void link_made(LinkId link, Time now, bool heartbeats_find = true) {
-    care_.made(link, now, heartbeats_find);
-  }
+  /// Must be called before the link is opened. `heartbeats_find`: heartbeats of participants that Cyclone
+  /// does not know arrive on the link. Where they do not, Cyclone would repeat an announcement that was lost
+  /// only after minutes. So a new link repeats it soon, and then with pauses that double, until two leases
+  /// are over.
+  void link_made(LinkId link, Time now, bool heartbeats_find = true);
+  /// The link is retired, because link `by` was made to replace it. If processes were found by the old link,
+  /// their heartbeats are expected on the new link.
   void link_replaced(LinkId link, LinkId by, Time now);
-  void link_retired(LinkId link, Time now) { care_.retire(link, now); }
+  /// The link is retired, because its address is gone.
+  void link_retired(LinkId link, Time now);
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.
-  void network_changed(Time now) { care_.network_changed(now); }
-  /// Cyclone has found a participant that claims to belong to the process. Later claims of this participant
-  /// to another process are ignored.
-  void participant_found(const RemoteParticipant& id, ProcessId process, Time now);
-  /// A participant that was found before asks all others to announce themselves.
-  void participant_asks(const RemoteParticipant& id);
+  void network_changed(Time now);
+  /// Cyclone has found a participant that claims to belong to the process, or its user data have changed.
+  /// Later claims of this participant to another process are ignored. `asks`: the participant asks all others
+  /// to announce themselves. This is ignored if the participant is new, since its user data may be old then.
+  void participant_found(const RemoteParticipant& id, ProcessId process, Time now, bool asks = false);
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if the limits leave no memory for it.
   bool record_came(const RemoteParticipant& by, Role role, const RecordKey& key, Record record, Time now);
@@ -120,30 +175,58 @@ class Peers {
   Time newcomer_at() const { return newcomer_at_; }
 
  private:
-  using Participants = std::map<RemoteParticipant, Participant>;
+  /// What has to be decided about a link of this process.
+  struct Link {
+    Time stirred_at{};             ///< when a participant, or a record of a participant whose tables never
+                                   ///< agreed, last came
+    std::size_t participants = 0;  ///< the number of participants that were found on the link
+    std::optional<Time> retired_at{};
+    /// Empty if nothing is missing. True if the link has brought all records of a participant of which it
+    /// misses some now. Then a renewal will probably help. If a participant was made up, it never helps.
+    std::optional<bool> misses{};
+    IpAddress misses_from{};            ///< see RenewLink
+    Time renewed_at{};                  ///< when the link was made, or could not be renewed
+    std::chrono::milliseconds pause{};  ///< the time from that until a renewal that may not help
+    bool has_unknown = false;  ///< a participant that Cyclone does not know gives heartbeats, or the network
+                               ///< has changed
+    bool was_asked = false;    ///< a known participant has asked all others to announce themselves, or gives
+                               ///< no heartbeats, because it probably does not know this process
+    Time repeat_until{};       ///< the end of the time in which announcements are repeated
+    std::optional<Time> unknown_at{};            ///< when the first heartbeat of an unknown participant came
+                                                 ///< after the last question
+    bool is_unheard = false;                     ///< HeartbeatsMissing was reported
+    Time announce_at{};                          ///< the earliest time of the next announcement
+    std::chrono::milliseconds announce_pause{};  ///< the pause after the last announcement
+  };
+  /// The maximum number of participants of a link for which waiting times are extended. Further
+  /// participants do not extend them, since an attacker may make them up.
+  static constexpr std::size_t participants_counted_max = 100;
 
   bool has_room(const Participant& of, Role role, const RecordKey& key, const Record& record) const;
-  void admit(const RemoteParticipant& id, Participant& participant, Time now);
-  void join(const RemoteParticipant& id, Participant& participant);
-  void leave(const RemoteParticipant& id, const Participant& participant);
+  void forget_tables(Participant& participant);
+  void join(Participants::value_type& member);
+  void leave(const RemoteParticipant& id, ProcessId process);
+  void unknown_came(Link& link, Time now) const;
+  void compare(Peer& peer, Time now);
+  bool is_complete(const Peer& peer, const Participant& participant) const;
+  void refresh(Peer& peer, const std::vector<const Participant*>& counting, Role role, const RecordKey& key);
+  void refresh_all(Peer& peer);
   Time missed_at(LinkId link, const Participant& participant) const;
   Time unheard_at(LinkId link, const Participant& participant) const;
+  Time renewal_due(const Link& link) const;
+  static Time announcement_due(const Link& link);
   void look_at(const RemoteParticipant& id, Participant& participant, Time now);
   void look_at_room(Time now);
-  void forget_tables(Participant& participant);
-  void look_at_paths(Time now);
-  void look_at_links(Time now);
+  void look_at_link(LinkId id, Link& link, Time now);
 
   const ProcessId self_;
   const Timing timing_;
   const PeerLimits limits_;
-  LinkCare care_;
-  Peer::Listened listened_{};
+  PerRole<std::optional<Time>> listened_{};  ///< for each role, the time since which its records are read
+  std::map<LinkId, Link> links_;
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
-  std::map<ProcessId, Peer::Paths> cut_;  ///< the cut paths of each process as last reported by PathsCut
-  std::set<LinkId> unheard_;              ///< links for which HeartbeatsMissing was reported
-  std::size_t bytes_ = 0;                 ///< the bytes of the records of all participants
+  std::size_t bytes_ = 0;  ///< the bytes of the records of all participants
   Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;

@@ -53,9 +53,6 @@ struct Timing {
   /// reachable name server answers within it. Peers whose addresses are found later are added by renewing
   /// the links.
   Milliseconds wait_for_names{200};
-  /// Participants of other releases are named in the log at most once in this time, since they announce
-  /// themselves again and again.
-  Milliseconds name_releases_every{60'000};
 };
 
 }  // namespace sft::core

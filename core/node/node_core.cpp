@@ -96,7 +96,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                    .settings = options.discovery,
                                    .user_config = options.cyclonedds_config.value_or(""),
                                    .threads = options.threads.discovery};
-  auto opened = Discovery::open(discovery, *node);
+  auto opened = Discovery::open(discovery, node->by_agent(&NodeCore::take_events));
   if (!opened) return tl::unexpected(opened.error());
   node->discovery_ = std::move(*opened);
   if (!complaint.empty()) node->log_.write(LogLevel::warning, complaint);
@@ -107,8 +107,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
   }
   node->reconciler_ = std::make_unique<Reconciler>(
       node->network_id_, node->memory_.get(), node->network_.get(), *node->discovery_, node->dispatcher_,
-      node->log_,
-      vanilla_setup(node->options_, ros, ros_distro, [node = node.get()] { node->vanilla_changed(); }));
+      node->log_, vanilla_setup(node->options_, ros, ros_distro, node->by_agent(&NodeCore::vanilla_changed)));
   node->opening_.emplace(EndpointOpening::Node{.options = node->options_,
                                                .names = names,
                                                .id = node->id_,
@@ -131,6 +130,7 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                              node->log_);
                                    missing_clock.look(*reconciler, node->log_);
                                    heap->give_back(std::chrono::steady_clock::now());
+                                   node->take_events();
                                    return reconciler->tick();
                                  },
                              .idle = [reconciler] { return reconciler->reconcile(); }};
@@ -155,6 +155,10 @@ NodeCore::~NodeCore() {
   agent_.stop();  // runs the posted tasks first, so that the endpoints are withdrawn
   discovery_.reset();
   callbacks_.stop();
+}
+
+std::function<void()> NodeCore::by_agent(void (NodeCore::*act)()) {
+  return [agent = shared_agent_, this, act] { agent->post([this, act] { (this->*act)(); }); };
 }
 
 /// Returns a sink that posts lines to the callback thread. The agent does not call the sink itself, because
@@ -185,10 +189,6 @@ void NodeCore::dispose(NodeCore* node) {
       node->log_.write(LogLevel::error, "the node stays open: " + why);
     });
   }
-}
-
-void NodeCore::vanilla_changed() {
-  agent_.post([this] { reconciler_->look_after_vanilla(); });
 }
 
 Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
@@ -248,51 +248,29 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
   return detail::untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));
 }
 
-void NodeCore::endpoint_seen(Endpoint endpoint) {
-  agent_.post([this, endpoint = std::move(endpoint)] {
-    reconciler_->endpoint_seen(endpoint);
-    endpoints_changed_.raise();
-  });
+void NodeCore::endpoint_seen(const Endpoint& endpoint) {
+  reconciler_->endpoint_seen(endpoint);
+  endpoints_changed_.raise();
 }
 
 void NodeCore::endpoint_departed(EndpointId id) {
-  agent_.post([this, id] {
-    reconciler_->endpoint_departed(id);
-    endpoints_changed_.raise();
-  });
+  reconciler_->endpoint_departed(id);
+  endpoints_changed_.raise();
 }
 
-void NodeCore::endpoint_lost(EndpointId id) {
-  agent_.post([this, id] { reconciler_->endpoint_lost(id); });
-}
-
-void NodeCore::request_received(Request request) {
-  agent_.post([this, request = std::move(request)] { reconciler_->request_received(request); });
-}
-
-/// Posts a report to the agent. Only a report about living publishers is urgent, because of their leases.
-void NodeCore::report_received(NodeReport report) {
-  const bool has_time = report.living.empty();
-  Agent::Task task = [this, report = std::move(report)] { reconciler_->report_received(report); };
-  has_time ? agent_.post_for_next_tick(std::move(task)) : agent_.post(std::move(task));
-}
-
-/// A flood of malformed messages must not fill the agent's queue. So of lines about refused messages only one
-/// per pause is posted.
-void NodeCore::log_news(News news, std::string text) {
+/// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
+void NodeCore::log_news(News news, const std::string& text, std::uint64_t times) {
   if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
   if (news == News::malformed || news == News::too_much) {
     std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
-    const std::uint64_t refused = count.fetch_add(1, std::memory_order_relaxed) + 1;
+    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
     const auto now = std::chrono::steady_clock::now();
-    if (!log_.wants(LogLevel::warning) || now < next_complaint_.load(std::memory_order_relaxed)) return;
-    next_complaint_.store(now + complaint_pause, std::memory_order_relaxed);
-    text.insert(0, "control traffic refused, " + std::to_string(refused) + " in all: ");
+    if (now < counts_.next_complaint) return;
+    counts_.next_complaint = now + complaint_pause;
+    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
   } else {
-    text.insert(0, "discovery: ");
+    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
   }
-  const LogLevel level = news == News::links_changed ? LogLevel::info : LogLevel::warning;
-  agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
 }
 
 template <class Question>

@@ -5,6 +5,7 @@
 #include <atomic>
 #include <chrono>
 #include <cstdint>
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -13,7 +14,6 @@
 
 #include "core/control/remapping.h"
 #include "core/discovery/discovery.h"
-#include "core/discovery/ros_discovery.h"
 #include "core/node/endpoint_opening.h"
 #include "core/node/endpoint_registry.h"
 #include "core/node/kept_types.h"
@@ -28,6 +28,7 @@
 #include "core/seam/transport.h"
 #include "core/subscribe/dispatcher.h"
 #include "core/sync/event_count.h"
+#include "core/vanilla/ros_discovery.h"
 #include "sft/detail/untyped.h"
 #include "sft/domain.h"
 #include "sft/dynamic_type.h"
@@ -74,14 +75,19 @@ class NodeCore final : private DiscoveryListener {
   static void dispose(NodeCore* node);
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
-  // Functions of DiscoveryListener: each posts its event to the agent.
-  void endpoint_seen(Endpoint endpoint) override;
+  /// Returns a function that makes the agent call `act`, which it does not do once it has stopped. Any thread
+  /// may call the function, even after the node was destroyed.
+  std::function<void()> by_agent(void (NodeCore::*act)());
+  void take_events() { discovery_->take_events(*this); }
+
+  // Functions of DiscoveryListener, called on the agent's thread.
+  void endpoint_seen(const Endpoint& endpoint) override;
   void endpoint_departed(EndpointId id) override;
-  void endpoint_lost(EndpointId id) override;
-  void request_received(Request request) override;
-  void report_received(NodeReport report) override;
-  void vanilla_changed() override;
-  void log_news(News news, std::string text) override;
+  void endpoint_lost(EndpointId id) override { reconciler_->endpoint_lost(id); }
+  void request_received(const Request& request) override { reconciler_->request_received(request); }
+  void report_received(const NodeReport& report) override { reconciler_->report_received(report); }
+  void vanilla_changed() override { reconciler_->look_after_vanilla(); }
+  void log_news(News news, const std::string& text, std::uint64_t times) override;
 
   /// Makes discovery report all publishers from now on, and all subscribers if `readers_too` is true. Called
   /// by the agent only.
@@ -103,21 +109,20 @@ class NodeCore final : private DiscoveryListener {
   WakeSlots wake_slots_;
   struct DiscoveryCounts {
     std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
+    Time next_complaint{};  ///< the earliest time of the next line about malformed control traffic
   };
   DiscoveryCounts counts_;
-  /// The earliest time of the next line about malformed control traffic.
-  std::atomic<Time> next_complaint_{};
   CallbackThread callbacks_;  ///< for callbacks about events and readers, and for the log
   NodeLog log_;               ///< posts its lines to callbacks_
   EventCount endpoints_changed_;
   mutable EndpointRegistry registry_;
 
   Dispatcher dispatcher_;
-  Dispatcher poller_;                       ///< makes the file descriptors of subscribers readable when
-                                            ///< samples arrive in shared memory
-  Agent agent_;                             ///< outlives the parts below: Cyclone's threads post to it
-                                            ///< until they are destroyed
-  std::unique_ptr<Discovery> discovery_;    ///< its threads post events to the agent
+  Dispatcher poller_;  ///< makes the file descriptors of subscribers readable when
+                       ///< samples arrive in shared memory
+  const std::shared_ptr<Agent> shared_agent_ = std::make_shared<Agent>();  ///< discovery posts to it
+  Agent& agent_ = *shared_agent_;
+  std::unique_ptr<Discovery> discovery_;
   std::unique_ptr<Reconciler> reconciler_;  ///< changed by the agent only; set before the agent starts
   std::optional<EndpointOpening> opening_;  ///< set once discovery is open
 };

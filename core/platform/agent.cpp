@@ -28,16 +28,6 @@ void Agent::post(Task task) {
   posted_.notify_one();
 }
 
-void Agent::post_for_next_tick(Task task) {
-  bool is_full = false;
-  {
-    const Lock lock(mutex_);
-    tasks_.push_back(std::move(task));
-    is_full = tasks_.size() >= waiting_max;
-  }
-  if (is_full) posted_.notify_one();
-}
-
 bool Agent::is_behind() {
   const Lock lock(mutex_);
   return tasks_.size() >= behind_from;

@@ -39,10 +39,6 @@ class Agent {
   /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread may
   /// call this, even before start().
   void post(Task task);
-  /// Posts a task that can wait until the next tick. Wakes the agent's thread only if `waiting_max` tasks
-  /// are queued.
-  void post_for_next_tick(Task task);
-  static constexpr std::size_t waiting_max = 64;
   /// Returns true if at least `behind_from` tasks are queued. Threads that post very many tasks should then
   /// wait for the agent.
   bool is_behind();

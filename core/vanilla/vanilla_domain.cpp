@@ -10,11 +10,11 @@
 #include <utility>
 #include <vector>
 
-#include "core/discovery/dds_config.h"
 #include "core/discovery/dds_domain.h"
 #include "core/discovery/participant_data.h"
 #include "core/sync/mutex.h"
 #include "core/vanilla/dds_qos.h"
+#include "core/vanilla/vanilla_config.h"
 
 namespace sft::core {
 

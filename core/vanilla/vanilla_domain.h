@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "core/discovery/ros_discovery.h"
+#include "core/vanilla/ros_discovery.h"
 #include "core/vanilla/ros_graph.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/options.h"

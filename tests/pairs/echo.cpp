@@ -27,33 +27,17 @@ core::Endpoint marker_like(const core::Endpoint& model) {
 }  // namespace
 
 Echo::Echo() {
-  auto discovery = core::Discovery::open({}, *this);
+  auto discovery = core::Discovery::open({}, [] {});
   if (!discovery) throw std::runtime_error(discovery.error().message);
   discovery_ = std::move(*discovery);
   for (const core::Role role : {core::Role::writer, core::Role::reader}) discovery_->hear(role);
 }
 
-void Echo::endpoint_seen(core::Endpoint endpoint) {
-  const std::scoped_lock lock(mutex_);
-  endpoints_.push_back(std::move(endpoint));
-}
-
-void Echo::request_received(core::Request request) {
-  const std::scoped_lock lock(mutex_);
-  requests_.push_back(std::move(request));
-}
-
 void Echo::repeat() {
-  std::vector<core::Endpoint> endpoints;
-  std::vector<core::Request> requests;
-  {
-    const std::scoped_lock lock(mutex_);
-    endpoints = endpoints_;
-    requests = requests_;
-  }
-  for (const core::Request& request : requests | std::views::reverse) discovery_->send(request);
-  for (const core::Endpoint& endpoint : endpoints | std::views::reverse) discovery_->announce(endpoint);
-  discovery_->announce(marker_like(endpoints.at(0)));
+  discovery_->take_events(*this);
+  for (const core::Request& request : requests_ | std::views::reverse) discovery_->send(request);
+  for (const core::Endpoint& endpoint : endpoints_ | std::views::reverse) discovery_->announce(endpoint);
+  discovery_->announce(marker_like(endpoints_.at(0)));
   discovery_->send(marker_request(2));
 }
 

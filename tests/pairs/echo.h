@@ -2,8 +2,9 @@
 // caches may also repeat old messages, though not so many.
 #pragma once
 
+#include <cstdint>
 #include <memory>
-#include <mutex>
+#include <string>
 #include <vector>
 
 #include "core/discovery/discovery.h"
@@ -20,14 +21,13 @@ class Echo final : private core::DiscoveryListener {
   void repeat();
 
  private:
-  void endpoint_seen(core::Endpoint endpoint) override;
+  void endpoint_seen(const core::Endpoint& endpoint) override { endpoints_.push_back(endpoint); }
   void endpoint_departed(core::EndpointId) override {}
   void endpoint_lost(core::EndpointId) override {}
-  void request_received(core::Request request) override;
-  void report_received(core::NodeReport) override {}
-  void log_news(News, std::string) override {}
+  void request_received(const core::Request& request) override { requests_.push_back(request); }
+  void report_received(const core::NodeReport&) override {}
+  void log_news(News, const std::string&, std::uint64_t) override {}
 
-  std::mutex mutex_;
   std::vector<core::Endpoint> endpoints_;
   std::vector<core::Request> requests_;
   std::unique_ptr<core::Discovery> discovery_;

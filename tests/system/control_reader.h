@@ -64,14 +64,14 @@ inline core::Endpoint control_endpoint(core::Role role, core::EndpointId id) {
 }
 
 /// Announces endpoints and requests as a node does, and records what other nodes announce.
-class ControlReader final : private core::DiscoveryListener {
+class ControlReader final {
  public:
   /// Objects with the same name `process` share Cyclone domains. Objects with different names discover each
   /// other as if they were in different processes.
   explicit ControlReader(const std::string& process = "", const std::string& cyclone_config = "") {
     const core::DiscoveryOptions options{
         .domain = control_domain(), .user_config = cyclone_config, .threads = {.name_prefix = process}};
-    discovery_ = std::move(core::Discovery::open(options, *this).value());
+    discovery_ = std::move(core::Discovery::open(options, [] {}).value());
   }
 
   void announce(core::Role role, core::EndpointId id) { discovery_->announce(control_endpoint(role, id)); }
@@ -95,71 +95,52 @@ class ControlReader final : private core::DiscoveryListener {
   /// Does the periodic work, as the agent of a node would.
   void look() { (void)discovery_->look_after(std::chrono::steady_clock::now()); }
 
-  std::set<core::EndpointId> heard() const {
-    const core::Lock lock(mutex_);
-    return heard_;
-  }
+  std::set<core::EndpointId> heard() const { return record().heard; }
   bool hears(core::EndpointId id) const {
     return eventually([&] { return heard().contains(id); });
   }
   /// Returns the number of announced endpoints that were withdrawn or lost.
-  std::size_t gone() const {
-    const core::Lock lock(mutex_);
-    return gone_;
-  }
-  std::uint64_t asked() const {
-    const core::Lock lock(mutex_);
-    return asked_;
-  }
-  std::size_t reports() const {
-    const core::Lock lock(mutex_);
-    return reports_;
-  }
+  std::size_t gone() const { return record().gone; }
+  std::uint64_t asked() const { return record().asked; }
+  std::size_t reports() const { return record().reports; }
   /// Returns a sentence for each link that was made anew.
-  std::vector<std::string> renewals() const {
-    const core::Lock lock(mutex_);
-    return renewals_;
-  }
-  std::vector<std::string> refused() const {
-    const core::Lock lock(mutex_);
-    return refused_;
-  }
+  std::vector<std::string> renewals() const { return record().renewals; }
+  std::vector<std::string> refused() const { return record().refused; }
 
  private:
-  void endpoint_seen(core::Endpoint endpoint) override {
+  /// What the node was notified of so far.
+  struct Record final : core::DiscoveryListener {
+    void endpoint_seen(const core::Endpoint& endpoint) override {
+      heard.insert(endpoint.id);
+      asked = std::max(asked, endpoint.request.sequence);
+    }
+    void endpoint_departed(core::EndpointId id) override {
+      heard.erase(id);
+      ++gone;
+    }
+    void endpoint_lost(core::EndpointId) override { ++gone; }
+    void request_received(const core::Request& request) override {
+      asked = std::max(asked, request.sequence);
+    }
+    void report_received(const core::NodeReport&) override { ++reports; }
+    void log_news(News news, const std::string& text, std::uint64_t) override {
+      if (news == News::link_renewed) renewals.push_back(text);
+      if (news == News::malformed) refused.push_back(text);
+    }
+
+    std::set<core::EndpointId> heard;
+    std::size_t gone = 0, reports = 0;
+    std::uint64_t asked = 0;
+    std::vector<std::string> refused, renewals;
+  };
+  Record record() const {
     const core::Lock lock(mutex_);
-    heard_.insert(endpoint.id);
-    asked_ = std::max(asked_, endpoint.request.sequence);
-  }
-  void endpoint_departed(core::EndpointId id) override {
-    const core::Lock lock(mutex_);
-    heard_.erase(id);
-    ++gone_;
-  }
-  void endpoint_lost(core::EndpointId) override {
-    const core::Lock lock(mutex_);
-    ++gone_;
-  }
-  void request_received(core::Request request) override {
-    const core::Lock lock(mutex_);
-    asked_ = std::max(asked_, request.sequence);
-  }
-  void report_received(core::NodeReport) override {
-    const core::Lock lock(mutex_);
-    ++reports_;
-  }
-  void log_news(News news, std::string text) override {
-    const core::Lock lock(mutex_);
-    if (news == News::link_renewed) renewals_.push_back(text);
-    if (news == News::malformed) refused_.push_back(text);
+    discovery_->take_events(record_);
+    return record_;
   }
 
   mutable core::Mutex mutex_;
-  std::set<core::EndpointId> heard_ SFT_GUARDED_BY(mutex_);
-  std::size_t gone_ SFT_GUARDED_BY(mutex_) = 0;
-  std::uint64_t asked_ SFT_GUARDED_BY(mutex_) = 0;
-  std::size_t reports_ SFT_GUARDED_BY(mutex_) = 0;
-  std::vector<std::string> refused_ SFT_GUARDED_BY(mutex_), renewals_ SFT_GUARDED_BY(mutex_);
+  mutable Record record_ SFT_GUARDED_BY(mutex_);
   std::unique_ptr<core::Discovery> discovery_;
 };
 

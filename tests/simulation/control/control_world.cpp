@@ -91,7 +91,7 @@ void ControlWorld::hear_announcement(SimLink& hearer, SimLink& of, bool asks, bo
   Channel& known = channel(hearer, of);
   known.heard_at = now_;
   if (known.is_found) {
-    if (asks) hearer.process->peers.participant_asks(participant_of(of, hearer));
+    if (asks) hearer.process->peers.participant_found(participant_of(of, hearer), of.process->id, now_, asks);
     return;
   }
   find(hearer, of);

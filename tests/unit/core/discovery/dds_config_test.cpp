@@ -57,55 +57,6 @@ TEST(DdsConfig, ReceiveBuffersAreSmallUnlessTheUserWantsOthers) {
               is("2 MiB"));
 }
 
-CycloneSettings of_vanilla(const std::string& user, std::uint32_t domain = 0, const RosDiscovery& ros = {}) {
-  return CycloneSettings::read(vanilla_config(domain, user, ros).value().text, domain).value();
-}
-
-TEST(VanillaConfig, IsThatOfTheUserWithTheInterfacesAndTheDomainOfTheUser) {
-  const auto theirs = of_vanilla(
-      "<General><Interfaces><NetworkInterface name=\"eth7\"/></><AllowMulticast>true</></>,"
-      "<Discovery><ExternalDomainId>9</></>",
-      3);
-  EXPECT_THAT(theirs.values("General/Interfaces/NetworkInterface/@name"), ElementsAre("eth7"));
-  EXPECT_THAT(theirs.value("General/AllowMulticast"), is("true"));
-  EXPECT_THAT(theirs.value("Discovery/ExternalDomainId"), is("9"));
-  EXPECT_THAT(of_vanilla("", 3).value("Discovery/ExternalDomainId"), is("3"));
-}
-
-TEST(VanillaConfig, MulticastsNoSamplesAndUsesNoRuntimeOfIceoryx) {
-  EXPECT_THAT(of_vanilla("").value("General/AllowMulticast"), is("spdp"));
-  EXPECT_THAT(of_vanilla("<SharedMemory><Enable>true</></>").value("SharedMemory/Enable"), is("false"));
-}
-
-TEST(VanillaConfig, LooksForNodesWhereRos2LooksUnlessTheUserSaysOtherwise) {
-  const auto of_humble = of_vanilla("", 0, ros_discovery("1", nullptr, nullptr).value());
-  EXPECT_THAT(of_humble.values("General/Interfaces/NetworkInterface/@address"), ElementsAre("127.0.0.1"));
-  const auto local = of_vanilla("", 0, ros_discovery("0", "LOCALHOST", "far").value());
-  EXPECT_THAT(local.value("General/AllowMulticast"), is("false"));
-  EXPECT_THAT(local.values("Discovery/Peers/Peer/@address"), ElementsAre("localhost", "far"));
-  EXPECT_THAT(local.value("Discovery/ParticipantIndex"), is("none"));
-  const auto subnet = of_vanilla("", 0, ros_discovery("", "SUBNET", "10.0.0.7;;far").value());
-  EXPECT_THAT(subnet.value("General/AllowMulticast"), is("spdp"));
-  EXPECT_THAT(subnet.values("Discovery/Peers/Peer/@address"), ElementsAre("10.0.0.7", "far"));
-  const RosDiscovery asks{.peers = {"far"}};
-  EXPECT_THAT(
-      of_vanilla("<Discovery><ParticipantIndex>auto</></>", 0, asks).value("Discovery/ParticipantIndex"),
-      is("auto"));
-  EXPECT_THAT(of_vanilla("", 0, ros_discovery(nullptr, "SYSTEM_DEFAULT", "far").value())
-                  .values("Discovery/Peers/Peer/@address"),
-              testing::IsEmpty());
-}
-
-TEST(VanillaConfig, ARangeThatRos2DoesNotHaveIsAnError) {
-  EXPECT_TRUE(ros_discovery(nullptr, "OFF", nullptr).value().is_off);
-  EXPECT_THAT(ros_discovery(nullptr, "WORLD", nullptr).error().message, HasSubstr("SUBNET"));
-}
-
-TEST(VanillaConfig, SaysThatTheUserWantsSecurity) {
-  EXPECT_FALSE(vanilla_config(0, "").value().is_secured);
-  EXPECT_TRUE(vanilla_config(0, "<Security><Authentication><Library path=\"a\"/></></>").value().is_secured);
-}
-
 TEST(DdsConfig, OfTheUserDoesNotHoldWhereItWouldBreakSft) {
   EXPECT_THAT(in_force(config("<SharedMemory><Enable>true</></>"), "SharedMemory/Enable"), is("false"));
   EXPECT_THAT(
@@ -132,8 +83,8 @@ TEST(DdsConfig, SaysWhatDdsSecurityDoesNotProtect) {
 
 TEST(DdsConfig, OfTheUserIsPassedThroughAsItIsWhereThatSuffices) {
   for (const std::string user :
-       {"<General><FragmentSize>100 B</></>", "<Discovery><Peers><Peer Address='10.0.0.9'/></></>",
-        "<Domain id='any'><Tracing><Verbosity>fine</></></>", "<Partitioning/>, <Security><Authentication/>"})
+       {"<General><FragmentSize>100 B</></>", "<Domain id='any'><Tracing><Verbosity>fine</></></>",
+        "<Partitioning/>, <Security><Authentication/>"})
     EXPECT_THAT(config(user).text, HasSubstr("," + user + ",")) << user;
   for (const std::string user :
        {"<General><NetworkInterfaceAddress>eth0</></>", "<Discovery><ExternalDomainId>3</></>",
@@ -218,13 +169,10 @@ TEST(DdsConfig, HasNumbersOnlyForPeersByNameOfTheSettingsAndOfTheUser) {
   const auto c = config(user, settings);
   EXPECT_THAT(heard(c, card).values("Discovery/Peers/Peer/@Address"),
               ElementsAre("10.0.0.8:7410", "10.0.0.1", "10.0.0.9"));
-  EXPECT_THAT(heard(c, loopback).values("Discovery/Peers/Peer/@Address"), ElementsAre("10.0.0.1", "10.0.0.9"))
-      << "the user's peers hold for all links";
   EXPECT_THAT(in_force(c, "Discovery/LeaseDuration"), is("77 s"));
   EXPECT_THAT(in_force(c, "Internal/NackDelay"), is("6 s"));
   EXPECT_EQ(c.family_of_peers(std::vector{loopback, card}), IpFamily::ipv4);
   EXPECT_EQ(config("", settings).family_of_peers(std::vector{loopback}), std::nullopt) << "no peer is asked";
-  EXPECT_TRUE(config("<Discovery><Peers><Peer Address='10.0.0.9'/>").text_has_user_peers);
 }
 
 TEST(DdsConfig, GivesEachLinkItsAddressAndTheUsersOfThemNone) {

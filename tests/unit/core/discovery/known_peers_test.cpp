@@ -4,7 +4,6 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include <atomic>
 #include <functional>
 #include <string>
 #include <thread>
@@ -21,61 +20,68 @@ using namespace std::chrono_literals;
 
 class Listener final : public DiscoveryListener {
  public:
-  void endpoint_seen(Endpoint) override {}
+  void endpoint_seen(const Endpoint&) override {}
   void endpoint_departed(EndpointId) override {}
   void endpoint_lost(EndpointId) override {}
-  void request_received(Request) override {}
-  void report_received(NodeReport) override {}
-  void log_news(News news, std::string text) override {
-    if (news == News::malformed) on_refusal(text);
-    if (news == News::warning) warnings.push_back(text);
-  }
+  void request_received(const Request&) override {}
+  void report_received(const NodeReport&) override {}
+  void log_news(News, const std::string& text, std::uint64_t) override { texts.push_back(text); }
 
-  std::function<void(const std::string&)> on_refusal;
-  std::vector<std::string> warnings;
+  std::vector<std::string> texts;
 };
 
 class KnownPeersTest : public ::testing::Test {
  protected:
   KnownPeersTest() {
-    known.with([&](Peers&, Directory& directory) { node = directory.join(listener); });
+    known.with([&](Peers&, Directory& directory) { node = directory.join([this] { on_wake(); }); });
+  }
+  /// Returns what the node has been notified of since the last call.
+  std::vector<std::string> taken() {
+    Listener listener;
+    for (const DiscoveryEvent& event :
+         known.with([&](Peers&, Directory& directory) { return directory.take_events(*node); }))
+      event(listener);
+    return listener.texts;
   }
   std::vector<std::string> warnings() {
     known.look(now);
-    return std::exchange(listener.warnings, {});
+    return taken();
   }
 
   const Timing timing;
   const Time now = Time(100s);
-  Listener listener;
+  std::function<void()> on_wake = [] {};
   KnownPeers known{64, timing};
   std::shared_ptr<ListeningNode> node;
 };
 
-TEST_F(KnownPeersTest, NotifiesOneAtATimeInTheOrderOfEventsOfAllThreads) {
+TEST_F(KnownPeersTest, NotifiesInTheOrderOfEventsOfAllThreads) {
   constexpr int threads = 4, events_each = 2000;
-  int next = 0;                // guarded by the mutex of KnownPeers
-  std::vector<int> delivered;  // written by one thread at a time
-  std::atomic<int> inside{0};
-  std::atomic<bool> overlapped{false};
-  listener.on_refusal = [&](const std::string& text) {
-    if (inside.fetch_add(1) != 0) overlapped = true;
-    delivered.push_back(std::stoi(text));
-    inside.fetch_sub(1);
-  };
+  int next = 0;  // guarded by the mutex of KnownPeers
   const auto work = [&] {
     for (int i = 0; i < events_each; ++i) {
       known.with([&](Peers&, Directory& directory) {
-        directory.log_news(Directory::News::malformed, std::to_string(next++));
+        directory.log_news(Directory::News::warning, std::to_string(next++));
       });
     }
   };
   std::vector<std::thread> workers;
   for (int i = 0; i < threads; ++i) workers.emplace_back(work);
   for (std::thread& worker : workers) worker.join();
-  EXPECT_FALSE(overlapped);
+  const std::vector<std::string> delivered = taken();
   ASSERT_EQ(delivered.size(), static_cast<std::size_t>(threads * events_each));
-  for (int i = 0; i < threads * events_each; ++i) ASSERT_EQ(delivered[static_cast<std::size_t>(i)], i);
+  for (int i = 0; i < threads * events_each; ++i)
+    ASSERT_EQ(delivered[static_cast<std::size_t>(i)], std::to_string(i));
+}
+
+TEST_F(KnownPeersTest, WakesNodesWithoutItsLock) {
+  std::vector<std::string> texts;
+  on_wake = [&] { texts = taken(); };
+  known.sample_refused("malformed");
+  EXPECT_THAT(texts, IsEmpty()) << "there may be a flood of these";
+  known.with(
+      [](Peers&, Directory& directory) { directory.log_news(Directory::News::warning, "another release"); });
+  EXPECT_THAT(texts, ElementsAre("malformed", "another release"));
 }
 
 TEST_F(KnownPeersTest, NamesEachOtherReleaseOnce) {

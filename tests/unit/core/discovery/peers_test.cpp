@@ -37,7 +37,7 @@ TEST_F(PeersTest, FollowsChangesWithdrawalsAndSlotsThatAreUsedAgain) {
   writes(0, "c", {cable});
   look();
   EXPECT_THAT(holds, ElementsAre(Pair(0, "c"), Pair(1, "b")));
-  EXPECT_EQ(peers.find(neighbour)->records(Role::writer).digest(), own.digest());
+  EXPECT_EQ(peers.find(neighbour)->records[Role::writer].digest(), own.digest());
 }
 
 TEST_F(PeersTest, TakesAProcessOnSeveralLinksForOneAndTheNewestRecordForTheRightOne) {
@@ -396,22 +396,6 @@ TEST_F(PeersTest, ForgetsRecordsWhoseParticipantIsNotFound) {
   look();
   EXPECT_NE(peers.find(neighbour), nullptr);
   EXPECT_THAT(holds, IsEmpty());
-}
-
-TEST_F(PeersTest, TakesAParticipantForWhichItsProcessHadNoRoomOnceThereIsRoom) {
-  Peers small(own_process, timing, {.participants = 1});
-  small.listen(Role::writer, now);
-  small.link_made(cable, now);
-  const auto gives_a_heartbeat = [&](std::uint8_t number) {
-    small.heartbeat_came(cable, {on(cable, number).guid, neighbour, {}}, now);
-  };
-  for (const std::uint8_t number : {10, 11}) small.participant_found(on(cable, number), neighbour, now);
-  gives_a_heartbeat(11);
-  EXPECT_EQ(small.find(neighbour)->participants(), 1u);
-  small.participant_gone(on(cable, 10));
-  EXPECT_EQ(small.find(neighbour), nullptr);
-  gives_a_heartbeat(11);
-  EXPECT_NE(small.find(neighbour), nullptr);
 }
 
 TEST_F(PeersTest, ForgetsAllOfALinkThatIsGone) {

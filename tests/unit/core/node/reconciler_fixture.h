@@ -68,6 +68,7 @@ class TestReaderPort final : public IdleNetworkReader {
 class TestDiscovery final : public Discovery {
  public:
   Configuration configuration() const override { return {}; }
+  void take_events(DiscoveryListener&) override {}
   void hear(Role) override {}
   std::vector<KnownPublisher> publishers_of(std::string_view) const override { return {}; }
   void announce(const Endpoint& endpoint) override { announced.push_back(endpoint); }

@@ -86,53 +86,6 @@ TEST(AgentTest, ABatchCanHastenTheNextTick) {
   EXPECT_EQ(second_tick.get_future().wait_for(test::hang_timeout), std::future_status::ready);
 }
 
-TEST(AgentTest, ATaskThatHasTimeRunsWithTheNextTickAndInItsOrder) {
-  std::vector<int> order;
-  std::promise<void> first_tick, second_tick;
-  int ticks = 0;
-  Agent agent;
-  const Agent::Duties duties{.tick =
-                                 [&] {
-                                   ++ticks;
-                                   if (ticks == 1) first_tick.set_value();
-                                   if (ticks == 2) second_tick.set_value();
-                                   order.push_back(0);
-                                   return 50ms;
-                                 },
-                             .idle = [] { return 1h; }};
-  ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(first_tick.get_future().wait_for(test::hang_timeout), std::future_status::ready);
-  agent.post_for_next_tick([&] { order.push_back(1); });
-  ASSERT_EQ(second_tick.get_future().wait_for(test::hang_timeout), std::future_status::ready);
-  agent.post_for_next_tick([&] { order.push_back(2); });
-  agent.post([&] { order.push_back(3); });
-  agent.stop();
-  std::erase(order, 0);
-  EXPECT_EQ(order, (std::vector<int>{1, 2, 3}));
-}
-
-// Tasks that are queued until the next tick must not use up the memory of the node.
-TEST(AgentTest, ManyTasksThatHaveTimeWakeTheAgent) {
-  std::promise<void> first_tick;
-  std::promise<void> all_ran;
-  std::size_t ran = 0;
-  Agent agent;
-  const Agent::Duties duties{.tick =
-                                 [&] {
-                                   first_tick.set_value();
-                                   return 1h;
-                                 },
-                             .idle = [] { return 1h; }};
-  ASSERT_TRUE(agent.start("test", duties));
-  ASSERT_EQ(first_tick.get_future().wait_for(test::hang_timeout), std::future_status::ready);
-  for (std::size_t i = 0; i < Agent::waiting_max; ++i) {
-    agent.post_for_next_tick([&] {
-      if (++ran == Agent::waiting_max) all_ran.set_value();
-    });
-  }
-  EXPECT_EQ(all_ran.get_future().wait_for(test::hang_timeout), std::future_status::ready);
-}
-
 TEST(AgentTest, ManyThreadsMayPost) {
   std::atomic<int> ran{0};
   Agent agent;

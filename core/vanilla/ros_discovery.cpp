@@ -1,4 +1,4 @@
-#include "core/discovery/ros_discovery.h"
+#include "core/vanilla/ros_discovery.h"
 
 #include <algorithm>
 #include <string_view>
