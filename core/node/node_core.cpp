@@ -18,7 +18,6 @@ namespace sft::core {
 using namespace std::chrono_literals;
 
 namespace {
-constexpr std::chrono::seconds complaint_pause{1};
 /// A search for a type hears subscribers, too, if no publisher has announced the type within this time. If
 /// all nodes that search for types did that at once, all nodes would have to announce all their subscribers
 /// to each other.
@@ -248,29 +247,9 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
   return detail::untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));
 }
 
-void NodeCore::endpoint_seen(const Endpoint& endpoint) {
-  reconciler_->endpoint_seen(endpoint);
+void NodeCore::take_events() {
+  discovery_->take_events(*reconciler_);
   endpoints_changed_.raise();
-}
-
-void NodeCore::endpoint_departed(EndpointId id) {
-  reconciler_->endpoint_departed(id);
-  endpoints_changed_.raise();
-}
-
-/// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
-void NodeCore::log_news(News news, const std::string& text, std::uint64_t times) {
-  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
-  if (news == News::malformed || news == News::too_much) {
-    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
-    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < counts_.next_complaint) return;
-    counts_.next_complaint = now + complaint_pause;
-    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
-  } else {
-    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
-  }
 }
 
 template <class Question>
@@ -410,9 +389,9 @@ NodeStatus NodeCore::status() const {
     status.shm_samples_malformed = counters.malformed;
     status.shm_over_limit = counters.over_limit;
   }
-  status.control_malformed = counts_.malformed.load(std::memory_order_relaxed);
-  status.links_renewed = counts_.links_renewed.load(std::memory_order_relaxed);
-  status.control_ignored = counts_.ignored.load(std::memory_order_relaxed);
+  status.control_malformed = reconciler_->counts().malformed.load(std::memory_order_relaxed);
+  status.links_renewed = reconciler_->counts().links_renewed.load(std::memory_order_relaxed);
+  status.control_ignored = reconciler_->counts().ignored.load(std::memory_order_relaxed);
   return status;
 }
 

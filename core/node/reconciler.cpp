@@ -8,6 +8,7 @@ namespace sft::core {
 namespace {
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
+constexpr std::chrono::seconds complaint_pause{1};
 constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
@@ -111,6 +112,21 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   reports_.received(report, now);
   for (auto& [id, reader] : ours_.readers) reader.asserted(report.living);
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
+}
+
+/// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
+void Reconciler::log_news(News news, const std::string& text, std::uint64_t times) {
+  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
+  if (news == News::malformed || news == News::too_much) {
+    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
+    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_complaint_) return;
+    next_complaint_ = now + complaint_pause;
+    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
+  } else {
+    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
+  }
 }
 
 /// Sets up connections anew over which nothing arrives. `reported` is the progress of writers that has just

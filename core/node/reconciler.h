@@ -3,6 +3,7 @@
 // and to the user. Used by the agent only, except for functions that are marked.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -29,7 +30,7 @@
 namespace sft::core {
 
 /// Larger than usual: there is a function for each kind of event, of discovery and of the program.
-class Reconciler {
+class Reconciler final : public DiscoveryListener {
  public:
   /// All arguments must outlive this object. A transport is null if the node must not use that transport.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
@@ -45,11 +46,16 @@ class Reconciler {
   void program_asserts(EndpointId writer);
 
   // Events from discovery.
-  void endpoint_seen(const Endpoint& endpoint);
-  void endpoint_departed(EndpointId id);
-  void endpoint_lost(EndpointId id);
-  void request_received(const Request& request);
-  void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
+  void endpoint_seen(const Endpoint& endpoint) override;
+  void endpoint_departed(EndpointId id) override;
+  void endpoint_lost(EndpointId id) override;
+  void request_received(const Request& request) override;
+  void report_received(const NodeReport& report) override {
+    report_received(report, std::chrono::steady_clock::now());
+  }
+  void report_received(const NodeReport& report, Time now);
+  void vanilla_changed() override { look_after_vanilla(); }
+  void log_news(News news, const std::string& text, std::uint64_t times) override;
   /// To be called when nodes of DDS, or readers or writers of such nodes, have appeared or departed.
   void look_after_vanilla(Time now = std::chrono::steady_clock::now());
   /// From now on, unmodified nodes are looked for even without a publisher or a subscriber, for vanilla().
@@ -68,6 +74,11 @@ class Reconciler {
   Reports& reports() { return reports_; }
 
   // The functions for any thread.
+  /// What discovery has refused and mended so far.
+  struct DiscoveryCounts {
+    std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
+  };
+  const DiscoveryCounts& counts() const { return counts_; }
   /// Other threads may call only those functions of the returned object that are marked
   /// (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
@@ -104,7 +115,9 @@ class Reconciler {
   TickPace tick_pace_;
   Time discovery_looks_at_{};  ///< the latest time of the next call of Discovery::look_after()
   Time arrivals_looked_at_{};
-  Time held_up_at_{};      ///< the last time at which a callback that takes long was seen
+  Time held_up_at_{};  ///< the last time at which a callback that takes long was seen
+  DiscoveryCounts counts_;
+  Time next_complaint_{};  ///< the earliest time of the next line about refused control traffic
   bool observes_ = false;  ///< see observe()
   bool dirty_ = false;     ///< something changed since the last reconcile()
   int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection

@@ -24,7 +24,6 @@ TEST_F(PeersTest, KnowsWhatAProcessHasOnceItIsFound) {
   look();
   EXPECT_NE(peers.find(neighbour), nullptr);
   EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
-  EXPECT_EQ(peers.newcomer_at(), now);
 }
 
 TEST_F(PeersTest, FollowsChangesWithdrawalsAndSlotsThatAreUsedAgain) {
