@@ -196,9 +196,9 @@ def isolation(records, of, name, title, caption):
                for situation, heading in SITUATIONS]
     if all(value is None for _, rows in groups for _, value in rows):
         return None
-    calm = dict(groups[0][1])
-    ratios = [(heading, [(contender, value / calm[contender])
-                         for contender, value in rows if value is not None and svg.is_positive(calm[contender])])
+    quiet = dict(groups[0][1])
+    ratios = [(heading, [(contender, value / quiet[contender])
+                         for contender, value in rows if value is not None and svg.is_positive(quiet[contender])])
               for heading, rows in groups[1:]]
     return plot(records, name, title,
                 f"{caption} Messages have 6.3 MB, and are reliable. {in_words(groups, 'ms')} As a ratio to the time "

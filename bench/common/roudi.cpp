@@ -45,7 +45,7 @@ int serve(std::atomic<bool>& serving) {
   iox::log::LogManager::GetLogManager().SetDefaultLogLevel(iox::log::LogLevel::kError,
                                                            iox::log::LogLevelOutput::kHideLogLevel);
   for (std::ostream* words : {&std::cout, &std::clog})
-    words->setstate(std::ios::failbit);  // suppresses iceoryx's greeting
+    words->setstate(std::ios::failbit);  // suppresses iceoryx's first line
   const auto components = std::make_unique<iox::roudi::IceOryxRouDiComponents>(config());
   constexpr bool kill_programs_at_exit = false;
   const iox::roudi::RouDi roudi(components->rouDiMemoryManager, components->portManager,

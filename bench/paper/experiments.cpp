@@ -14,7 +14,7 @@ namespace {
 constexpr int percents[] = {50, 75, 90, 100};
 constexpr std::size_t receiver_counts[] = {1, receivers_max};
 
-void tell(const Scale& scale, std::size_t repeat, const std::string& what) {
+void print_step(const Scale& scale, std::size_t repeat, const std::string& what) {
   fmt::print(stderr, "  repeat {} of {}: {}\n", repeat + 1, scale.repeats, what);
 }
 
@@ -31,8 +31,8 @@ Phase parametric_phase(const Configuration& of, std::size_t repeat, const Scale&
 
 void run_parametric_session(const Stage& stage, Configuration of, std::size_t repeat, const Scale& scale,
                             Results& results) {
-  tell(scale, repeat,
-       fmt::format("{} fields of {} B, {} receivers", of.fields, of.field_bytes, of.receivers));
+  print_step(scale, repeat,
+             fmt::format("{} fields of {} B, {} receivers", of.fields, of.field_bytes, of.receivers));
   std::vector<Phase> phases;
   for (const int percent : percents) {
     of.percent = percent;
@@ -92,7 +92,7 @@ void run_parametric_study(const Stage& stage, const Scale& scale, Results& resul
 
 void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results) {
   for (std::size_t repeat = 0; repeat < scale.repeats; ++repeat) {
-    tell(scale, repeat, "Nav2");
+    print_step(scale, repeat, "Nav2");
     std::vector<Phase> phases;
     add_scan(phases, "laserscan", repeat, laser_scans());
     add_battery(phases, "battery", repeat, battery_states());
@@ -106,7 +106,7 @@ void run_nav2_cases(const Stage& stage, const Scale& scale, Results& results) {
 
 void run_point_cloud_case(const Stage& stage, const Scale& scale, Results& results) {
   for (std::size_t repeat = 0; repeat < scale.repeats; ++repeat) {
-    tell(scale, repeat, "PointCloud2");
+    print_step(scale, repeat, "PointCloud2");
     std::vector<Phase> phases;
     add_cloud(phases, "pointcloud2_aggregate", repeat, point_clouds());
     add_cloud(phases, "recorded_pointcloud2_aggregate", repeat, recorded_point_clouds(scale.data));

@@ -26,8 +26,8 @@ constexpr std::int64_t rate_hz = 500;
 constexpr std::size_t ping_bytes = 64;
 
 /// Returns half the round trip that `sft perf` tells, in us; nothing if it failed.
-std::vector<double> told_by_perf(const std::string& transport, double seconds,
-                                 const test::TemporaryDirectory& folder) {
+std::vector<double> reported_by_perf(const std::string& transport, double seconds,
+                                     const test::TemporaryDirectory& folder) {
   const std::string output = folder.path() / "ping.json";
   const pid_t pong = start_sft(1, {"perf", "pong"}, "/dev/null");
   const bool done = succeeds(
@@ -101,16 +101,16 @@ void ask(TransportChoice transport, std::uint64_t count, Exchange& exchange) {
 Figure measured(const char* name, const char* path, TransportChoice transport, const Scale& scale) {
   const test::TemporaryDirectory folder;
   const auto count = static_cast<std::uint64_t>(scale.seconds * rate_hz);
-  Rounds told, own;
+  Rounds reported, own;
   for (int round = 0; round < scale.rounds; ++round) {
-    told.add(told_by_perf(path, scale.seconds, folder));
+    reported.add(reported_by_perf(path, scale.seconds, folder));
     std::vector<double> times = run_pair({.sender = [&](Exchange& e) { ask(transport, count, e); },
                                           .receiver = [&](Exchange& e) { answer(transport, e); }},
                                          count);
     for (double& time : times) time /= 2;
     own.add(std::move(times));
   }
-  return {name, told.p50(), "us", own.p50(), "a program of its own", overhead_bound};
+  return {name, reported.p50(), "us", own.p50(), "a program of its own", overhead_bound};
 }
 
 }  // namespace

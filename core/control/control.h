@@ -2,6 +2,7 @@
 // types of Cyclone DDS.
 #pragma once
 
+#include <algorithm>
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
@@ -10,6 +11,7 @@
 
 #include "core/control/qos.h"
 #include "core/seam/transport.h"
+#include "sft/domain.h"
 
 namespace sft::core {
 
@@ -35,6 +37,11 @@ using NodeId = std::uint64_t;  ///< random, new each time that a node is opened;
 enum class Role : std::uint8_t { writer, reader };
 
 constexpr Role other(Role role) { return role == Role::writer ? Role::reader : Role::writer; }
+
+/// Returns true if the list, by which a request names writers, contains the id.
+inline bool holds(const std::vector<EndpointId>& ids, EndpointId id) {
+  return std::ranges::find(ids, id) != ids.end();
+}
 
 /// A selective transmission request (STR).
 struct Request {
@@ -79,27 +86,8 @@ struct AccountId {
 /// The counts of one side of a pair. The members that only the other side counts are empty.
 struct Account {
   AccountId id{};
-  struct OfWriter {
-    std::uint64_t sent = 0;
-    std::uint64_t withheld = 0;
-    std::uint64_t dropped = 0;
-    std::uint64_t retained = 0;
-    std::uint64_t bytes_sent = 0;
-    std::uint64_t bytes_saved = 0;
-    std::uint64_t diverted = 0;
-    /// The size in bytes of the largest sample that was too large for shared memory.
-    std::uint64_t too_large_bytes = 0;
-    std::uint64_t chunk_bytes = 0;  ///< the largest size in bytes that would have fitted into a chunk at that
-                                    ///< time
-    friend bool operator==(const OfWriter&, const OfWriter&) = default;
-  };
-  OfWriter by_writer{};
-  struct OfReader {
-    std::uint64_t received = 0;
-    std::uint64_t lost = 0;
-    friend bool operator==(const OfReader&, const OfReader&) = default;
-  };
-  OfReader by_reader{};
+  DomainSnapshot::Sent by_writer{};  ///< without an age
+  DomainSnapshot::Received by_reader{};
   friend bool operator==(const Account&, const Account&) = default;
 };
 

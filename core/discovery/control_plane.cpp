@@ -74,9 +74,6 @@ class ControlPlane::OfNode final : public Discovery {
     return plane_->ask([](Directory& directory) { return directory.inquiries(); });
   }
   void report(const NodeReport& report) override;
-  Time newcomer_at() const override {
-    return plane_->known_.with([](Peers& peers, Directory&) { return peers.newcomer_at(); });
-  }
   Vanilla vanilla() const override { return plane_->known_.vanilla(); }
   Time look_after(Time now) override {
     const Lock lock(plane_->mutex_);

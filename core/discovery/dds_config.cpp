@@ -162,7 +162,7 @@ std::vector<std::string> remarks_on(const DdsConfig& config, const DiscoverySett
   if (user.only_for_others())
     remarks.emplace_back("nothing in CYCLONEDDS_URI is for this domain, only for others");
   if (config.is_secured)
-    remarks.emplace_back("DDS Security protects who finds whom and who asks for what, not the samples");
+    remarks.emplace_back("DDS Security protects discovery and requests, not the samples");
   if (!settings.interfaces.empty() && chooses_interfaces(user))
     remarks.emplace_back("CYCLONEDDS_URI chooses the network interfaces, not DiscoverySettings::interfaces");
   if (!config.found_by_multicast && config.peers.empty())

@@ -101,9 +101,6 @@ class Discovery {
   virtual Inquiries inquiries() const = 0;
   /// Sends a report to the nodes that have called inquire(). The report may get lost.
   virtual void report(const NodeReport& report) = 0;
-  /// Returns when a participant of another process was last found; Time{} if none was. The announcements of
-  /// that participant may still be on their way. Any thread may call this.
-  virtual Time newcomer_at() const = 0;
   /// The participants on the links that do not belong to SFT: nodes of DDS and ROS 2.
   struct Vanilla {
     bool is_there = false;

@@ -153,7 +153,7 @@ void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Ti
     return;
   }
   participant.process = process;
-  participant.found_at = newcomer_at_ = now;
+  participant.found_at = now;
   ++link->second.participants;
   link->second.stirred_at = now;
   link->second.announce_pause = {};

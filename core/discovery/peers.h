@@ -170,9 +170,6 @@ class Peers {
   const Peer* find(ProcessId process) const;
   /// Returns the process of the participant; nothing if the participant is ignored or silent.
   std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
-  /// Returns when a participant was last found; Time{} if none was. Records of that participant may still
-  /// be on their way.
-  Time newcomer_at() const { return newcomer_at_; }
 
  private:
   /// What has to be decided about a link of this process.
@@ -227,7 +224,6 @@ class Peers {
   Participants participants_;
   std::map<ProcessId, Peer> peers_;
   std::size_t bytes_ = 0;  ///< the bytes of the records of all participants
-  Time newcomer_at_{};
   Time looked_at_{};
   std::vector<PeerAction> actions_;
 };

@@ -110,22 +110,12 @@ void EndpointTable::progressed(const Progress& progress) {
   if (entry != nullptr && entry->endpoint.role == Role::writer) entry->progress = progress;
 }
 
-const Progress* EndpointTable::progress_of(EndpointId id) const {
-  const TableEntry* const entry = find(id);
-  return entry == nullptr || !entry->progress ? nullptr : &*entry->progress;
-}
-
-std::vector<const Endpoint*> EndpointTable::present() const {
-  std::vector<const Endpoint*> endpoints;
+std::vector<const TableEntry*> EndpointTable::present() const {
+  std::vector<const TableEntry*> entries;
   for (const auto& [id, entry] : entries_) {
-    if (!entry.lost()) endpoints.push_back(&entry.endpoint);
+    if (!entry.lost()) entries.push_back(&entry);
   }
-  return endpoints;
-}
-
-const Endpoint* EndpointTable::known(EndpointId id) const {
-  const TableEntry* const entry = find(id);
-  return entry == nullptr ? nullptr : &entry->endpoint;
+  return entries;
 }
 
 }  // namespace sft::core

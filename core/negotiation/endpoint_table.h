@@ -14,6 +14,7 @@
 
 #include "core/control/control.h"
 #include "core/platform/clock.h"
+#include "sft/selection.h"
 #include "sft/type_support.h"
 
 namespace sft::core {
@@ -25,6 +26,15 @@ struct TableEntry {
                                       ///< the process answers
   std::uint64_t arrival = 0;          ///< the number of the entry in the order of arrival
   std::optional<Progress> progress{};  ///< the last reported progress of a writer
+  /// The selection that a reader requests, as it was decoded last for one of our writers. It is kept because
+  /// every pair is evaluated again after every event, and decoding takes microseconds.
+  struct Decoded {
+    const TypeSupport* type = nullptr;
+    std::vector<std::uint64_t> mask_words{};
+    std::vector<std::byte> parts{};
+    Result<Selection> selection{};
+  };
+  mutable Decoded decoded{};
 
   bool is_ours() const { return type != nullptr; }
   bool lost() const { return lost_since.has_value(); }
@@ -57,14 +67,10 @@ class EndpointTable {
 
   /// Stores the progress of a writer, as its node reports it.
   void progressed(const Progress& progress);
-  /// Returns the progress of a writer; null while none was reported. Valid until the next event.
-  const Progress* progress_of(EndpointId id) const;
 
   std::size_t size() const { return entries_.size(); }
   /// Returns all endpoints except the lost ones, including ours. Valid until the next event.
-  std::vector<const Endpoint*> present() const;
-  /// Returns the endpoint; null if there is none with that id. Valid until the next event.
-  const Endpoint* known(EndpointId id) const;
+  std::vector<const TableEntry*> present() const;
   /// Returns true if some endpoint is lost.
   bool misses_peer() const { return !lost_.empty(); }
 

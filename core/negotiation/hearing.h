@@ -1,18 +1,15 @@
-// Derives from the known facts which writers one of our readers should receive from, and by which paths. Uses
-// no clock, thread or I/O.
+// One writer that one of our readers should receive from, and the paths by which it should receive.
+// Negotiation::hearing() derives these.
 #pragma once
 
 #include <cstdint>
-#include <vector>
 
-#include "core/negotiation/known_facts.h"
-#include "core/negotiation/type_comparisons.h"
+#include "core/control/control.h"
 #include "core/seam/transport.h"
 #include "sft/status.h"
 
 namespace sft::core {
 
-/// One writer that one of our readers should receive from.
 struct Hearing {
   Source source;
   Qos offered;
@@ -21,9 +18,5 @@ struct Hearing {
   bool network = false;
   SubscriberStatus::Writer status;
 };
-
-/// Returns the writers that `reader`, which is one of ours, should receive from.
-std::vector<Hearing> hearing_of(const TableEntry& reader, const KnownFacts& facts,
-                                TypeComparisons& comparisons);
 
 }  // namespace sft::core

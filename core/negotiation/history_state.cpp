@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "core/negotiation/id_list.h"
-
 namespace sft::core {
 
 bool HistoryState::given(EndpointId writer, const Endpoint& reader) {

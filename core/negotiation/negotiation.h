@@ -1,20 +1,22 @@
 // The negotiation decides which readers get which samples, by which path and under which mask. It is a pure
 // state machine: events are passed in, desired states are returned, and it uses no I/O and no clock. The
-// events become facts (known_facts.h). From the facts follow the routes of each of our writers (serving.h),
-// and the writers from which each of our readers receives (hearing.h). The order of events therefore does not
-// matter. negotiation.md has the rules.
+// events become facts: about this host, the endpoints, and the history that readers have got. From the facts
+// follow the routes of each of our writers, and the writers from which each of our readers receives
+// (desired_states.cpp). The order of events therefore does not matter. negotiation.md has the rules.
 #pragma once
 
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <vector>
 
 #include "core/control/control.h"
 #include "core/negotiation/endpoint_table.h"
 #include "core/negotiation/hearing.h"
-#include "core/negotiation/known_facts.h"
+#include "core/negotiation/history_state.h"
+#include "core/negotiation/local_host.h"
 #include "core/negotiation/serving.h"
 #include "core/negotiation/type_comparisons.h"
 #include "core/platform/clock.h"
@@ -47,8 +49,9 @@ class Negotiation {
   /// Called when one of our readers needs other fields, parts or conditions.
   bool requirement_changed(EndpointId reader, const Selection& selection);
   bool rate_changed(EndpointId reader, std::uint32_t min_period_us);
-  /// Called when samples of a writer now arrive at one of our readers by that path, or no longer arrive.
-  bool connection_changed(EndpointId reader, EndpointId writer, TransportKind path, bool connected);
+  /// Called when one of our readers now takes datagrams of a writer (`listening`), or is attached to its
+  /// shared memory, or no longer does so.
+  bool connection_changed(EndpointId reader, EndpointId writer, bool listening, bool attached);
   /// Called when the first sample of a durable writer for one of our readers alone has arrived.
   bool history_began(EndpointId reader, EndpointId writer);
   /// Called when all retained samples for that reader have arrived.
@@ -56,26 +59,29 @@ class Negotiation {
   /// Called when all samples that one of our writers sends to a late reader alone have left this process.
   /// Takes effect once the reader's request says that the first of these samples has arrived.
   bool history_given(EndpointId writer, EndpointId reader);
-  /// `why_not` is the reason why the port of one of our writers cannot ring that reader's doorbell in
-  /// shared memory; empty if the port can ring it.
-  bool reach_changed(EndpointId writer, EndpointId reader, const std::string& why_not);
   bool tick(Time now);
   /// Stores the reported progress of a writer, on which no desired state depends.
-  void progressed(const Progress& progress) { facts_.table.progressed(progress); }
+  void progressed(const Progress& progress) { table_.progressed(progress); }
 
   // Desired states, derived from the present facts.
-  Serving serving(EndpointId writer) const;
+  /// The readers in shared memory whose doorbells the port of a writer cannot ring, with the reasons.
+  using Unreachable = std::map<EndpointId, std::string>;
+  Serving serving(EndpointId writer, const Unreachable& unreachable = {}) const;
   std::vector<Hearing> hearing(EndpointId reader) const;
   /// Returns our endpoint as it should be announced, with its request that is in force.
   const Endpoint* local(EndpointId id) const;
 
   /// Returns all endpoints, including those of other nodes. Pointers that the table returns are valid until
   /// the next event.
-  const EndpointTable& table() const { return facts_.table; }
+  const EndpointTable& table() const { return table_; }
   std::uint64_t definitions_compared() const { return comparisons_.compared(); }
 
  private:
-  KnownFacts facts_;
+  void erase(EndpointId id);
+
+  LocalHost host_;
+  EndpointTable table_;
+  HistoryState history_;
   mutable TypeComparisons comparisons_;
 };
 

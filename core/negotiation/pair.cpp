@@ -2,7 +2,6 @@
 
 #include <utility>
 
-#include "core/negotiation/id_list.h"
 #include "core/platform/network_id.h"
 
 namespace sft::core {

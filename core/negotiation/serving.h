@@ -1,17 +1,14 @@
-// Derives from the known facts which samples one of our writers should send to which readers. Uses no clock,
-// thread or I/O.
+// The desired state of one of our writers: which samples it should send to which readers.
+// Negotiation::serving() derives it.
 #pragma once
 
 #include <vector>
 
-#include "core/negotiation/known_facts.h"
-#include "core/negotiation/type_comparisons.h"
 #include "core/seam/transport.h"
 #include "sft/status.h"
 
 namespace sft::core {
 
-/// The desired state of one of our writers.
 struct Serving {
   bool memory_port = false;  ///< the writer needs a port to shared memory, even if no reader is attached yet
   std::vector<Route> memory;
@@ -33,8 +30,5 @@ struct Serving {
   }
   friend bool operator==(const Serving&, const Serving&) = default;
 };
-
-/// Returns the desired state of `writer`, which is one of ours.
-Serving serving_of(const TableEntry& writer, const KnownFacts& facts, TypeComparisons& comparisons);
 
 }  // namespace sft::core

@@ -17,19 +17,11 @@ PairAccounts AccountTable::accounts(Time now) {
 void add_to(PairAccounts& accounts, const Account& account, std::chrono::nanoseconds age) {
   DomainSnapshot::Account& pair = accounts[account.id.pair];
   if (account.id.said_by == Role::writer) {
-    const Account::OfWriter& said = account.by_writer;
-    pair.publisher = {.age = age,
-                      .sent = said.sent,
-                      .withheld = said.withheld,
-                      .dropped = said.dropped,
-                      .retained = said.retained,
-                      .bytes_sent = said.bytes_sent,
-                      .bytes_saved = said.bytes_saved,
-                      .diverted = said.diverted,
-                      .too_large_bytes = said.too_large_bytes,
-                      .chunk_bytes = said.chunk_bytes};
+    pair.publisher = account.by_writer;
+    pair.publisher->age = age;
   } else {
-    pair.subscriber = {.age = age, .received = account.by_reader.received, .lost = account.by_reader.lost};
+    pair.subscriber = account.by_reader;
+    pair.subscriber->age = age;
   }
 }
 

@@ -2,14 +2,42 @@
 // callbacks of other subscribers of the node. Used by the agent only.
 #pragma once
 
+#include <chrono>
+#include <cstdint>
 #include <memory>
 #include <optional>
+#include <utility>
 
-#include "core/node/long_wait.h"
 #include "core/platform/clock.h"
 #include "core/subscribe/subscriber_core.h"
 
 namespace sft::core {
+
+/// Detects long waits for a callback. Uses no clock: observations and times are passed in.
+class LongWait {
+ public:
+  static constexpr std::chrono::seconds is_long{1};
+
+  /// Returns the duration of the present wait once, when the wait has become long; otherwise returns
+  /// nothing. `waits`: a sample or the receiving thread is waiting for the callback now. `turns` must
+  /// change with each call of the callback; a change ends an earlier wait.
+  std::optional<Time::duration> look(bool waits, std::uint64_t turns, Time now) {
+    const bool had_turn = std::exchange(turns_, turns) != turns;
+    if (!waits || had_turn || !since_) {
+      since_ = waits ? std::optional(now) : std::nullopt;
+      is_reported_ = false;
+    }
+    if (!waits || is_reported_ || now - *since_ < is_long) return std::nullopt;
+    is_reported_ = true;
+    return now - *since_;
+  }
+  bool is_under_way() const { return since_.has_value(); }
+
+ private:
+  std::uint64_t turns_ = 0;
+  std::optional<Time> since_{};
+  bool is_reported_ = false;
+};
 
 class CallbackMonitor {
  public:

@@ -36,7 +36,7 @@ std::string fields_of(const Request& request, const TypeSupport& type) {
   return asked ? type.format_selection(*asked) : std::string();
 }
 
-DomainSnapshot::Endpoint info_of(const KnownEndpoint& known, Types& types, NodeId id, std::uint64_t network) {
+DomainSnapshot::Endpoint info_of(const TableEntry& known, Types& types, NodeId id, std::uint64_t network) {
   const Endpoint& e = known.endpoint;
   DomainSnapshot::Endpoint info{.id = e.id,
                                 .node_id = e.node_id,
@@ -96,21 +96,23 @@ DomainSnapshot::Pair pair_info(const Endpoint& writer, const Endpoint& reader,
 
 }  // namespace
 
-DomainSnapshot domain_snapshot(std::vector<KnownEndpoint> endpoints, const PairAccounts& accounts, NodeId id,
+DomainSnapshot domain_snapshot(std::vector<TableEntry> endpoints, const PairAccounts& accounts, NodeId id,
                                std::uint64_t network) {
-  std::ranges::sort(endpoints, {}, [](const KnownEndpoint& k) {
+  std::ranges::sort(endpoints, {}, [](const TableEntry& k) {
     return std::tie(k.endpoint.topic, k.endpoint.node, k.endpoint.id);
   });
   DomainSnapshot snapshot;
   Types types;
   TypeComparisons comparisons;
-  for (const KnownEndpoint& known : endpoints) {
+  for (const TableEntry& known : endpoints) {
     const bool writes = known.endpoint.role == Role::writer;
     (writes ? snapshot.publishers : snapshot.subscribers).push_back(info_of(known, types, id, network));
   }
-  for (const auto& [writer, progress] : endpoints) {
+  for (const TableEntry& one : endpoints) {
+    const Endpoint& writer = one.endpoint;
     if (writer.role != Role::writer) continue;
-    for (const auto& [reader, none] : endpoints) {
+    for (const TableEntry& other : endpoints) {
+      const Endpoint& reader = other.endpoint;
       if (reader.role != Role::reader || reader.topic != writer.topic) continue;
       DomainSnapshot::Pair& pair =
           snapshot.pairs.emplace_back(pair_info(writer, reader, types.of(writer), comparisons));

@@ -17,6 +17,18 @@ namespace {
 constexpr std::chrono::seconds max_spin{1};
 }  // namespace
 
+/// Returns a function for any thread, which posts the event of the endpoint to the agent.
+std::function<void()> EndpointOpening::posted(EndpointId id, void (Reconciler::*event)(EndpointId)) const {
+  return [&agent = node_.agent, &reconciler = node_.reconciler, id, event] {
+    agent.post([&reconciler, id, event] { (reconciler.*event)(id); });
+  };
+}
+
+/// Writes a line to the log, on the agent's thread.
+void EndpointOpening::log(LogLevel level, std::string text) const {
+  node_.agent.post([&log = node_.log, level, text = std::move(text)] { log.write(level, text); });
+}
+
 bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const {
   const TransportChoice other = kind == TransportKind::shm ? TransportChoice::udp : TransportChoice::shm;
   const bool exists = kind == TransportKind::shm ? node_.memory != nullptr : node_.network != nullptr;
@@ -24,16 +36,15 @@ bool EndpointOpening::may_use(TransportKind kind, TransportChoice choice) const 
 }
 
 /// Logs the new name of a renamed topic, because later lines of the log use that name.
-void EndpointOpening::tell_of(const TopicName& name) const {
+void EndpointOpening::log_renaming(const TopicName& name) const {
   if (name.given.empty()) return;
   const std::string by = name.rules.empty() ? "" : ", by the remapping rule " + in_quotes(name.rules.front());
-  notifications_.log(LogLevel::info,
-                     "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
+  log(LogLevel::info, "the program's topic " + in_quotes(name.given) + " is " + in_quotes(name.topic) + by);
 }
 
 void EndpointOpening::warn_of(const std::string& topic, const std::vector<std::string>& sentences) const {
   for (const std::string& sentence : sentences)
-    notifications_.log(LogLevel::warning, "topic " + in_quotes(topic) + ": " + sentence);
+    log(LogLevel::warning, "topic " + in_quotes(topic) + ": " + sentence);
 }
 
 Result<void> EndpointOpening::check(std::string_view topic, const TypeSupport& type,
@@ -76,9 +87,8 @@ Endpoint EndpointOpening::describe(Role role, const TopicName& name, const TypeS
   if (auto description = announced_description(type.type())) {
     endpoint.type_description = *std::move(description);
   } else if (role == Role::writer) {
-    notifications_.log(LogLevel::warning,
-                       "topic " + in_quotes(name.topic) +
-                           ": the fields of its type are not announced: " + description.error().message);
+    log(LogLevel::warning, "topic " + in_quotes(name.topic) +
+                               ": the fields of its type are not announced: " + description.error().message);
   }
   endpoint.may_use_memory = may_use(TransportKind::shm, choice);
   endpoint.may_use_network = may_use(TransportKind::udp, choice);
@@ -111,7 +121,7 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(std::string_view to
                                                              const PublisherOptions& options) const {
   const Result<TopicName> name = names().topic(topic, type.name());
   if (!name) return tl::unexpected(name.error());
-  tell_of(*name);
+  log_renaming(*name);
   return open_writer(*name, type, options).map_error([&](const Error& error) {
     return name->explained(error);
   });
@@ -135,22 +145,25 @@ Result<EndpointOpening::Writer> EndpointOpening::open_writer(const TopicName& na
   if (!network) return tl::unexpected(network.error());
   std::function<void()> asserted;
   if (qos->liveliness == Liveliness::manual_by_topic)
-    asserted = [notify = notifications_.asserted, id = endpoint.id] { notify(id); };
+    asserted = posted(endpoint.id, &Reconciler::program_asserts);
   auto core = std::make_shared<PublisherCore>(
-      PublisherCore::Spec{
-          .id = endpoint.id,
-          .topic = endpoint.topic,
-          .type = &type,
-          .max_sample_bytes = options.max_sample_bytes,
-          .qos = *qos,
-          .on_readers_changed = options.on_readers_changed,
-          .on_event = options.on_event,
-          .callbacks = &node_.callbacks,
-          .asserted = std::move(asserted),
-          .refused = [log = notifications_.log](
-                         const std::string& why) { log(LogLevel::warning, "a message is not sent: " + why); },
-          .max_blocking = options.max_blocking,
-          .book = book},
+      PublisherCore::Spec{.id = endpoint.id,
+                          .topic = endpoint.topic,
+                          .type = &type,
+                          .max_sample_bytes = options.max_sample_bytes,
+                          .qos = *qos,
+                          .on_readers_changed = options.on_readers_changed,
+                          .on_event = options.on_event,
+                          .callbacks = &node_.callbacks,
+                          .asserted = std::move(asserted),
+                          .refused =
+                              [&agent = node_.agent, &log = node_.log](const std::string& why) {
+                                agent.post([&log, why] {
+                                  log.write(LogLevel::warning, "a message is not sent: " + why);
+                                });
+                              },
+                          .max_blocking = options.max_blocking,
+                          .book = book},
       node_.heap, std::move(*network));
   warn_of(name.topic, options_without_effect(options, endpoint.may_use_network));
   return Writer{std::move(endpoint), std::move(core)};
@@ -175,7 +188,7 @@ Result<std::shared_ptr<NetworkWriter>> EndpointOpening::open_network(
 Result<EndpointOpening::Reader> EndpointOpening::open_reader(ReaderOrder order) const {
   Result<TopicName> name = names().topic(order.topic, order.type.name());
   if (!name) return tl::unexpected(name.error());
-  tell_of(*name);
+  log_renaming(*name);
   order.topic = name->topic;
   order.name = *name;
   return open_named(std::move(order)).map_error([&](const Error& error) { return name->explained(error); });
@@ -294,12 +307,11 @@ std::shared_ptr<SubscriberCore> EndpointOpening::make_core(const std::vector<End
   std::vector<Feed::Spec> feeds;
   for (std::size_t i = 0; i < endpoints.size(); ++i) {
     const Endpoint& endpoint = endpoints[i];
-    feeds.push_back(
-        {.id = endpoint.id,
-         .selection = selections[i].without_rate(),
-         .min_period_us = endpoint.request.min_period_us,
-         .qos = endpoint.qos,
-         .changed = [notify = notifications_.requirement_changed, id = endpoint.id] { notify(id); }});
+    feeds.push_back({.id = endpoint.id,
+                     .selection = selections[i].without_rate(),
+                     .min_period_us = endpoint.request.min_period_us,
+                     .qos = endpoint.qos,
+                     .changed = posted(endpoint.id, &Reconciler::requirement_changed)});
   }
   std::shared_ptr<Recorder> recorder;
   if (order.requirement.recorded) {
@@ -346,8 +358,7 @@ std::uint32_t EndpointOpening::memory_depth_of(const Endpoint& reader) const {
   const std::uint32_t most = node_.memory == nullptr ? depth : node_.memory->max_depth();
   if (!reader.may_use_memory || depth <= most) return depth;
   const bool reliable = reader.qos.reliability == Reliability::reliable;
-  notifications_.log(
-      reliable ? LogLevel::warning : LogLevel::info,
+  log(reliable ? LogLevel::warning : LogLevel::info,
       "topic '" + reader.topic + "': SubscriberOptions::depth is " + std::to_string(depth) +
           ", but shared memory keeps " + std::to_string(most) +
           " samples of each publisher on this host: take them sooner, or let reliable publishers "

@@ -15,7 +15,9 @@
 #include "core/control/control.h"
 #include "core/node/local_reader.h"
 #include "core/node/node_names.h"
+#include "core/node/reconciler.h"
 #include "core/node/wake_slots.h"
+#include "core/platform/agent.h"
 #include "core/publish/publisher_core.h"
 #include "core/report/callback_thread.h"
 #include "core/seam/buffer_pool.h"
@@ -41,15 +43,12 @@ class EndpointOpening {
     Dispatcher& dispatcher;
     Dispatcher& poller;
     CallbackThread& callbacks;
+    Agent& agent;
+    // The agent's thread alone uses these two.
+    Reconciler& reconciler;
+    NodeLog& log;
   };
-  /// Functions that any thread may call with the id of an endpoint. Each function must only post a task to
-  /// the agent.
-  struct Notifications {
-    std::function<void(EndpointId)> asserted;
-    std::function<void(EndpointId)> requirement_changed;
-    std::function<void(LogLevel, std::string)> log;
-  };
-  EndpointOpening(Node node, Notifications news) : node_(std::move(node)), notifications_(std::move(news)) {}
+  explicit EndpointOpening(Node node) : node_(std::move(node)) {}
 
   NodeNames& names() const { return *node_.names; }
 
@@ -82,8 +81,10 @@ class EndpointOpening {
   Result<Reader> open_reader(ReaderOrder order) const;
 
  private:
+  std::function<void()> posted(EndpointId id, void (Reconciler::*event)(EndpointId)) const;
+  void log(LogLevel level, std::string text) const;
   bool may_use(TransportKind kind, TransportChoice choice) const;
-  void tell_of(const TopicName& name) const;
+  void log_renaming(const TopicName& name) const;
   void warn_of(const std::string& topic, const std::vector<std::string>& sentences) const;
   Result<void> check(std::string_view topic, const TypeSupport& type, TransportChoice choice) const;
   static Result<void> check(const SubscriberOptions& options);
@@ -108,7 +109,6 @@ class EndpointOpening {
   std::uint32_t memory_depth_of(const Endpoint& reader) const;
 
   const Node node_;
-  const Notifications notifications_;
 };
 
 }  // namespace sft::core

@@ -11,8 +11,6 @@ namespace sft::core {
 struct LocalEndpoints {
   std::map<EndpointId, LocalWriter> writers;
   std::map<EndpointId, LocalReader> readers;
-
-  bool contains(EndpointId id) const { return writers.contains(id) || readers.contains(id); }
 };
 
 }  // namespace sft::core

@@ -55,38 +55,35 @@ void LocalReader::close() {
 
 void LocalReader::reconcile(std::size_t& unattached) {
   std::vector<Hearing> wanted = node_.negotiation.hearing(feed_.spec().id);
-  std::map<EndpointId, Hearing> heard;
-  for (const Hearing& hearing : wanted) {
-    const auto before = heard_.find(hearing.source.writer);
-    const bool known = before != heard_.end();
-    heard[hearing.source.writer] = connect(hearing, known ? before->second : Hearing{}, unattached);
-  }
+  for (const Hearing& hearing : wanted) connect(hearing, writers_[hearing.source.writer], unattached);
   vanilla_.reconcile(std::chrono::steady_clock::now());
   for (const Hearing& hearing : vanilla_.hearing()) {
-    heard[hearing.source.writer] = hearing;
+    writers_[hearing.source.writer].hearing = hearing;
     wanted.push_back(hearing);
   }
-  disconnect_departed(heard);
-  heard_ = std::move(heard);
-  std::erase_if(connecting_, [&](const auto& item) { return !heard_.contains(item.first); });
-  std::erase_if(watchdogs_, [&](const auto& item) { return !heard_.contains(item.first); });
+  disconnect_departed(wanted);
   ports().hears(wanted);
   // The writer may have been killed between passing on its last sample and ringing the doorbell.
   core_->wake();
   has_changes_ = true;
-  watch_matching();
+  // The writers that match are watched, if the subscriber has requested a deadline or a lease.
+  for (auto& [id, writer] : writers_) {
+    if (!writer.hearing.status.matched) writer.monitor.reset();
+    if (!writer.hearing.status.matched || writer.monitor) continue;
+    const RequestMonitor monitor(writer.hearing.offered, requested_, ports().arrivals(id),
+                                 std::chrono::steady_clock::now());
+    if (monitor.pace()) writer.monitor = monitor;
+  }
 }
 
-/// Connects to or disconnects from one writer, as wanted. Returns the connections that are then in force.
-Hearing LocalReader::connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached) {
-  Connecting& connecting = connecting_[wanted.source.writer];
-  if (!wanted.memory) connecting.memory = {};
-  if (!wanted.network) connecting.network = {};
+/// Connects to or disconnects from one writer, as wanted. Notes the connections that are then in force.
+void LocalReader::connect(const Hearing& wanted, Writer& writer, std::size_t& unattached) {
+  const Hearing before = std::exchange(writer.hearing, wanted);
+  if (!wanted.memory) writer.memory = {};
+  if (!wanted.network) writer.network = {};
   departed_.erase(wanted.source.writer);
-  Hearing now = wanted;
-  now.network = connect_network(wanted, before, connecting.network);
-  now.memory = connect_memory(wanted, before, connecting.memory, unattached);
-  return now;
+  writer.hearing.network = connect_network(wanted, before, writer.network);
+  writer.hearing.memory = connect_memory(wanted, before, writer.memory, unattached);
 }
 
 bool LocalReader::connect_network(const Hearing& wanted, const Hearing& before, Retry& retry) {
@@ -142,35 +139,36 @@ Result<void> LocalReader::connect_in_memory(const Source& source) {
   return memory_->connect(source);
 }
 
-void LocalReader::disconnect_departed(const std::map<EndpointId, Hearing>& heard) {
+void LocalReader::disconnect_departed(const std::vector<Hearing>& wanted) {
+  std::set<EndpointId> present;
+  for (const Hearing& hearing : wanted) present.insert(hearing.source.writer);
   bool changed = false;
-  for (const auto& [writer, before] : heard_) {
-    if (heard.contains(writer)) continue;
-    if (before.network) departed_[writer] = std::chrono::steady_clock::now();
-    if (before.memory && memory_ != nullptr) memory_->disconnect(writer);
-    changed |= node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, false);
-    changed |= node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, false);
-  }
+  std::erase_if(writers_, [&](const auto& item) {
+    const auto& [id, writer] = item;
+    if (present.contains(id)) return false;
+    if (writer.hearing.network) departed_[id] = std::chrono::steady_clock::now();
+    if (writer.hearing.memory && memory_ != nullptr) memory_->disconnect(id);
+    changed |= node_.negotiation.connection_changed(feed_.spec().id, id, false, false);
+    return true;
+  });
   if (changed) send_request();
 }
 
 std::size_t LocalReader::unattached() const {
-  return static_cast<std::size_t>(std::ranges::count_if(heard_, [this](const auto& item) {
-    return item.second.memory && memory_ != nullptr && !memory_->connected(item.first);
+  return static_cast<std::size_t>(std::ranges::count_if(writers_, [this](const auto& item) {
+    return item.second.hearing.memory && memory_ != nullptr && !memory_->connected(item.first);
   }));
 }
 
 LocalReader::Connections LocalReader::look_after_connections() {
   Connections connections;
   bool request_changed = false;
-  for (const auto& [writer, hearing] : heard_) {
+  for (const auto& [writer, known] : writers_) {
+    const Hearing& hearing = known.hearing;
     const bool listening = hearing.network && network_->connected(writer);
     const bool attached = hearing.memory && memory_ != nullptr && memory_->connected(writer);
     const bool awaits_history = hearing.source.history_first;
-    request_changed |=
-        node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, listening);
-    request_changed |=
-        node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, attached);
+    request_changed |= node_.negotiation.connection_changed(feed_.spec().id, writer, listening, attached);
     if (listening && awaits_history) request_changed |= look_after_history(*network_, writer, connections);
     if (attached && awaits_history && !hearing.network)
       request_changed |= look_after_history(*memory_, writer, connections);
@@ -195,15 +193,16 @@ void LocalReader::drop_memory() {
   ports().lose_memory();
   memory_lost_at_ = std::chrono::steady_clock::now();
   memory_.reset();
-  for (auto& [writer, hearing] : heard_) hearing.memory = false;
-  for (auto& [writer, connecting] : connecting_) connecting.memory = {};
+  for (auto& [id, writer] : writers_) {
+    writer.hearing.memory = false;
+    writer.memory = {};
+  }
 }
 
 bool LocalReader::may_try_again(Time now) const {
-  return vanilla_.is_due(now) || std::ranges::any_of(connecting_, [&](const auto& item) {
-           const Connecting& connecting = item.second;
-           return node_.attempts.may_retry_in_memory(connecting.memory, now) ||
-                  connecting.network.due_again(now);
+  return vanilla_.is_due(now) || std::ranges::any_of(writers_, [&](const auto& item) {
+           const Writer& writer = item.second;
+           return node_.attempts.may_retry_in_memory(writer.memory, now) || writer.network.due_again(now);
          });
 }
 
@@ -250,44 +249,32 @@ void LocalReader::forget_what_was_in_flight(Time now) {
   });
 }
 
-/// Begins to watch the writers that match, if the subscriber has requested a deadline or a lease.
-void LocalReader::watch_matching() {
-  std::erase_if(watched_, [&](const auto& item) {
-    const auto heard = heard_.find(item.first);
-    return heard == heard_.end() || !heard->second.status.matched;
-  });
-  for (const auto& [writer, hearing] : heard_) {
-    if (!hearing.status.matched || watched_.contains(writer)) continue;
-    const RequestMonitor monitor(hearing.offered, requested_, ports().arrivals(writer),
-                                 std::chrono::steady_clock::now());
-    if (monitor.pace()) watched_.emplace(writer, monitor);
-  }
-}
-
 void LocalReader::watch_promises(Time now) {
-  for (auto& [writer, monitor] : watched_) {
-    const std::uint64_t missed = monitor.look(ports().arrivals(writer), now);
-    has_changes_ |= ports().keeps_promises(writer, missed, monitor.alive());
+  for (auto& [id, writer] : writers_) {
+    if (!writer.monitor) continue;
+    const std::uint64_t missed = writer.monitor->look(ports().arrivals(id), now);
+    has_changes_ |= ports().keeps_promises(id, missed, writer.monitor->alive());
   }
 }
 
 void LocalReader::asserted(const std::vector<EndpointId>& writers) {
-  for (const EndpointId writer : writers) {
-    if (const auto monitor = watched_.find(writer); monitor != watched_.end()) monitor->second.asserted();
+  for (const EndpointId id : writers) {
+    const auto writer = writers_.find(id);
+    if (writer != writers_.end() && writer->second.monitor) writer->second.monitor->asserted();
   }
 }
 
 std::chrono::nanoseconds LocalReader::pace(std::chrono::nanoseconds longest) const {
-  for (const auto& [writer, monitor] : watched_)
-    longest = std::min(longest, monitor.pace().value_or(longest));
+  for (const auto& [id, writer] : writers_)
+    if (writer.monitor) longest = std::min(longest, writer.monitor->pace().value_or(longest));
   return longest;
 }
 
 bool LocalReader::restart_stalled(const std::vector<Progress>& reported, bool held_up, Time now) {
   bool restarted = false;
-  for (auto& [writer, hearing] : heard_) {
-    if (!is_stalled(hearing, reported, held_up, now)) continue;
-    restart(hearing, now);
+  for (auto& [id, writer] : writers_) {
+    if (!is_stalled(writer, reported, held_up, now)) continue;
+    restart(writer, now);
     restarted = true;
   }
   return restarted;
@@ -295,24 +282,22 @@ bool LocalReader::restart_stalled(const std::vector<Progress>& reported, bool he
 
 bool LocalReader::awaits_reports(Time now) {
   if (requested_.liveliness_lease.count() != 0) return true;
-  return std::ranges::any_of(watchdogs_, [&](auto& item) { return item.second.needs_progress(now); });
+  return std::ranges::any_of(writers_, [&](auto& item) { return item.second.watchdog.needs_progress(now); });
 }
 
-bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>& reported, bool held_up,
-                             Time now) {
+bool LocalReader::is_stalled(Writer& from, const std::vector<Progress>& reported, bool held_up, Time now) {
+  const Hearing& hearing = from.hearing;
   const EndpointId writer = hearing.source.writer;
   const Request& request = node_.negotiation.local(feed_.spec().id)->request;
-  const auto holds = [&](const auto& writers) { return std::ranges::find(writers, writer) != writers.end(); };
-  const bool attached = holds(request.attached);
-  ArrivalWatchdog& watchdog = watchdogs_[writer];
-  const bool connected = attached || holds(request.listening);
+  const bool attached = holds(request.attached, writer);
+  const bool connected = attached || holds(request.listening, writer);
   // A publisher that waits for its readers sends nothing until the program takes the samples that have
   // arrived.
   const bool waits = hearing.source.waits && ports().available();
   // A long time may pass until a sample fulfils the conditions.
   const bool has_conditions = !accepted_.latest().selection.gate().is_open();
   if (!connected || waits || held_up || has_conditions) {
-    watchdog.excuse();
+    from.watchdog.excuse();
     return false;
   }
   const auto named = std::ranges::find(reported, writer, &Progress::writer);
@@ -324,7 +309,7 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
   if (attached) by = memory_.get();
   const bool awaits_history =
       hearing.source.history_first && by != nullptr && by->history(writer) != HistoryProgress::came;
-  return watchdog.look(
+  return from.watchdog.look(
       named == reported.end() ? nullptr : &*named, signs,
       {.reliable = !lossy, .min_period_us = request.min_period_us, .awaits_history = awaits_history}, now);
 }
@@ -332,37 +317,32 @@ bool LocalReader::is_stalled(const Hearing& hearing, const std::vector<Progress>
 /// Sets up a connection anew. A request tells the writer that the reader has stopped receiving, and a later
 /// request tells it that the reader receives again. So both sides begin anew. If nothing arrived through
 /// shared memory, UDP is used for a while before shared memory is tried again.
-void LocalReader::restart(Hearing& hearing, Time now) {
+void LocalReader::restart(Writer& from, Time now) {
+  Hearing& hearing = from.hearing;
   const EndpointId writer = hearing.source.writer;
   const bool attached = memory_ != nullptr && hearing.memory && memory_->connected(writer);
-  Connecting& connecting = connecting_[writer];
   if (hearing.network) {
     network_->disconnect(writer);
-    connecting.network.hold(now + restart_pause);
+    from.network.hold(now + restart_pause);
   }
   if (hearing.memory) {
     if (memory_ != nullptr) memory_->disconnect(writer);
     const bool prefers_network = attached && hearing.network;
     if (prefers_network) {
-      connecting.network_preferred =
-          std::clamp(connecting.network_preferred * 2, network_preferred_min, network_preferred_max);
+      from.network_preferred =
+          std::clamp(from.network_preferred * 2, network_preferred_min, network_preferred_max);
     }
-    connecting.memory.hold(now +
-                           (prefers_network ? Time::duration(connecting.network_preferred) : restart_pause));
+    from.memory.hold(now + (prefers_network ? Time::duration(from.network_preferred) : restart_pause));
   }
   hearing.network = hearing.memory = false;
-  const bool listened =
-      node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::udp, false);
-  const bool was_attached =
-      node_.negotiation.connection_changed(feed_.spec().id, writer, TransportKind::shm, false);
-  if (listened || was_attached) send_request();
+  if (node_.negotiation.connection_changed(feed_.spec().id, writer, false, false)) send_request();
   ports().restarted(writer);
   node_.log.write(LogLevel::warning, text_of_topic(core_->spec().topic, selection_) + ", node " +
                                          in_quotes(hearing.status.node) +
                                          ": it sends, but nothing arrives by " +
                                          to_string(attached ? TransportKind::shm : TransportKind::udp) +
                                          "; the connection is set up anew (restart " +
-                                         std::to_string(watchdogs_.at(writer).restarts()) + ")");
+                                         std::to_string(from.watchdog.restarts()) + ")");
 }
 
 /// Reports events. States are copied and compared only if a change is possible.
@@ -381,11 +361,11 @@ void LocalReader::report_events() {
 }
 
 std::vector<EndpointId> LocalReader::matching_writers() const {
-  std::vector<EndpointId> writers;
-  for (const auto& [writer, hearing] : heard_) {
-    if (hearing.status.matched) writers.push_back(writer);
+  std::vector<EndpointId> matching;
+  for (const auto& [id, writer] : writers_) {
+    if (writer.hearing.status.matched) matching.push_back(id);
   }
-  return writers;
+  return matching;
 }
 
 }  // namespace sft::core

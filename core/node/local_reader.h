@@ -9,6 +9,7 @@
 #include <map>
 #include <memory>
 #include <optional>
+#include <set>
 #include <vector>
 
 #include "core/negotiation/accepted_requests.h"
@@ -95,23 +96,26 @@ class LocalReader {
   std::vector<EndpointId> matching_writers() const;
 
  private:
-  struct Connecting {
+  /// A writer from which the reader should receive.
+  struct Writer {
+    Hearing hearing;  ///< what is wanted, with the connections in force
     Retry memory;
     Retry network;
     /// The last pause before shared memory was tried again for this writer after it had failed.
     std::chrono::seconds network_preferred{0};
+    std::optional<RequestMonitor> monitor;  ///< set if a deadline or a lease has to be watched
+    ArrivalWatchdog watchdog;
   };
 
-  Hearing connect(const Hearing& wanted, const Hearing& before, std::size_t& unattached);
+  void connect(const Hearing& wanted, Writer& writer, std::size_t& unattached);
   bool connect_network(const Hearing& wanted, const Hearing& before, Retry& retry);
   bool connect_memory(const Hearing& wanted, const Hearing& before, Retry& retry, std::size_t& unattached);
   Result<void> connect_in_memory(const Source& source);
-  void disconnect_departed(const std::map<EndpointId, Hearing>& heard);
+  void disconnect_departed(const std::vector<Hearing>& wanted);
   bool look_after_history(const ReaderPort& port, EndpointId writer, Connections& connections);
   void accept();
-  void watch_matching();
-  bool is_stalled(const Hearing& hearing, const std::vector<Progress>& reported, bool held_up, Time now);
-  void restart(Hearing& hearing, Time now);
+  bool is_stalled(Writer& from, const std::vector<Progress>& reported, bool held_up, Time now);
+  void restart(Writer& from, Time now);
 
   NodeContext& node_;
   std::shared_ptr<SubscriberCore> core_;
@@ -120,11 +124,7 @@ class LocalReader {
   std::shared_ptr<BorrowingReader> memory_;
   std::shared_ptr<NetworkReader> network_;
   VanillaHearing vanilla_;
-  // The keys of these maps are the ids of writers.
-  std::map<EndpointId, Hearing> heard_;  ///< the connections in force
-  std::map<EndpointId, Connecting> connecting_;
-  std::map<EndpointId, RequestMonitor> watched_;
-  std::map<EndpointId, ArrivalWatchdog> watchdogs_;
+  std::map<EndpointId, Writer> writers_;
   /// The times at which writers departed; their datagrams may still be in flight.
   std::map<EndpointId, Time> departed_;
   /// The time of the loss of shared memory, as long as samples in the lost memory can still be taken,

@@ -20,16 +20,27 @@ LocalWriter::LocalWriter(NodeContext& node, const Endpoint& endpoint, std::share
       monitor_(endpoint.qos, std::chrono::steady_clock::now()) {}
 
 void LocalWriter::reconcile() {
-  Serving wanted = node_.negotiation.serving(id_);
-  if (open_memory(wanted.memory_port)) wanted = node_.negotiation.serving(id_);
-  wanted = reachable(std::move(wanted));
-  const bool has_other_port = vanilla_.reconcile(std::chrono::steady_clock::now());
+  const Time now = std::chrono::steady_clock::now();
+  Serving wanted = desired(now);
+  if (open_memory(wanted.memory_port)) wanted = desired(now);
+  wanted = reachable(std::move(wanted), now);
+  const bool has_other_port = vanilla_.reconcile(now);
   if (in_force_ == wanted && !has_other_port) return;
   const bool as_before = in_force_ && in_force_->serves_like(wanted) && !has_other_port;
   in_force_ = wanted;
   has_changes_ = true;
   as_before ? core_->show(wanted.readers) : core_->serve(wanted, memory_, vanilla_.port());
   if (has_other_port) vanilla_.in_force();
+}
+
+/// Returns the desired state. Readers whose doorbells could not be rung are left out of shared memory until
+/// they are due again.
+Serving LocalWriter::desired(Time now) const {
+  Negotiation::Unreachable unreachable;
+  for (const auto& [reader, retry] : reaching_) {
+    if (!retry.due(now)) unreachable.emplace(reader, retry.reason());
+  }
+  return node_.negotiation.serving(id_, unreachable);
 }
 
 /// Opens the port in shared memory if `wanted` is true and the port is not open. Returns true if the
@@ -52,7 +63,7 @@ bool LocalWriter::open_memory(bool wanted) {
 
 /// Returns the part of `wanted` that is possible: a reader is served in shared memory only if the port can
 /// ring its doorbell.
-Serving LocalWriter::reachable(Serving wanted) {
+Serving LocalWriter::reachable(Serving wanted, Time now) {
   forget_unreached_but(wanted);
   bool changed = false;
   for (const Route& route : wanted.memory) {
@@ -61,11 +72,11 @@ Serving LocalWriter::reachable(Serving wanted) {
     if (why_not.empty()) {
       reaching_.erase(route.reader);
     } else {
-      changed |= node_.negotiation.reach_changed(id_, route.reader, why_not);
-      cannot_reach(route, why_not);
+      changed = true;
+      cannot_reach(route, why_not, now);
     }
   }
-  return changed ? node_.negotiation.serving(id_) : wanted;
+  return changed ? desired(now) : wanted;
 }
 
 /// Returns the reason why the port in shared memory is not open. (A reader may be attached even to a port
@@ -79,10 +90,7 @@ std::string LocalWriter::why_not_open() const {
 void LocalWriter::forget_unreached_but(const Serving& wanted) {
   std::erase_if(reaching_, [&](const auto& item) {
     const auto is_it = [&](const Route& route) { return route.reader == item.first; };
-    if (std::ranges::any_of(wanted.memory, is_it) || std::ranges::any_of(wanted.unreached, is_it))
-      return false;
-    node_.negotiation.reach_changed(id_, item.first, {});
-    return true;
+    return std::ranges::none_of(wanted.memory, is_it) && std::ranges::none_of(wanted.unreached, is_it);
   });
 }
 
@@ -92,22 +100,24 @@ bool LocalWriter::is_served_already(const Route& route) const {
          });
 }
 
-void LocalWriter::cannot_reach(const Route& route, const std::string& why_not) {
-  if (!reaching_[route.reader].failed(why_not, std::chrono::steady_clock::now(), reach_again_after)) return;
+void LocalWriter::cannot_reach(const Route& route, const std::string& why_not, Time now) {
+  if (!reaching_[route.reader].failed(why_not, now, reach_again_after)) return;
   if (memory_ == nullptr) return;  // the failure to open the port has been logged already
-  const Endpoint* reader = node_.negotiation.table().known(route.reader);
+  const TableEntry* reader = node_.negotiation.table().find(route.reader);
   node_.log.write(LogLevel::warning, core_->spec().topic + ": the subscriber of node '" +
-                                         (reader == nullptr ? "" : reader->node) +
+                                         (reader == nullptr ? "" : reader->endpoint.node) +
                                          "' is not served in shared memory: " + why_not);
 }
 
 bool LocalWriter::look_after_reach(Time now) {
   if (memory_ == nullptr) return false;  // these readers are tried again once the port is open
-  bool changed = false;
-  for (const auto& [reader, retry] : reaching_) {
-    if (retry.due_again(now)) changed |= node_.negotiation.reach_changed(id_, reader, {});
+  bool any_due = false;
+  for (auto& [reader, retry] : reaching_) {
+    if (!retry.due_again(now)) continue;
+    retry.hold(Time{});  // from now on, desired() contains the reader
+    any_due = true;
   }
-  return changed;
+  return any_due;
 }
 
 bool LocalWriter::look_after_history() {
@@ -125,12 +135,7 @@ bool LocalWriter::look_after_history() {
 }
 
 /// Discards all failures to reach readers. Returns true if there were any.
-bool LocalWriter::reach_all_again() {
-  bool changed = false;
-  for (const auto& [reader, retry] : std::exchange(reaching_, {}))
-    changed |= node_.negotiation.reach_changed(id_, reader, {});
-  return changed;
-}
+bool LocalWriter::reach_all_again() { return !std::exchange(reaching_, {}).empty(); }
 
 bool LocalWriter::drop_memory() {
   opening_memory_ = {};
@@ -185,7 +190,7 @@ std::vector<EndpointId> LocalWriter::matching_readers() const {
   return readers;
 }
 
-Account::OfWriter LocalWriter::account_of(EndpointId reader) const {
+DomainSnapshot::Sent LocalWriter::account_of(EndpointId reader) const {
   const Delivered delivered = core_->delivered(reader);
   const PublisherStatus::Diverted diverted = core_->diverted();
   return {.sent = delivered.sent,

@@ -67,11 +67,12 @@ class LocalWriter {
 
   /// Returns the readers that match. Accounts are kept of these readers.
   std::vector<EndpointId> matching_readers() const;
-  Account::OfWriter account_of(EndpointId reader) const;
+  DomainSnapshot::Sent account_of(EndpointId reader) const;
 
  private:
   bool open_memory(bool wanted);
-  Serving reachable(Serving wanted);
+  Serving desired(Time now) const;
+  Serving reachable(Serving wanted, Time now);
   std::string why_not_open() const;
   bool reach_all_again();
   void forget_unreached_but(const Serving& wanted);
@@ -79,7 +80,7 @@ class LocalWriter {
   bool has_readers() const {
     return in_force_ && (!in_force_->memory.empty() || !in_force_->network.empty());
   }
-  void cannot_reach(const Route& route, const std::string& why_not);
+  void cannot_reach(const Route& route, const std::string& why_not, Time now);
 
   NodeContext& node_;
   EndpointId id_;

@@ -28,8 +28,9 @@ bool is_end_of(std::string_view end, std::string_view topic) {
 }
 
 bool subscribes(NodeId node, const std::string& topic, const EndpointTable& table) {
-  return std::ranges::any_of(table.present(), [&](const Endpoint* e) {
-    return e->role == Role::reader && e->node_id == node && e->topic == topic;
+  return std::ranges::any_of(table.present(), [&](const TableEntry* entry) {
+    const Endpoint& e = entry->endpoint;
+    return e.role == Role::reader && e.node_id == node && e.topic == topic;
   });
 }
 

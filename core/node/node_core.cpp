@@ -8,7 +8,6 @@
 #include "core/control/qos.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
-#include "core/node/type_search.h"
 #include "core/platform/clock.h"
 #include "core/platform/network_id.h"
 #include "core/platform/random_id.h"
@@ -19,7 +18,10 @@ namespace sft::core {
 using namespace std::chrono_literals;
 
 namespace {
-constexpr std::chrono::seconds complaint_pause{1};
+/// A search for a type hears subscribers, too, if no publisher has announced the type within this time. If
+/// all nodes that search for types did that at once, all nodes would have to announce all their subscribers
+/// to each other.
+constexpr std::chrono::seconds publishers_first{1};
 /// The period in which a search for a type checks if it was interrupted. A signal handler may interrupt the
 /// search, but cannot wake it.
 constexpr std::chrono::milliseconds interrupt_look_period{100};
@@ -64,10 +66,10 @@ class MissingClock {
   void look(const Reconciler& reconciler, NodeLog& log) {
     if (std::chrono::steady_clock::now() < due_) return;
     due_ = Time::max();
-    for (const Endpoint* e : reconciler.endpoints())
-      if (e->role == Role::writer && e->topic == topic_) return;
-    log.write(LogLevel::warning, "use_sim_time: nobody publishes the topic " + in_quotes(topic_) +
-                                     ", so the time of the node, Node::now(), is 0 until somebody does");
+    for (const TableEntry* entry : reconciler.endpoints())
+      if (entry->endpoint.role == Role::writer && entry->endpoint.topic == topic_) return;
+    log.write(LogLevel::warning, "use_sim_time: there is no publisher of the topic " + in_quotes(topic_) +
+                                     ", so the time of the node, Node::now(), is 0 until a publisher comes");
   }
 
  private:
@@ -114,8 +116,10 @@ Result<std::shared_ptr<NodeCore>> NodeCore::open(const NodeOptions& options, Par
                                                .slots = node->wake_slots_,
                                                .dispatcher = node->dispatcher_,
                                                .poller = node->poller_,
-                                               .callbacks = node->callbacks_},
-                         node->endpoint_notifications());
+                                               .callbacks = node->callbacks_,
+                                               .agent = node->agent_,
+                                               .reconciler = *node->reconciler_,
+                                               .log = node->log_});
   Reconciler* const reconciler = node->reconciler_.get();
   const Agent::Duties duties{.tick =
                                  [node = node.get(), reconciler, heap, names,
@@ -186,17 +190,6 @@ void NodeCore::dispose(NodeCore* node) {
   }
 }
 
-EndpointOpening::Notifications NodeCore::endpoint_notifications() {
-  return {
-      .asserted = [this](EndpointId id) { agent_.post([this, id] { reconciler_->program_asserts(id); }); },
-      .requirement_changed =
-          [this](EndpointId id) { agent_.post([this, id] { reconciler_->requirement_changed(id); }); },
-      .log =
-          [this](LogLevel level, std::string text) {
-            agent_.post([this, level, text = std::move(text)] { log_.write(level, text); });
-          }};
-}
-
 Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_ptr<NodeCore>& self,
                                                             std::string_view topic, const TypeSupport& type,
                                                             const PublisherOptions& options) {
@@ -254,29 +247,9 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
   return detail::untyped::Subscriber(std::shared_ptr<SubscriberCore>(core.get(), close));
 }
 
-void NodeCore::endpoint_seen(const Endpoint& endpoint) {
-  reconciler_->endpoint_seen(endpoint);
+void NodeCore::take_events() {
+  discovery_->take_events(*reconciler_);
   endpoints_changed_.raise();
-}
-
-void NodeCore::endpoint_departed(EndpointId id) {
-  reconciler_->endpoint_departed(id);
-  endpoints_changed_.raise();
-}
-
-/// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
-void NodeCore::log_news(News news, const std::string& text, std::uint64_t times) {
-  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
-  if (news == News::malformed || news == News::too_much) {
-    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
-    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
-    const auto now = std::chrono::steady_clock::now();
-    if (now < counts_.next_complaint) return;
-    counts_.next_complaint = now + complaint_pause;
-    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
-  } else {
-    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
-  }
 }
 
 template <class Question>
@@ -307,25 +280,25 @@ Result<DynamicType> NodeCore::find_type(std::string_view topic, std::chrono::nan
   // The agent's thread must not wait for work that it has to do itself.
   const bool may_wait = !agent_.is_current_thread();
   const Time begun = std::chrono::steady_clock::now();
-  TypeSearch search(begun, may_wait ? deadline_after(timeout) : begun);
+  const Time deadline = may_wait ? deadline_after(timeout) : begun;
+  const Time readers_at = deadline - begun <= publishers_first ? begun : begun + publishers_first;
   const auto explained = [&](Result<DynamicType> type) {
     return std::move(type).map_error([&](const Error& error) { return name->explained(error); });
   };
   for (;;) {
+    const Time now = std::chrono::steady_clock::now();
+    const bool hears_readers = now >= readers_at;
     const std::uint64_t seen = endpoints_changed_.value();
-    ask_agent([&] { hear(search.hears_readers()); });
+    ask_agent([&] { hear(hears_readers); });
     // Announcements that discovery had received before were posted to the agent earlier than this question,
     // and so are contained in the answer.
     Result<DynamicType> type = ask_agent(
         [&] { return type_of(name->topic, reconciler_->endpoints(), options_.domain.value_or(0)); });
     const bool may_come = !type && type.error().code == Errc::unavailable && may_wait;
-    if (!may_come) return explained(std::move(type));
+    if (!may_come || now >= deadline) return explained(std::move(type));
     if (is_interrupted()) return fail(Errc::unavailable, "Node::interrupt() has ended the search for a type");
-    const Time look_again = std::chrono::steady_clock::now() + interrupt_look_period;
-    endpoints_changed_.wait_beyond(seen, std::min(search.waits_until(), look_again));
-    const Time now = std::chrono::steady_clock::now();
-    if (now < search.waits_until()) continue;
-    if (!search.goes_on(now, discovery_->newcomer_at())) return explained(std::move(type));
+    endpoints_changed_.wait_beyond(
+        seen, std::min(hears_readers ? deadline : readers_at, now + interrupt_look_period));
   }
 }
 
@@ -338,17 +311,20 @@ void NodeCore::interrupt() noexcept {
 std::vector<TopicInfo> NodeCore::topics() {
   if (is_forked_copy()) return {};
   ask_agent([this] { hear(true); });
-  return topics_of(ask_agent([&] {
-    std::vector<Endpoint> copies;
-    for (const Endpoint* endpoint : reconciler_->endpoints()) copies.push_back(*endpoint);
-    return copies;
-  }));
+  return topics_of(ask_agent([this] { return copies_of_endpoints(); }));
+}
+
+/// Called by the agent only.
+std::vector<TableEntry> NodeCore::copies_of_endpoints() const {
+  std::vector<TableEntry> copies;
+  for (const TableEntry* entry : reconciler_->endpoints()) copies.push_back(*entry);
+  return copies;
 }
 
 DomainSnapshot NodeCore::domain() {
   if (is_forked_copy()) return {};
   struct Known {
-    std::vector<KnownEndpoint> endpoints;
+    std::vector<TableEntry> endpoints;
     PairAccounts accounts;
     VanillaView vanilla;
   };
@@ -358,7 +334,7 @@ DomainSnapshot NodeCore::domain() {
     reconciler_->reports().ask_for_progress(std::chrono::steady_clock::now());
   });
   Known known = ask_agent([&] {
-    return Known{reconciler_->known_endpoints(), reconciler_->reports().accounts(), reconciler_->vanilla()};
+    return Known{copies_of_endpoints(), reconciler_->reports().accounts(), reconciler_->vanilla()};
   });
   DomainSnapshot snapshot = domain_snapshot(std::move(known.endpoints), known.accounts, id_, network_id_);
   add_vanilla(snapshot, known.vanilla, known.accounts);
@@ -413,9 +389,9 @@ NodeStatus NodeCore::status() const {
     status.shm_samples_malformed = counters.malformed;
     status.shm_over_limit = counters.over_limit;
   }
-  status.control_malformed = counts_.malformed.load(std::memory_order_relaxed);
-  status.links_renewed = counts_.links_renewed.load(std::memory_order_relaxed);
-  status.control_ignored = counts_.ignored.load(std::memory_order_relaxed);
+  status.control_malformed = reconciler_->counts().malformed.load(std::memory_order_relaxed);
+  status.links_renewed = reconciler_->counts().links_renewed.load(std::memory_order_relaxed);
+  status.control_ignored = reconciler_->counts().ignored.load(std::memory_order_relaxed);
   return status;
 }
 

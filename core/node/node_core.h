@@ -36,7 +36,7 @@
 
 namespace sft::core {
 
-class NodeCore final : private DiscoveryListener {
+class NodeCore final {
  public:
   struct Parts {
     std::unique_ptr<SharedMemory> memory;  ///< null if the node must not use shared memory
@@ -73,26 +73,19 @@ class NodeCore final : private DiscoveryListener {
  private:
   NodeCore(const NodeOptions& options, Parts parts);
   static void dispose(NodeCore* node);
-  EndpointOpening::Notifications endpoint_notifications();
   NodeOptions::LogSink posted(const NodeOptions::LogSink& sink);
 
   /// Returns a function that makes the agent call `act`, which it does not do once it has stopped. Any thread
   /// may call the function, even after the node was destroyed.
   std::function<void()> by_agent(void (NodeCore::*act)());
-  void take_events() { discovery_->take_events(*this); }
-
-  // Functions of DiscoveryListener, called on the agent's thread.
-  void endpoint_seen(const Endpoint& endpoint) override;
-  void endpoint_departed(EndpointId id) override;
-  void endpoint_lost(EndpointId id) override { reconciler_->endpoint_lost(id); }
-  void request_received(const Request& request) override { reconciler_->request_received(request); }
-  void report_received(const NodeReport& report) override { reconciler_->report_received(report); }
-  void vanilla_changed() override { reconciler_->look_after_vanilla(); }
-  void log_news(News news, const std::string& text, std::uint64_t times) override;
+  // Called by the agent only.
+  void take_events();
+  void vanilla_changed() { reconciler_->look_after_vanilla(); }
 
   /// Makes discovery report all publishers from now on, and all subscribers if `readers_too` is true. Called
   /// by the agent only.
   void hear(bool readers_too);
+  std::vector<TableEntry> copies_of_endpoints() const;
   /// Calls `question` on the agent's thread, which is the only thread that may use the reconciler. Returns
   /// the answer.
   template <class Question>
@@ -107,11 +100,6 @@ class NodeCore final : private DiscoveryListener {
   const std::unique_ptr<SharedMemory> memory_;
   const std::unique_ptr<Network> network_;
   WakeSlots wake_slots_;
-  struct DiscoveryCounts {
-    std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
-    Time next_complaint{};  ///< the earliest time of the next line about malformed control traffic
-  };
-  DiscoveryCounts counts_;
   CallbackThread callbacks_;  ///< for callbacks about events and readers, and for the log
   NodeLog log_;               ///< posts its lines to callbacks_
   EventCount endpoints_changed_;

@@ -8,6 +8,7 @@ namespace sft::core {
 namespace {
 constexpr std::chrono::milliseconds tick_while_attaching{1};
 constexpr std::chrono::milliseconds tick_shortest{1};
+constexpr std::chrono::seconds complaint_pause{1};
 constexpr std::chrono::seconds held_up_for{1};
 constexpr std::chrono::milliseconds arrivals_pause{900};
 constexpr const char* remedy_of_long_callbacks =
@@ -33,7 +34,6 @@ Reconciler::Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* 
       dispatcher_(dispatcher),
       log_(log),
       transports_(memory, network, network_id, log),
-      control_monitor_(negotiation_.table(), log),
       attempts_(log, memory),
       vanilla_(std::move(vanilla), log),
       context_{negotiation_, discovery, attempts_, log, memory, network, &vanilla_},
@@ -62,7 +62,7 @@ void Reconciler::add_reader(const Endpoint& endpoint, LocalReader::Parts parts) 
   dirty_ = true;
   reports_.inquire(std::chrono::steady_clock::now());
   announce(endpoint.id);
-  if (is_first) control_monitor_.reader_added(endpoint.id, std::chrono::steady_clock::now());
+  if (is_first) misspelt_topics_.added(endpoint.id, std::chrono::steady_clock::now());
 }
 
 /// The destructor of a port waits until calls of its listener have returned. The agent must not wait for
@@ -114,6 +114,21 @@ void Reconciler::report_received(const NodeReport& report, Time now) {
   if (!report.progress.empty()) look_at_arrivals(report.progress, now);
 }
 
+/// Of lines about refused messages, of which there may be a flood, only one per pause is logged.
+void Reconciler::log_news(News news, const std::string& text, std::uint64_t times) {
+  if (news == News::link_renewed) counts_.links_renewed.fetch_add(1, std::memory_order_relaxed);
+  if (news == News::malformed || news == News::too_much) {
+    std::atomic<std::uint64_t>& count = news == News::malformed ? counts_.malformed : counts_.ignored;
+    const std::uint64_t refused = count.fetch_add(times, std::memory_order_relaxed) + times;
+    const auto now = std::chrono::steady_clock::now();
+    if (now < next_complaint_) return;
+    next_complaint_ = now + complaint_pause;
+    log_.write(LogLevel::warning, "control traffic refused, " + std::to_string(refused) + " in all: " + text);
+  } else {
+    log_.write(news == News::links_changed ? LogLevel::info : LogLevel::warning, "discovery: " + text);
+  }
+}
+
 /// Sets up connections anew over which nothing arrives. `reported` is the progress of writers that has just
 /// been reported.
 void Reconciler::look_at_arrivals(const std::vector<Progress>& reported, Time now) {
@@ -138,8 +153,10 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
-  control_monitor_.name_misspelt_topics(publishers_of, now);
-  control_monitor_.name_second_servers(publishers_of, now);
+  for (const auto& sentences : {misspelt_topics_.look(negotiation_.table(), publishers_of, now),
+                                second_servers_.look(negotiation_.table(), publishers_of, now)}) {
+    for (const std::string& sentence : sentences) log_.write(LogLevel::warning, sentence);
+  }
   look_after_endpoints(now);
   settle();
   const bool awaits_port = context_.memory != nullptr && context_.memory->awaits_answer();
@@ -292,15 +309,6 @@ void Reconciler::settle() {
     look_after_connections(std::chrono::steady_clock::now());
     vanilla_.show_endpoints();
   }
-}
-
-std::vector<KnownEndpoint> Reconciler::known_endpoints() const {
-  std::vector<KnownEndpoint> known;
-  for (const Endpoint* endpoint : negotiation_.table().present()) {
-    const Progress* const progress = negotiation_.table().progress_of(endpoint->id);
-    known.push_back({*endpoint, progress == nullptr ? std::nullopt : std::optional(*progress)});
-  }
-  return known;
 }
 
 }  // namespace sft::core

@@ -3,6 +3,7 @@
 // and to the user. Used by the agent only, except for functions that are marked.
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <cstdint>
 #include <map>
@@ -11,12 +12,13 @@
 
 #include "core/discovery/discovery.h"
 #include "core/negotiation/negotiation.h"
-#include "core/node/control_monitor.h"
 #include "core/node/domain_snapshot.h"
 #include "core/node/local_endpoints.h"
+#include "core/node/misspelt_topics.h"
 #include "core/node/node_context.h"
 #include "core/node/port_attempts.h"
 #include "core/node/reports.h"
+#include "core/node/second_servers.h"
 #include "core/node/tick_pace.h"
 #include "core/node/transport_monitor.h"
 #include "core/node/vanilla_access.h"
@@ -28,7 +30,7 @@
 namespace sft::core {
 
 /// Larger than usual: there is a function for each kind of event, of discovery and of the program.
-class Reconciler {
+class Reconciler final : public DiscoveryListener {
  public:
   /// All arguments must outlive this object. A transport is null if the node must not use that transport.
   Reconciler(std::uint64_t network_id, SharedMemory* memory, Network* network, Discovery& discovery,
@@ -44,11 +46,16 @@ class Reconciler {
   void program_asserts(EndpointId writer);
 
   // Events from discovery.
-  void endpoint_seen(const Endpoint& endpoint);
-  void endpoint_departed(EndpointId id);
-  void endpoint_lost(EndpointId id);
-  void request_received(const Request& request);
-  void report_received(const NodeReport& report, Time now = std::chrono::steady_clock::now());
+  void endpoint_seen(const Endpoint& endpoint) override;
+  void endpoint_departed(EndpointId id) override;
+  void endpoint_lost(EndpointId id) override;
+  void request_received(const Request& request) override;
+  void report_received(const NodeReport& report) override {
+    report_received(report, std::chrono::steady_clock::now());
+  }
+  void report_received(const NodeReport& report, Time now);
+  void vanilla_changed() override { look_after_vanilla(); }
+  void log_news(News news, const std::string& text, std::uint64_t times) override;
   /// To be called when nodes of DDS, or readers or writers of such nodes, have appeared or departed.
   void look_after_vanilla(Time now = std::chrono::steady_clock::now());
   /// From now on, unmodified nodes are looked for even without a publisher or a subscriber, for vanilla().
@@ -62,13 +69,16 @@ class Reconciler {
 
   /// Returns all endpoints that are known and not lost, including those of this node. Valid until the next
   /// event.
-  std::vector<const Endpoint*> endpoints() const { return negotiation_.table().present(); }
-  /// Returns the same endpoints, with the progress of writers.
-  std::vector<KnownEndpoint> known_endpoints() const;
+  std::vector<const TableEntry*> endpoints() const { return negotiation_.table().present(); }
   VanillaView vanilla() const { return vanilla_.view(); }
   Reports& reports() { return reports_; }
 
   // The functions for any thread.
+  /// What discovery has refused and mended so far.
+  struct DiscoveryCounts {
+    std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
+  };
+  const DiscoveryCounts& counts() const { return counts_; }
   /// Other threads may call only those functions of the returned object that are marked
   /// (transport_monitor.h).
   const TransportMonitor& transports() const { return transports_; }
@@ -93,7 +103,8 @@ class Reconciler {
   NodeLog& log_;
   TransportMonitor transports_;
   Negotiation negotiation_;
-  ControlMonitor control_monitor_;
+  MisspeltTopics misspelt_topics_;
+  SecondServers second_servers_;
   PortAttempts attempts_;
   VanillaAccess vanilla_;
   NodeContext context_;
@@ -104,7 +115,9 @@ class Reconciler {
   TickPace tick_pace_;
   Time discovery_looks_at_{};  ///< the latest time of the next call of Discovery::look_after()
   Time arrivals_looked_at_{};
-  Time held_up_at_{};      ///< the last time at which a callback that takes long was seen
+  Time held_up_at_{};  ///< the last time at which a callback that takes long was seen
+  DiscoveryCounts counts_;
+  Time next_complaint_{};  ///< the earliest time of the next line about refused control traffic
   bool observes_ = false;  ///< see observe()
   bool dirty_ = false;     ///< something changed since the last reconcile()
   int hurried_ticks_ = 0;  ///< the number of successive ticks at which some reader waited for its connection

@@ -37,12 +37,15 @@ void Reports::inquire(Time now) {
 /// account is entered only if the other endpoint of the pair is known, too.
 void Reports::received(const NodeReport& report, Time now) {
   for (const Account& account : report.accounts) {
-    const Endpoint* const writer = negotiation_.table().known(account.id.pair.writer);
-    const Endpoint* const reader = negotiation_.table().known(account.id.pair.reader);
-    if (reader == nullptr || reader->role != Role::reader || !asks_about(reader->topic)) continue;
-    const bool is_pair = writer != nullptr && writer->role == Role::writer && writer->topic == reader->topic;
+    const TableEntry* const writer = negotiation_.table().find(account.id.pair.writer);
+    const TableEntry* const reader = negotiation_.table().find(account.id.pair.reader);
+    if (reader == nullptr || reader->endpoint.role != Role::reader) continue;
+    const std::string& topic = reader->endpoint.topic;
+    if (!asks_about(topic)) continue;
+    const bool is_pair =
+        writer != nullptr && writer->endpoint.role == Role::writer && writer->endpoint.topic == topic;
     const bool hears_dds =
-        account.id.said_by == Role::reader && vanilla_.knows_writer(account.id.pair.writer, reader->topic);
+        account.id.said_by == Role::reader && vanilla_.knows_writer(account.id.pair.writer, topic);
     if (!is_pair && !hears_dds) continue;
     table_.enter(account, now);
   }

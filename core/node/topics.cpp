@@ -17,10 +17,10 @@ namespace {
 
 constexpr std::size_t topics_named_max = 10;
 
-Error unknown_topic(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
+Error unknown_topic(std::string_view topic, const std::vector<const TableEntry*>& entries,
                     std::uint32_t domain) {
   std::set<std::string_view> names;
-  for (const Endpoint* e : endpoints) names.insert(e->topic);
+  for (const TableEntry* entry : entries) names.insert(entry->endpoint.topic);
   std::string message =
       "nobody publishes or subscribes to " + in_quotes(topic) + " in domain " + std::to_string(domain) + "; ";
   if (names.empty()) return {Errc::unavailable, message + "no other topics were seen there either"};
@@ -67,22 +67,24 @@ Result<DynamicType> common_type(const std::vector<const Endpoint*>& endpoints) {
 
 }  // namespace
 
-Result<DynamicType> type_of(std::string_view topic, const std::vector<const Endpoint*>& endpoints,
+Result<DynamicType> type_of(std::string_view topic, const std::vector<const TableEntry*>& entries,
                             std::uint32_t domain) {
   std::vector<const Endpoint*> writers;
   std::vector<const Endpoint*> readers;
-  for (const Endpoint* e : endpoints) {
-    if (e->topic == topic) (e->role == Role::writer ? writers : readers).push_back(e);
+  for (const TableEntry* entry : entries) {
+    const Endpoint& e = entry->endpoint;
+    if (e.topic == topic) (e.role == Role::writer ? writers : readers).push_back(&e);
   }
   if (!writers.empty()) return common_type(writers);
   if (!readers.empty()) return common_type(readers);
-  return tl::unexpected(unknown_topic(topic, endpoints, domain));
+  return tl::unexpected(unknown_topic(topic, entries, domain));
 }
 
-std::vector<TopicInfo> topics_of(const std::vector<Endpoint>& endpoints) {
+std::vector<TopicInfo> topics_of(const std::vector<TableEntry>& entries) {
   using TypeId = std::pair<std::string, std::uint64_t>;
   std::map<std::string, std::map<TypeId, TopicInfo::Type>> found;
-  for (const Endpoint& e : endpoints) {
+  for (const TableEntry& entry : entries) {
+    const Endpoint& e = entry.endpoint;
     TopicInfo::Type& type = found[e.topic][{e.type_name, e.type_hash}];
     type.name = e.type_name;
     type.hash = e.type_hash;

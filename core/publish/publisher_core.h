@@ -16,6 +16,7 @@
 #include <string>
 #include <vector>
 
+#include "core/control/control.h"
 #include "core/negotiation/qos_monitor.h"
 #include "core/negotiation/serving.h"
 #include "core/publish/dispatch.h"

@@ -10,7 +10,7 @@ void SubscriberPorts::Counts::add(const ReaderPort::Counters& counters) {
   discarded += counters.discarded;
 }
 
-void SubscriberPorts::Counts::add(const MemoryInlet::Port& port) {
+void SubscriberPorts::Counts::add(const std::shared_ptr<BorrowingReader>& port) {
   if (port == nullptr) return;
   add(*port);
   held_too_many += port->held_too_many();
@@ -20,24 +20,25 @@ void SubscriberPorts::set_memory(std::shared_ptr<BorrowingReader> port) {
   const std::shared_ptr<NetworkReader> beside = network();
   if (port != nullptr && beside != nullptr) beside->share_reader();
   const Lock lock(mutex_);
-  // The argument destroys the former port after the mutex is unlocked.
-  port = memory_.replace(std::move(port));
+  memory_.swap(port);  // the argument destroys the former port after the mutex is unlocked
   of_former_ports_.add(port);
 }
 
 void SubscriberPorts::lose_memory() {
-  MemoryInlet::Port ended;  // destroyed after the mutex is unlocked
+  std::shared_ptr<BorrowingReader> ended;  // destroyed after the mutex is unlocked
   const Lock lock(mutex_);
-  ended = memory_.lose();
+  if (memory_ == nullptr) return;
+  ended = std::exchange(lost_memory_, std::exchange(memory_, nullptr));
   of_former_ports_.add(ended);
 }
 
 bool SubscriberPorts::release_lost_memory(bool also_if_some_wait) {
-  MemoryInlet::Port ended;  // destroyed after the mutex is unlocked
+  std::shared_ptr<BorrowingReader> ended;  // destroyed after the mutex is unlocked
   const Lock lock(mutex_);
-  ended = memory_.release(also_if_some_wait);
+  if (lost_memory_ != nullptr && (also_if_some_wait || !lost_memory_->some_wait()))
+    ended = std::exchange(lost_memory_, nullptr);
   of_former_ports_.add(ended);
-  return memory_.lost() == nullptr;
+  return lost_memory_ == nullptr;
 }
 
 void SubscriberPorts::set_network(std::shared_ptr<NetworkReader> port) {
@@ -63,9 +64,23 @@ void SubscriberPorts::notify_room() {
   std::shared_ptr<BorrowingReader> memory;
   {
     const Lock lock(mutex_);
-    memory = memory_.port();
+    memory = memory_;
   }
   if (memory != nullptr) memory->notify_room();
+}
+
+template <class Take>
+SampleHandle SubscriberPorts::take_from_memory(Take take) {
+  SampleHandle sample;
+  if (lost_memory_ != nullptr) [[unlikely]]
+    sample = take(*lost_memory_);
+  if (!sample && memory_ != nullptr) sample = take(*memory_);
+  return sample;
+}
+
+bool SubscriberPorts::some_wait_in_memory() const {
+  return (lost_memory_ != nullptr && lost_memory_->some_wait()) ||
+         (memory_ != nullptr && memory_->some_wait());
 }
 
 bool SubscriberPorts::find_next() {
@@ -79,13 +94,14 @@ bool SubscriberPorts::find_next() {
       case Decision::nothing:
         return false;
       case Decision::dropped:
-        if (intake_.is_empty(Intake::Inlet::memory)) intake_.put(Intake::Inlet::memory, memory_.take());
+        if (intake_.is_empty(Intake::Inlet::memory))
+          intake_.put(Intake::Inlet::memory, take_from_memory([](auto& port) { return port.take(); }));
         if (network_ != nullptr && intake_.is_empty(Intake::Inlet::network))
           intake_.put(Intake::Inlet::network, network_->take());
         if (vanilla_ != nullptr && intake_.is_empty(Intake::Inlet::vanilla))
           intake_.put(Intake::Inlet::vanilla, vanilla_->take());
         if (intake_.is_empty()) {
-          if (in_force_ && !memory_.some_wait()) [[unlikely]]
+          if (in_force_ && !some_wait_in_memory()) [[unlikely]]
             intake_.accounts().forget_conditions_before(*std::exchange(in_force_, std::nullopt));
           return false;
         }
@@ -96,9 +112,12 @@ bool SubscriberPorts::find_next() {
         decision = intake_.connected(is_connected, now);
         break;
       }
-      case Decision::ask_overtaken:
-        decision = intake_.overtaken(memory_.take_of(intake_.asked_about()), now);
+      case Decision::ask_overtaken: {
+        const EndpointId writer = intake_.asked_about();
+        decision =
+            intake_.overtaken(take_from_memory([writer](auto& port) { return port.take_of(writer); }), now);
         break;
+      }
     }
   }
 }
@@ -223,19 +242,20 @@ std::uint64_t SubscriberPorts::losses() {
 
 std::uint64_t SubscriberPorts::held_too_many() {
   const Lock lock(mutex_);
-  return of_former_ports_.held_too_many + memory_.held_too_many();
+  return of_former_ports_.held_too_many + (memory_ == nullptr ? 0 : memory_->held_too_many()) +
+         (lost_memory_ == nullptr ? 0 : lost_memory_->held_too_many());
 }
 
 std::uint64_t SubscriberPorts::arrivals(EndpointId writer) {
   const Lock lock(mutex_);
-  return (memory_.port() == nullptr ? 0 : memory_.port()->arrivals(writer)) +
+  return (memory_ == nullptr ? 0 : memory_->arrivals(writer)) +
          (network_ == nullptr ? 0 : network_->arrivals(writer)) +
          (vanilla_ == nullptr ? 0 : vanilla_->arrivals(writer));
 }
 
-Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
+DomainSnapshot::Received SubscriberPorts::account_of(EndpointId writer) {
   const Lock lock(mutex_);
-  Account::OfReader account;
+  DomainSnapshot::Received account;
   if (vanilla_ != nullptr) account.lost = vanilla_->lost_before_first(writer);
   if (const WriterAccounts::Writer* const known = intake_.accounts().find(writer)) {
     account.received = known->received;
@@ -246,8 +266,8 @@ Account::OfReader SubscriberPorts::account_of(EndpointId writer) {
 
 SubscriberPorts::Counts SubscriberPorts::counts() const {
   Counts counts = of_former_ports_;
-  counts.add(memory_.port());
-  counts.add(memory_.lost());
+  counts.add(memory_);
+  counts.add(lost_memory_);
   if (network_ != nullptr) counts.add(*network_);
   if (vanilla_ != nullptr) counts.add(vanilla_->counters());
   return counts;

@@ -13,7 +13,6 @@
 #include "core/seam/transport.h"
 #include "core/subscribe/asked.h"
 #include "core/subscribe/intake.h"
-#include "core/subscribe/memory_inlet.h"
 #include "core/subscribe/vanilla_inlet.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
@@ -86,7 +85,7 @@ class SubscriberPorts {
   /// Returns a number that changes whenever a sample of that writer arrives.
   std::uint64_t arrivals(EndpointId writer);
   /// Returns the numbers of samples of that writer that were received and lost.
-  Account::OfReader account_of(EndpointId writer);
+  DomainSnapshot::Received account_of(EndpointId writer);
 
  private:
   /// Counts of the ports, of samples that cause no gap between sequences.
@@ -96,9 +95,15 @@ class SubscriberPorts {
     std::uint64_t held_too_many = 0;
     void add(const ReaderPort::Counters& counters);
     void add(const ReaderPort& port) { add(port.counters()); }
-    void add(const MemoryInlet::Port& port);
+    void add(const std::shared_ptr<BorrowingReader>& port);
   };
 
+  /// Calls `take` with the port whose memory was lost, and then with the present one, until a sample comes.
+  template <class Take>
+  SampleHandle take_from_memory(Take take) SFT_REQUIRES(mutex_);
+  /// Returns true if a sample waits in shared memory, even a sample that cannot be taken because max_held
+  /// samples are held.
+  bool some_wait_in_memory() const SFT_REQUIRES(mutex_);
   /// Fills the intake and carries out its decisions. Returns true if the intake can deliver a sample.
   bool find_next() SFT_REQUIRES(mutex_);
   Next next() SFT_REQUIRES(mutex_);
@@ -114,7 +119,10 @@ class SubscriberPorts {
   const bool reports_asked_;
   Mutex mutex_ SFT_ACQUIRED_AFTER(lock_order::endpoints) SFT_ACQUIRED_BEFORE(lock_order::endpoint);
   Intake intake_ SFT_GUARDED_BY(mutex_);
-  MemoryInlet memory_ SFT_GUARDED_BY(mutex_);
+  // The port to shared memory, and the former port whose memory was lost. Null if there is no such port. The
+  // destructor of a port may return memory to the system, so it runs when the mutex is unlocked.
+  std::shared_ptr<BorrowingReader> memory_ SFT_GUARDED_BY(mutex_);
+  std::shared_ptr<BorrowingReader> lost_memory_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<NetworkReader> network_ SFT_GUARDED_BY(mutex_);
   std::shared_ptr<VanillaInlet> vanilla_ SFT_GUARDED_BY(mutex_);  ///< null until it is needed
   Counts of_former_ports_ SFT_GUARDED_BY(mutex_);

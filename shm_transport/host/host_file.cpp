@@ -135,8 +135,9 @@ std::optional<DaemonLock> read_daemon_lock() {
 }
 
 std::string names_are_gone(pid_t daemon) {
-  return "somebody has removed the files of sftd (pid " + std::to_string(daemon) +
-         ") from /dev/shm or /tmp (a clean-up script, or systemd's RemoveIPC= at log-out), so that no "
+  return "the files of sftd (pid " + std::to_string(daemon) +
+         ") were removed from /dev/shm or /tmp (a clean-up script, or systemd's RemoveIPC= at log-out), so "
+         "that no "
          "program can "
          "join it; sftd starts afresh in a moment";
 }

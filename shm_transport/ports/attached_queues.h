@@ -67,7 +67,7 @@ class AttachedQueues {
   const std::vector<Listener>& listeners() const { return listeners_; }
 
   /// Returns whether a late reader waits for retained samples.
-  bool somebody_waits() const { return waiting_ != 0; }
+  bool has_waiting() const { return waiting_ != 0; }
   /// Returns the listener of this late reader; null if the reader does not wait for retained samples.
   const Listener* waiting(core::EndpointId reader) const;
 

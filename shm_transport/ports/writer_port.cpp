@@ -163,7 +163,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
     port_.sendChunk(slot.chunk);
     return;
   }
-  if (attached_.somebody_waits()) attached_.hold_back();
+  if (attached_.has_waiting()) attached_.hold_back();
   for (const AttachedQueues::Listener& listener : attached_.listeners()) {
     if (listener.wants_sample())
       attached_.deliver(port, listener, slot.name.cloneToSharedChunk(), slot.buffer.capacity);

@@ -94,7 +94,7 @@ std::string in_the_way(const std::vector<std::string>& files) {
     names += " " + file;
   }
   return "these files are in the way, and this account may not remove them: " + list +
-         "; an sftd that was killed or an iox-roudi has left them, or somebody wants to keep sftd from "
+         "; an sftd that was killed or an iox-roudi has left them, or another user wants to keep sftd from "
          "starting; "
          "remove them as root: rm -r" +
          names;

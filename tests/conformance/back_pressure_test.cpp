@@ -117,13 +117,13 @@ TEST_P(BackPressure, DropsSamplesForAReaderThatTakesNothingOnceItHasWaitedLongEn
   Taken taken;
   ASSERT_EQ(writer.publish(), SendStatus::sent);
   taken.take_until(reader, 1);
-  std::uint64_t told = 0;
-  for (std::uint64_t n = 1; n < burst_samples; ++n) told += writer.publish() == SendStatus::sent ? 0 : 1;
+  std::uint64_t reported = 0;
+  for (std::uint64_t n = 1; n < burst_samples; ++n) reported += writer.publish() == SendStatus::sent ? 0 : 1;
   taken.take_until(reader, burst_samples);
   EXPECT_TRUE(taken.in_order);
   EXPECT_GT(taken.missed, 0U);
   EXPECT_EQ(taken.count + taken.missed, burst_samples) << "each sample is taken or seen as a gap";
-  EXPECT_GT(told, 0U) << "the publisher knows that it did not wait long enough";
+  EXPECT_GT(reported, 0U) << "the publisher knows that it did not wait long enough";
 }
 
 TEST_P(BackPressure, LosesNoMoreThanAReaderKnowsOfWhereItMayNotWait) {

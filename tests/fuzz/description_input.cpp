@@ -6,9 +6,9 @@ namespace sft::test {
 
 DescriptionInput parse_description_input(std::span<const std::byte> input) {
   if (input.size() < 2) return {};
-  const auto claimed = std::to_integer<std::size_t>(input[0]) | std::to_integer<std::size_t>(input[1]) << 8;
+  const auto announced = std::to_integer<std::size_t>(input[0]) | std::to_integer<std::size_t>(input[1]) << 8;
   input = input.subspan(2);
-  const std::size_t bytes = std::min(claimed, input.size());
+  const std::size_t bytes = std::min(announced, input.size());
   return {input.first(bytes), input.subspan(bytes)};
 }
 

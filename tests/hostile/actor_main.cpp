@@ -19,11 +19,11 @@ namespace {
 
 constexpr int pause_ms = 10;
 
-void tell(const std::string& text) { (void)!send(STDIN_FILENO, text.data(), text.size(), MSG_NOSIGNAL); }
+void answer(const std::string& text) { (void)!send(STDIN_FILENO, text.data(), text.size(), MSG_NOSIGNAL); }
 
 /// Returns true if the other side has sent something or closed the socket. Reads the data, because otherwise
 /// the other side would get an error instead of the answer.
-bool is_told_to_end(int within_ms) {
+bool must_end(int within_ms) {
   pollfd input{.fd = STDIN_FILENO, .events = POLLIN, .revents = 0};
   char word[16];
   return poll(&input, 1, within_ms) > 0 && recv(STDIN_FILENO, word, sizeof word, 0) >= 0;
@@ -46,12 +46,12 @@ int perform(const Entry& entry, Target target) {
   const Act act = entry.make(target);
   if (act.begin) act.begin();
   if (act.go_on) act.go_on();
-  tell("begun");
-  while (!is_told_to_end(pause_ms)) {
+  answer("begun");
+  while (!must_end(pause_ms)) {
     if (act.go_on) act.go_on();
   }
   if (act.end) act.end();
-  tell("ended" + (act.loot ? ": " + act.loot() : ""));
+  answer("ended" + (act.loot ? ": " + act.loot() : ""));
   return 0;
 }
 

@@ -34,8 +34,9 @@ Act to_each(Target& target, Role role, std::function<void(ForgedControl&, const 
 
 /// Returns an act of a forged node, which announces `count` endpoints that `make` derives from an honest
 /// endpoint of that role, some at each tick. The node also sends heartbeats, so that it counts as alive.
-Act crowd(Target& target, Role role, std::size_t count,
-          std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
+Act many_endpoints(
+    Target& target, Role role, std::size_t count,
+    std::function<Endpoint(const Endpoint& honest, std::uint64_t node, std::uint64_t number)> make) {
   struct State {
     explicit State(std::uint64_t id) : forged_control(id), node(id) {}
     ForgedControl forged_control;
@@ -159,44 +160,46 @@ Act repeated_announcements(Target& target) {
           }};
 }
 
-Act ten_thousand_readers(Target& target) { return crowd(target, Role::writer, 10'000, numbered_reader); }
+Act ten_thousand_readers(Target& target) {
+  return many_endpoints(target, Role::writer, 10'000, numbered_reader);
+}
 
 Act a_thousand_masks(Target& target) {
-  return crowd(target, Role::writer, 1000,
-               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
-                 Endpoint reader = numbered_reader(writer, node, number);
-                 reader.request.mask_words = {number};
-                 return reader;
-               });
+  return many_endpoints(target, Role::writer, 1000,
+                        [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                          Endpoint reader = numbered_reader(writer, node, number);
+                          reader.request.mask_words = {number};
+                          return reader;
+                        });
 }
 
 Act too_many_writers(Target& target) {
-  return crowd(target, Role::reader, 1100,
-               [](const Endpoint& reader, std::uint64_t node, std::uint64_t number) {
-                 Endpoint writer = made_up_writer(reader, id_of(node, number), node);
-                 writer.type_description.clear();
-                 return writer;
-               });
+  return many_endpoints(target, Role::reader, 1100,
+                        [](const Endpoint& reader, std::uint64_t node, std::uint64_t number) {
+                          Endpoint writer = made_up_writer(reader, id_of(node, number), node);
+                          writer.type_description.clear();
+                          return writer;
+                        });
 }
 
 Act two_thousand_definitions(Target& target) {
-  return crowd(target, Role::writer, 2000,
-               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
-                 return with_description(numbered_reader(writer, node, number),
-                                         renamed_description(writer.type_description, number));
-               });
+  return many_endpoints(target, Role::writer, 2000,
+                        [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                          return with_description(numbered_reader(writer, node, number),
+                                                  renamed_description(writer.type_description, number));
+                        });
 }
 
 Act worst_definitions(Target& target) {
-  return crowd(target, Role::writer, 2000,
-               [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
-                 return with_description(numbered_reader(writer, node, number),
-                                         deep_description(writer.type_name, number));
-               });
+  return many_endpoints(target, Role::writer, 2000,
+                        [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
+                          return with_description(numbered_reader(writer, node, number),
+                                                  deep_description(writer.type_name, number));
+                        });
 }
 
 Act names_with_control_characters(Target& target) {
-  return crowd(
+  return many_endpoints(
       target, Role::writer, 20, [](const Endpoint& writer, std::uint64_t node, std::uint64_t number) {
         Endpoint reader = numbered_reader(writer, node, number);
         reader.node = number % 2 == 0 ? "x\n  [error] forged\x1b[2J" : std::string("\xff\xfe\xc0\x80", 4);

@@ -83,7 +83,7 @@ void open_own_files_to_all() {
   for_each_own_file([](const std::string& path) { chmod(path.c_str(), 0777); });
 }
 
-/// An attacker that announces a reader which claims to share the memory of the publisher's host.
+/// An attacker that announces a reader which seems to share the memory of the publisher's host.
 class FalseNeighbour {
  public:
   explicit FalseNeighbour(Random& random) : random_(random), node_(random() | 1), forged_control_(node_) {}

@@ -20,7 +20,7 @@ using udp::FirstHeader;
 
 constexpr std::uint32_t channels_swept = 16;
 
-/// Returns the header of a sample of two small fields that claims to come from this writer.
+/// Returns the header of a sample of two small fields that seems to come from this writer.
 FirstHeader sample_header(const Endpoint& writer, const Endpoint& reader, std::uint32_t sequence,
                           std::uint16_t variant) {
   FirstHeader header;

@@ -187,16 +187,16 @@ Act outdated_records(Target&) {
   return {.begin = {}, .go_on = now_and_then(outdate)};
 }
 
-/// Makes participants that claim to belong to honest processes, replaces the announcements of these
+/// Makes participants that say that they belong to honest processes, replaces the announcements of these
 /// processes, and includes its own records in the digests of its heartbeats.
-Act claimed_processes(Target&) {
+Act impersonated_processes(Target&) {
   struct State {
     ForgedControl honest;
     std::map<core::ProcessId, std::unique_ptr<ForgedControl>> impostors;
     std::set<core::ParticipantGuid> own;
   };
   const auto state = std::make_shared<State>();
-  const auto claim = [state] {
+  const auto impersonate = [state] {
     for (const ControlParticipant::Other& other : state->honest.participants()) {
       const auto data = core::parse_participant_data(other.user_data);
       if (!data || state->impostors.contains(data->process)) continue;
@@ -208,7 +208,7 @@ Act claimed_processes(Target&) {
       impostor->live();
     }
   };
-  return {.begin = {}, .go_on = now_and_then(claim)};
+  return {.begin = {}, .go_on = now_and_then(impersonate)};
 }
 
 /// Announces endpoints of other processes as its own, in their first state. A node that receives such an

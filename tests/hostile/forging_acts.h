@@ -12,7 +12,7 @@ Act forged_deaths(Target& target);
 Act requests_with_the_last_number(Target& target);
 Act altered_announcements(Target& target);
 Act outdated_records(Target& target);
-Act claimed_processes(Target& target);
+Act impersonated_processes(Target& target);
 Act copied_endpoints(Target& target);
 Act false_life(Target& target);
 Act mutated_control(Target& target);

@@ -203,7 +203,7 @@ inline erase(r) {
   stale = true
 }
 
-/* serving_of(), and LocalWriter::reconcile, which opens the port. */
+/* Negotiation::serving(), and LocalWriter::reconcile, which opens the port. */
 #define IS_SERVED(r) (state[r] == KNOWN)
 #ifdef LOST_READERS_SERVED
 #undef IS_SERVED

@@ -33,7 +33,7 @@ active proctype agent() {
   do
   :: changes > 0 ->
       changes--;
-      /* serving_of() returns other routes. */
+      /* Negotiation::serving() returns other routes. */
       d_step { udp = 0; shm = false };
       if
       :: udp = 0

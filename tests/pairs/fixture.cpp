@@ -112,7 +112,7 @@ AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber) {
                             << " are accounted for: " << writer << ", taken: " << status["taken"];
 }
 
-bool was_told(const json& events, const std::string& kind, const std::string& text) {
+bool was_notified(const json& events, const std::string& kind, const std::string& text) {
   return std::any_of(events.begin(), events.end(), [&](const json& event) {
     return event["kind"] == kind && event["text"].get<std::string>().find(text) != std::string::npos;
   });
@@ -120,7 +120,7 @@ bool was_told(const json& events, const std::string& kind, const std::string& te
 
 testing::AssertionResult gets_event(Peer& peer, const std::string& side, const std::string& kind,
                                     const std::string& text) {
-  if (comes_true([&] { return was_told(peer.status()[side], kind, text); }))
+  if (comes_true([&] { return was_notified(peer.status()[side], kind, text); }))
     return testing::AssertionSuccess();
   return testing::AssertionFailure() << peer.name() << " has got: " << peer.status()[side];
 }

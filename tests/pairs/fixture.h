@@ -63,7 +63,7 @@ testing::AssertionResult agree(Peer& publisher, Peer& subscriber);
 testing::AssertionResult accounts_for_all(Peer& publisher, Peer& subscriber);
 
 /// Returns true if an event of that kind arrived whose text contains `text`.
-bool was_told(const json& events, const std::string& kind, const std::string& text = "");
+bool was_notified(const json& events, const std::string& kind, const std::string& text = "");
 /// Waits until the peer has got such an event. `side` is "offered" or "requested". An event arrives later
 /// than the change that it reports, because a separate thread delivers events.
 testing::AssertionResult gets_event(Peer& peer, const std::string& side, const std::string& kind,

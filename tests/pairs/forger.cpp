@@ -86,7 +86,7 @@ void Forger::mute_all(std::uint64_t ahead) {
   twin_->give_heartbeat();
 }
 
-void Forger::claim_processes() {
+void Forger::impersonate_processes() {
   look();
   for (const ControlParticipant::Other& other : self_.others()) {
     const auto data = core::parse_participant_data(other.user_data);
@@ -170,6 +170,8 @@ void Forger::outdate_heartbeats() {
   }
 }
 
-void Forger::claim_version(unsigned version) { self_.set_user_data("sft/" + std::to_string(version) + "/0"); }
+void Forger::announce_version(unsigned version) {
+  self_.set_user_data("sft/" + std::to_string(version) + "/0");
+}
 
 }  // namespace sft::test

@@ -30,9 +30,9 @@ class Forger {
   /// are `ahead` of the true ones. The requests are in the names of the readers' participants, and in the
   /// name of a process that announces the same readers.
   void mute_all(std::uint64_t ahead);
-  /// Makes a participant for each other process. The participant claims to belong to that process, and
+  /// Makes a participant for each other process. The participant says that it belongs to that process, and
   /// withdraws all endpoints of the process.
-  void claim_processes();
+  void impersonate_processes();
   /// Announces, in the name of each writer of records, that the writer has no samples before a great sequence
   /// number.
   void outdate_announcements();
@@ -46,7 +46,7 @@ class Forger {
   /// ahead that Cyclone discards all later samples of the writer as old.
   void outdate_heartbeats();
   /// Announces a participant whose control topics have the given version.
-  void claim_version(unsigned version);
+  void announce_version(unsigned version);
 
  private:
   using RecordOf = std::tuple<core::ParticipantGuid, core::Role, core::RecordKey>;

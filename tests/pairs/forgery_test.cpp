@@ -47,12 +47,13 @@ class Forgeries : public NegotiationTest {
     while (std::chrono::steady_clock::now() < end) ASSERT_TRUE(flows(reader()));
   }
   /// Returns true if the status has an event that another endpoint did not answer or had left.
-  static bool missed_somebody(const json& status) {
-    return was_told(status.at("offered"), "unmatched") || was_told(status.at("requested"), "unmatched");
+  static bool missed_a_peer(const json& status) {
+    return was_notified(status.at("offered"), "unmatched") ||
+           was_notified(status.at("requested"), "unmatched");
   }
   void expect_that_none_was_missed() {
     for (Peer* peer : {&publisher(), &reader()})
-      EXPECT_FALSE(missed_somebody(peer->status())) << peer->status();
+      EXPECT_FALSE(missed_a_peer(peer->status())) << peer->status();
   }
   /// Returns the number of links that either peer has made anew. A peer that makes its link anew receives the
   /// records of the other peer again.
@@ -63,7 +64,7 @@ class Forgeries : public NegotiationTest {
   std::optional<Peer> publisher_, reader_, forger_;
 };
 
-TEST_F(Forgeries, RecordsThatSomebodyElseDisposesOfAndWithdrawsHold) {
+TEST_F(Forgeries, RecordsThatAForgerDisposesOfAndWithdrawsHold) {
   begin("height, width");
   for (int i = 0; i < 5; ++i) {
     ASSERT_TRUE(flows(reader())) << i;
@@ -87,12 +88,12 @@ TEST_F(Forgeries, AnotherProcessThatAnnouncesAReaderAndAsksForNothingCountsForNo
   expect_that_none_was_missed();
 }
 
-TEST_F(Forgeries, AParticipantThatClaimsTheProcessOfAnotherOneCountsForNothing) {
+TEST_F(Forgeries, AParticipantThatNamesTheProcessOfAnotherOneCountsForNothing) {
   begin("recorded");
   // Longer than the time after which a participant is suspected.
   const auto end = std::chrono::steady_clock::now() + 8s;
   while (std::chrono::steady_clock::now() < end) {
-    forger().forge("claim processes");
+    forger().forge("impersonate processes");
     ASSERT_TRUE(flows(reader()));
   }
   expect_that_none_was_missed();
@@ -114,15 +115,15 @@ TEST_F(Forgeries, AParticipantOfAnotherReleaseIsNamedOnceInTheLogOfEachNode) {
   };
   EXPECT_EQ(lines(publisher()), 0);
   for (int i = 0; i < 3; ++i) {
-    forger().forge("claim version", 7);
+    forger().forge("announce version", 7);
     EXPECT_TRUE(comes_true([&] { return lines(publisher()) == 1; })) << publisher().status()["warnings"];
-    forger().forge("claim version", 14);
+    forger().forge("announce version", 14);
   }
   EXPECT_TRUE(flows(reader()));
   EXPECT_EQ(lines(publisher()), 1);
 }
 
-TEST_F(Forgeries, HeartbeatsThatSomebodyMakesUpCostNoSampleAndFewLinks) {
+TEST_F(Forgeries, ForgedHeartbeatsCostNoSampleAndFewLinks) {
   begin("height, width");
   const auto end = std::chrono::steady_clock::now() + 10s;
   while (std::chrono::steady_clock::now() < end) {
@@ -177,8 +178,7 @@ TEST_F(OutdatedByForgery, AllNodesOfAProcessAreHeardAgain) {
   })) << "nodes of a process share their links";
   for (Peer* peer : {&publisher(), &reader()}) {
     const json status = peer->status();
-    for (const json& neighbour : status.at("neighbours"))
-      EXPECT_FALSE(missed_somebody(neighbour)) << neighbour;
+    for (const json& neighbour : status.at("neighbours")) EXPECT_FALSE(missed_a_peer(neighbour)) << neighbour;
   }
 }
 

@@ -70,7 +70,7 @@ class Islands : public NegotiationTest, public testing::WithParamInterface<Host:
            << daemons().size() << " daemons; " << publisher.status() << reader.status();
   }
 
-  static bool is_told_why(Peer& publisher, Peer& reader) {
+  static bool both_name_the_reason(Peer& publisher, Peer& reader) {
     const std::string here = reader_of(publisher, reader)["reason"];
     const std::string there = writer_of(publisher, reader)["reason"];
     if (share_memory()) return here == "same host" && there == "same host";
@@ -86,7 +86,7 @@ TEST_P(Islands, UseTheMemoryThatTheyShareOrUdpAndSayWhyAlsoAfterTheirDaemonIsKil
   publisher.advertise();
   reader.subscribe("data");
   ASSERT_TRUE(settle(publisher, reader));
-  EXPECT_TRUE(comes_true([&] { return is_told_why(publisher, reader); }))
+  EXPECT_TRUE(comes_true([&] { return both_name_the_reason(publisher, reader); }))
       << publisher.status() << reader.status();
   publisher.publish(100);
   EXPECT_TRUE(accounts_for_all(publisher, reader));
@@ -96,7 +96,7 @@ TEST_P(Islands, UseTheMemoryThatTheyShareOrUdpAndSayWhyAlsoAfterTheirDaemonIsKil
   kill_daemons();
   ASSERT_TRUE(settle(publisher, reader));
   publisher.stop_publishing();
-  EXPECT_TRUE(comes_true([&] { return is_told_why(publisher, reader); }))
+  EXPECT_TRUE(comes_true([&] { return both_name_the_reason(publisher, reader); }))
       << publisher.status() << reader.status();
   EXPECT_TRUE(accounts_for_all(publisher, reader));
 }

@@ -119,8 +119,8 @@ TEST_F(JoinAndLeave, EndpointsBeyondTheLimitAreCountedAndThoseBelowItStayServed)
   reader.subscribe("data");
   ASSERT_TRUE(agree(publisher, reader));
   reader.look_around();
-  Peer crowd(there(), "crowd");
-  crowd.crowd(4100);
+  Peer many_publishers(there(), "many");
+  many_publishers.many_publishers(4100);
   EXPECT_TRUE(comes_true([&] { return reader.status()["node"]["control_ignored"] > 0; }));
   EXPECT_TRUE(agree(publisher, reader));
   EXPECT_EQ(publisher.status()["node"]["control_ignored"], 0);

@@ -149,7 +149,7 @@ TEST_F(Leases, ALinkThatIsDownForAMomentCostsTheSamplesOfThatMomentAndNoRequest)
     // The last samples may still be under way.
     EXPECT_GT(writer_of(publisher(), reader())["lost"], lost + 50);
   }
-  EXPECT_FALSE(was_told(publisher().status()["offered"], "unmatched"));
+  EXPECT_FALSE(was_notified(publisher().status()["offered"], "unmatched"));
   expect_a_good_end("height, width");
 }
 

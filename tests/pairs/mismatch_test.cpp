@@ -25,8 +25,8 @@ TEST_P(Policies, ThatDoNotFitAreToldToBothSidesAndNothingIsSent) {
   fitting.subscribe("height, width");
   ASSERT_TRUE(agree(publisher, fitting));
   EXPECT_TRUE(comes_true([&] {
-    return was_told(publisher.status()["offered"], "incompatible QoS", misfit.text) &&
-           was_told(reader.status()["requested"], "incompatible QoS", misfit.text);
+    return was_notified(publisher.status()["offered"], "incompatible QoS", misfit.text) &&
+           was_notified(reader.status()["requested"], "incompatible QoS", misfit.text);
   })) << publisher.status()
       << reader.status();
   publisher.publish(10);
@@ -65,8 +65,8 @@ INSTANTIATE_TEST_SUITE_P(
 
 class Types : public NegotiationTest {
  protected:
-  void expect_no_match(const std::string& fields, const std::string& told_publisher,
-                       const std::string& told_reader) {
+  void expect_no_match(const std::string& fields, const std::string& reason_at_publisher,
+                       const std::string& reason_at_reader) {
     Peer publisher(here(), "publisher");
     Peer reader(there(), "reader");
     Peer fitting(there(), "fitting");
@@ -75,8 +75,8 @@ class Types : public NegotiationTest {
     fitting.subscribe("height, width");
     ASSERT_TRUE(agree(publisher, fitting));
     EXPECT_TRUE(comes_true([&] {
-      return was_told(publisher.status()["offered"], "incompatible type", told_publisher) &&
-             was_told(reader.status()["requested"], "incompatible type", told_reader);
+      return was_notified(publisher.status()["offered"], "incompatible type", reason_at_publisher) &&
+             was_notified(reader.status()["requested"], "incompatible type", reason_at_reader);
     })) << publisher.status()
         << reader.status();
     publisher.publish(10);
@@ -88,9 +88,9 @@ class Types : public NegotiationTest {
 };
 
 TEST_F(Types, OfOtherNamesNeverMatchAndBothSidesAreToldThem) {
-  const std::string told =
+  const std::string reported =
       "type sensor_msgs::msg::PointCloud2 is published, sensor_msgs::msg::Image is subscribed to";
-  expect_no_match("image", told, told);
+  expect_no_match("image", reported, reported);
 }
 
 TEST_F(Types, OfOneNameWithTwoDefinitionsNeverMatchAndBothSidesAreToldTheDifference) {

@@ -42,7 +42,7 @@ class Peer {
   /// own. Neighbours with the same number in different processes have the same topic.
   void open_neighbours(std::size_t count) { ask({{"do", "neighbours"}, {"count", count}}); }
   /// Opens publishers of `count` other topics.
-  void crowd(std::size_t count) { ask({{"do", "crowd"}, {"count", count}}); }
+  void many_publishers(std::size_t count) { ask({{"do", "many publishers"}, {"count", count}}); }
 
   /// Makes the peer record all messages that nodes write on the control topics. repeat_control() writes them
   /// again (echo.h).
@@ -51,8 +51,8 @@ class Peer {
 
   /// Forges messages of other participants on the control topics (forger.h). `what` must be "watch" in the
   /// first call. After the peer has received records of other participants, `what` may be "withdraw", "mute"
-  /// with requests that are `ahead`, "claim processes", "outdate announcements", "heartbeats", "ask for
-  /// nothing", or "claim version", where `ahead` is the version of the control topics.
+  /// with requests that are `ahead`, "impersonate processes", "outdate announcements", "heartbeats", "ask for
+  /// nothing", or "announce version", where `ahead` is the version of the control topics.
   void forge(const std::string& what, std::uint64_t ahead = 1) {
     ask({{"do", "forge"}, {"what", what}, {"ahead", ahead}});
   }

@@ -123,7 +123,7 @@ class Peer {
         {"read", &Peer::read},
         {"rate", &Peer::set_rate},
         {"leave", &Peer::leave},
-        {"crowd", &Peer::crowd},
+        {"many publishers", &Peer::many_publishers},
         {"neighbours", &Peer::open_neighbours},
         {"hear", &Peer::hear},
         {"look around", &Peer::look_around},
@@ -154,9 +154,9 @@ class Peer {
     subscribing_.reset();
   }
   /// Opens publishers of `count` other topics.
-  void crowd(const json& command) {
-    for (std::size_t i = crowd_.size(); i < command.at("count"); ++i)
-      crowd_.push_back(node_.publisher<PointCloud2>("other/topic_" + std::to_string(i)).value());
+  void many_publishers(const json& command) {
+    for (std::size_t i = others_.size(); i < command.at("count"); ++i)
+      others_.push_back(node_.publisher<PointCloud2>("other/topic_" + std::to_string(i)).value());
   }
 
   void open_neighbours(const json& command) {
@@ -173,12 +173,12 @@ class Peer {
     if (what == "watch") forger_ = std::make_unique<Forger>();
     if (what == "withdraw") forger_->withdraw_all();
     if (what == "mute") forger_->mute_all(command.at("ahead"));
-    if (what == "claim processes") forger_->claim_processes();
+    if (what == "impersonate processes") forger_->impersonate_processes();
     if (what == "heartbeats") forger_->forge_heartbeats();
     if (what == "outdate heartbeats") forger_->outdate_heartbeats();
     if (what == "outdate announcements") forger_->outdate_announcements();
     if (what == "ask for nothing") forger_->ask_for_nothing();
-    if (what == "claim version") forger_->claim_version(command.at("ahead"));
+    if (what == "announce version") forger_->announce_version(command.at("ahead"));
   }
 
   json status() const {
@@ -215,7 +215,7 @@ class Peer {
   Warnings warnings_;
   const json options_;
   Node node_;
-  std::vector<Publisher<PointCloud2>> crowd_;
+  std::vector<Publisher<PointCloud2>> others_;
   std::vector<std::unique_ptr<Neighbour>> neighbours_;
   std::unique_ptr<Publishing> publishing_;
   std::unique_ptr<Subscribing> subscribing_;

@@ -70,7 +70,7 @@ TEST_F(Security, ANodeWithCertificatesThatComesLaterIsServedByOneThatMetNodesWit
   EXPECT_EQ(writers(plain_subscriber), 0U);
 }
 
-TEST_F(Security, WhatSomebodyWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
+TEST_F(Security, WhatAForgerWithoutACertificateSaysInTheNamesOfAPairWithOneCostsItNothing) {
   Peer publisher(here(), "publisher", certified("publisher"));
   Peer subscriber(there(), "subscriber", certified("subscriber"));
   // The forger learns the entity numbers of writers from these nodes. The nodes also show that the forger

@@ -32,7 +32,7 @@ std::uint64_t seed_of_environment() {
 }
 
 /// Prints the seed at the beginning, because a test that hangs or crashes prints no failure.
-std::uint64_t told(std::uint64_t seed) {
+std::uint64_t reported(std::uint64_t seed) {
   std::fprintf(stderr, "random numbers: SFT_TEST_SEED=%llu\n", static_cast<unsigned long long>(seed));
   return seed;
 }
@@ -40,7 +40,7 @@ std::uint64_t told(std::uint64_t seed) {
 }  // namespace
 
 std::uint64_t test_seed() {
-  static const std::uint64_t seed = told(seed_of_environment());
+  static const std::uint64_t seed = reported(seed_of_environment());
   return seed;
 }
 

@@ -24,7 +24,7 @@ class AccountsBetweenNodes : public PubSubTest {
     return account && !account->publisher && !account->subscriber;
   }
   /// Returns true if both nodes of the pair soon report that `samples` samples were sent and received.
-  static bool tells(const Node& node, std::uint64_t samples) {
+  static bool reports(const Node& node, std::uint64_t samples) {
     return eventually([&] {
       const auto account = account_of(node, "points");
       return account && account->publisher && account->subscriber && account->publisher->sent == samples &&
@@ -52,9 +52,9 @@ TEST_P(AccountsBetweenNodes, AreToldToANodeThatAsksAndGoOnAsSamplesDo) {
   exchange(10);
   ASSERT_TRUE(eventually([&] { return is_silent(account_of(tool, "points")); })) << "nobody has asked";
   const AccountInquiry inquiry = tool.ask_accounts("/points").value();
-  EXPECT_TRUE(tells(tool, 10));
+  EXPECT_TRUE(reports(tool, 10));
   exchange(5);
-  EXPECT_TRUE(tells(tool, 15));
+  EXPECT_TRUE(reports(tool, 15));
   const DomainSnapshot::Account account = account_of(tool, "points").value();
   const NodeSnapshot::Publisher::Reader counted = a.snapshot().publishers.at(0).readers.at(0);
   EXPECT_EQ(account.publisher->bytes_sent, counted.bytes_sent);
@@ -75,22 +75,22 @@ TEST_P(AccountsBetweenNodes, OfOwnPublishersAndSubscribersAreThereAtOnce) {
   ASSERT_TRUE(account && account->publisher);
   EXPECT_EQ(account->publisher->sent, 1U);
   EXPECT_EQ(account->publisher->age, 0s);
-  EXPECT_TRUE(tells(a, 1)) << "the other side comes by the network";
+  EXPECT_TRUE(reports(a, 1)) << "the other side comes by the network";
 }
 
-TEST_P(AccountsBetweenNodes, OfMorePairsThanASignOfLifeHasRoomForAreToldInTurns) {
+TEST_P(AccountsBetweenNodes, OfMorePairsThanAReportHasRoomForAreReportedInTurns) {
   constexpr std::size_t pairs = 50;
   std::vector<Subscriber<PointCloud2, F::height>> more;
   while (more.size() + 1 < pairs) more.push_back(b.subscriber<PointCloud2, F::height>("points").value());
   expect_served(pub, pairs);
   const AccountInquiry inquiry = tool.ask_accounts("points").value();
-  const auto told = [&] {
+  const auto reported = [&] {
     const DomainSnapshot domain = tool.domain();
     return std::ranges::count_if(domain.pairs, [](const DomainSnapshot::Pair& pair) {
       return pair.account.publisher && pair.account.subscriber;
     });
   };
-  EXPECT_TRUE(eventually([&] { return told() == pairs; })) << told();
+  EXPECT_TRUE(eventually([&] { return reported() == pairs; })) << reported();
 }
 
 TEST_P(AccountsBetweenNodes, AreForgottenOnceTheLastQuestionIsTakenBack) {
@@ -98,7 +98,7 @@ TEST_P(AccountsBetweenNodes, AreForgottenOnceTheLastQuestionIsTakenBack) {
   exchange(1);
   std::optional<AccountInquiry> inquiry = tool.ask_accounts("points").value();
   std::optional<AccountInquiry> copy = inquiry;
-  EXPECT_TRUE(tells(tool, 1));
+  EXPECT_TRUE(reports(tool, 1));
   inquiry.reset();
   EXPECT_FALSE(is_silent(account_of(tool, "points")));
   copy.reset();

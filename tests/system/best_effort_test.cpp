@@ -39,7 +39,7 @@ struct Taken {
   std::atomic<bool> failed{false};
   std::atomic<bool> wrong{false};  ///< true: a sample had wrong bytes, or was out of order
   std::atomic<std::uint32_t> last{0};
-  std::atomic<std::uint64_t> count{0}, told{0}, lost{0}, late{0};
+  std::atomic<std::uint64_t> count{0}, reported{0}, lost{0}, late{0};
 };
 
 std::uint8_t byte_of(std::uint32_t number, std::size_t at) {
@@ -76,7 +76,7 @@ void check_clouds(Node& node, Taken& taken) {
       for (std::size_t i = 0; i < sample->data().size(); ++i)
         right = right && sample->data()[i] == byte_of(number, i);
       if (!right) taken.wrong = true;
-      taken.told += sample.info().lost_before;
+      taken.reported += sample.info().lost_before;
       ++taken.count;
       taken.last = number;
     }
@@ -131,10 +131,10 @@ TEST_P(BestEffortTest, TellsASubscriberExactlyWhatWasDroppedOnTheWay) {
   ASSERT_TRUE(publish_up_to(samples_sent));
   cable_->become(false);
   ASSERT_TRUE(publish_up_to(samples_sent + 1));
-  ASSERT_TRUE(eventually([&] { return taken.last == samples_sent + 1 && taken.lost == taken.told; }));
+  ASSERT_TRUE(eventually([&] { return taken.last == samples_sent + 1 && taken.lost == taken.reported; }));
 
   EXPECT_FALSE(taken.wrong);
-  EXPECT_EQ(taken.count + taken.told, samples_sent + 1);
+  EXPECT_EQ(taken.count + taken.reported, samples_sent + 1);
   EXPECT_GT(harmed(samples_sent + 1), samples_sent / 10) << "most are small, and a twentieth of these is";
   EXPECT_GT(cable_->notes().repeated, 0U);
   EXPECT_GT(cable_->notes().swapped, 0U);

@@ -244,16 +244,16 @@ TEST_F(DiscoveryTest, AFirewallThatDropsUnicastIsNamedInTheLogWithTheHostAndWhat
     // destination's hardware address is odd for them.
     if (!filter_what_is_sent(number, "4,48 0 0 0,69 1 0 1,6 0 0 2,6 0 0 0")) return;
   }
-  const SharedWithChildren<std::atomic<bool>> told;
+  const SharedWithChildren<std::atomic<bool>> reported;
   NodeOptions heedful = options();
   heedful.log = [&](LogLevel level, std::string_view line) {
     const auto says = [&](const std::string& text) { return line.find(text) != line.npos; };
-    *told = *told || (level == LogLevel::warning && says("a process at " + address(0) + " has ") &&
-                      says("let in all UDP of it, or name both hosts as DiscoverySettings::peers"));
+    *reported = *reported || (level == LogLevel::warning && says("a process at " + address(0) + " has ") &&
+                              says("let in all UDP of it, or name both hosts as DiscoverySettings::peers"));
   };
   const NodeProcess publisher(host(0), options(), publish);
   const NodeProcess subscriber(host(1), heedful, subscribe);
-  EXPECT_TRUE(eventually([&] { return told->load(); }));
+  EXPECT_TRUE(eventually([&] { return reported->load(); }));
   EXPECT_EQ(subscriber.report().matched, 0U);
 }
 

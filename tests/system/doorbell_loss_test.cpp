@@ -180,7 +180,7 @@ TEST_F(DoorbellLoss, ForWantOfDescriptorsIsServedByUdpUntilThereAreSome) {
   EXPECT_EQ(warned_of("Too many open files"), 1U) << "the warning comes once";
 }
 
-TEST_F(DoorbellLoss, OfNamesThatSomebodyRemovedCostsRunningPairsAndNewcomersNothing) {
+TEST_F(DoorbellLoss, OfNamesThatWereRemovedCostsRunningPairsAndNewcomersNothing) {
   const Listening running;
   Talking talking(options());
   running.begin();

@@ -115,11 +115,11 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 200\n");
   Node a = Node::open(options("a")).value();
   Node b = Node::open(options("b")).value();
-  std::atomic<std::uint64_t> told{0};
+  std::atomic<std::uint64_t> reported{0};
   auto publisher = a.publisher<PointCloud2>("points", {.on_event =
                                                            [&](const Event& event) {
                                                              if (event.kind == Event::Kind::samples_diverted)
-                                                               told += event.count;
+                                                               reported += event.count;
                                                            }})
                        .value();
   auto subscriber = b.subscriber<PointCloud2, F::height | F::data>("points", {.depth = 16}).value();
@@ -153,7 +153,7 @@ TEST_F(FallbackTest, ASampleLargerThanTheLargestChunkComesByUdpInItsPlace) {
   const auto json = nlohmann::json::parse(to_json(a.snapshot())).at("publishers").at(0);
   EXPECT_EQ(json.at("diverted").at("too_large"), rounds);
   EXPECT_EQ(json.at("readers").at(0).at("diverted"), rounds);
-  EXPECT_TRUE(eventually([&] { return told == rounds; }));
+  EXPECT_TRUE(eventually([&] { return reported == rounds; }));
   EXPECT_GE(logged("a sample of " + std::to_string(diverted.too_large_bytes) +
                    " bytes is larger than the largest chunk of shared memory, which has room for " +
                    std::to_string(diverted.chunk_bytes) + "; enlarge /dev/shm"),
@@ -374,7 +374,7 @@ TEST_F(FallbackTest, AReaderThatHoldsTooManyIsToldAndCostsThePublisherAndOthersN
   const SmallDaemon daemon("[[pool]]\nsize_kib = 64\ncount = 60\n");
   Node a = Node::open(options("a")).value();
   Node b = Node::open(options("b")).value();
-  std::atomic<int> told{0};
+  std::atomic<int> reported{0};
   auto publisher = a.publisher<PointCloud2>("points").value();
   auto other = b.subscriber<PointCloud2, F::height>("points").value();
   auto holder =
@@ -382,7 +382,8 @@ TEST_F(FallbackTest, AReaderThatHoldsTooManyIsToldAndCostsThePublisherAndOthersN
                                                       .max_held = 5,
                                                       .on_event =
                                                           [&](const Event& e) {
-                                                            if (e.kind == Event::Kind::held_too_many) ++told;
+                                                            if (e.kind == Event::Kind::held_too_many)
+                                                              ++reported;
                                                           }})
           .value();
   ASSERT_TRUE(all_served_by_shm(publisher, 2));
@@ -395,7 +396,7 @@ TEST_F(FallbackTest, AReaderThatHoldsTooManyIsToldAndCostsThePublisherAndOthersN
     if (auto sample = holder.take()) held.push_back(std::move(sample));
   }
   EXPECT_EQ(held.size(), 5U);
-  EXPECT_TRUE(eventually([&] { return told == 1; }));
+  EXPECT_TRUE(eventually([&] { return reported == 1; }));
   EXPECT_EQ(holder.status().held_too_many, 1U);
   EXPECT_EQ(logged("too many samples held"), 1U);
   EXPECT_EQ(publisher.status().diverted.total(), 0U);

@@ -163,7 +163,7 @@ TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
                 return !result && result.error().message.starts_with("this process was forked");
               };
               Held& h = *held;
-              const std::vector<bool> as_told{
+              const std::vector<bool> as_promised{
                   h.publisher.publish({.height = 3}) == PublishStatus::forked,
                   h.publisher.publish(std::vector<PointCloud2>(2)).status == PublishStatus::forked,
                   std::move(*h.loan).publish() == PublishStatus::forked,
@@ -184,8 +184,8 @@ TEST_P(ForkTest, AProcessThatGoesOnWithWhatItFindsIsToldWhyNothingWorks) {
                   h.writing.status().udp.starts_with("this process was forked"),
                   h.writing.snapshot().publishers.empty(),
               };
-              for (std::size_t i = 0; i < as_told.size(); ++i) {
-                if (!as_told[i]) _exit(static_cast<int>(i) + 1);
+              for (std::size_t i = 0; i < as_promised.size(); ++i) {
+                if (!as_promised[i]) _exit(static_cast<int>(i) + 1);
               }
             }),
             0)

@@ -40,11 +40,11 @@ struct Report {
   std::atomic<std::uint64_t> taken{0};
   std::array<std::atomic<char>, 400> discovery{};  ///< the text of NodeStatus::discovery
 
-  void tell(const std::string& text) {
+  void add(const std::string& text) {
     for (std::size_t i = 0; i < discovery.size(); ++i) discovery[i] = i < text.size() ? text[i] : '\0';
     opened = true;
   }
-  std::string told() const {
+  std::string reported() const {
     std::string text;
     for (const auto& letter : discovery) {
       if (letter == '\0') break;
@@ -66,7 +66,7 @@ class NodeProcess : public NodeProcessWith<Report> {
     return eventually([&] { return report().taken > before + 10; }, hang_timeout);
   }
   bool says(const std::string& text) const {
-    return eventually([&] { return report().told().find(text) != std::string::npos; }, hang_timeout);
+    return eventually([&] { return report().reported().find(text) != std::string::npos; }, hang_timeout);
   }
 };
 
@@ -86,7 +86,7 @@ void publish(Node& node, Report& report) {
     }
     report.matched = served;
     report.unanswered = unanswered;
-    report.tell(node.status().discovery);
+    report.add(node.status().discovery);
     publisher.publish({.height = i});
     poll(nullptr, 0, between_samples.count());
   }
@@ -98,7 +98,7 @@ void subscribe(Node& node, Report& report) {
     std::size_t matched = 0;
     for (const auto& writer : subscriber.status().writers) matched += writer.matched && writer.alive ? 1 : 0;
     report.matched = matched;
-    report.tell(node.status().discovery);
+    report.add(node.status().discovery);
     if (subscriber.wait(5ms) && subscriber.take()) ++report.taken;
   }
 }
@@ -149,7 +149,7 @@ class LinksTest : public ::testing::Test {
     const bool came = subscriber.takes_samples();
     const std::chrono::duration<double> took = std::chrono::steady_clock::now() - begin;
     std::printf("samples came after %.2f s\n", took.count());
-    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().told();
+    return came ? testing::AssertionSuccess() : testing::AssertionFailure() << subscriber.report().reported();
   }
   /// Waits until no more samples arrive.
   static bool falls_silent(const NodeProcess& subscriber) {
@@ -205,8 +205,8 @@ TEST_P(RobotsInterfaces, AreUsedWhetherTheyAreThereOrComeLate) {
     plug_in(robot, "huc", "10.0.0.1");
   }
   EXPECT_TRUE(comes_soon(subscriber));
-  EXPECT_TRUE(publisher.says("huc (10.0.0.1)")) << publisher.report().told();
-  EXPECT_EQ(publisher.report().told().find("huc is not there"), std::string::npos);
+  EXPECT_TRUE(publisher.says("huc (10.0.0.1)")) << publisher.report().reported();
+  EXPECT_EQ(publisher.report().reported().find("huc is not there"), std::string::npos);
   if (cell.listed == std::vector<std::string>{"dumm0", "huc"}) {
     EXPECT_TRUE(publisher.says("dumm0 is not there"));
   }
@@ -383,7 +383,7 @@ void publish_beside_many_files(Node& node, Report& report) {
   std::vector<core::FileDescriptor> files;
   while (files.size() < 2 * FD_SETSIZE) files.emplace_back(open("/dev/null", O_RDONLY));
   while (!report.may_close_files) {
-    report.tell(node.status().discovery);
+    report.add(node.status().discovery);
     poll(nullptr, 0, 5);
   }
   files.clear();
@@ -396,7 +396,7 @@ TEST_F(LinksTest, AnInterfaceThatComesWhileAProgramHasManyFilesIsUsedOnceItHasFe
   plug_in(laptop, "huc", "10.0.0.2");
   const NodeProcess subscriber(host(laptop), options(), subscribe);
   plug_in(robot, "huc", "10.0.0.1");
-  EXPECT_TRUE(publisher.says("file descriptors with numbers below 1024")) << publisher.report().told();
+  EXPECT_TRUE(publisher.says("file descriptors with numbers below 1024")) << publisher.report().reported();
   publisher.report().may_close_files = true;
   EXPECT_TRUE(comes_soon(subscriber));
 }

@@ -303,7 +303,7 @@ TEST_F(PartHostsTest, ASubscriberThatChangesItsPartLosesNothingAndNeitherDoOther
         eventually([&] { return received(0).named == next || (publish_more(2), false); }, hang_timeout))
         << "round " << round;
   }
-  EXPECT_TRUE(publish_until_in_groups(4)) << "it has become calm";
+  EXPECT_TRUE(publish_until_in_groups(4)) << "it has settled";
   EXPECT_TRUE(publish_more(20));
   expect_all_is_right();
 }

@@ -49,7 +49,7 @@ static Gid gid_of(dds_entity_t entity) {
   return gid;
 }
 
-static void tell(const char* name_space, const char* name, bool has_node) {
+static void show_node(const char* name_space, const char* name, bool has_node) {
   Gid writer = gid_of(cloud_writer);
   NodeInfo node;
   memset(&node, 0, sizeof node);
@@ -205,11 +205,11 @@ int main(int argc, char** argv) {
   if (infos < 0 || info_writer < 0 || cloud_writer < 0) return 3;
   char word[16];
   while (scanf("%15s", word) == 1) {
-    if (strcmp(word, "speak") == 0) tell(argv[2], argv[3], true);
+    if (strcmp(word, "speak") == 0) show_node(argv[2], argv[3], true);
     if (strcmp(word, "list") == 0) list();
     if (strcmp(word, "leave") == 0) break;
   }
-  tell(argv[2], argv[3], false);
+  show_node(argv[2], argv[3], false);
   dds_delete(participant);
   return 0;
 }

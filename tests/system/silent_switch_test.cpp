@@ -153,17 +153,17 @@ INSTANTIATE_TEST_SUITE_P(PacketsOf, SilentSwitchTest, testing::Values(1000U, 120
                          testing::PrintToStringParamName());
 
 TEST_P(SilentSwitchTest, SamplesOfEverySizeArriveAndTheLogNamesTheLimitOnce) {
-  SharedWithChildren<Report> told;
+  SharedWithChildren<Report> reported;
   NodeOptions with_log = options("publisher");
   with_log.log = [&](LogLevel, std::string_view line) {
-    if (line.find(limit) != line.npos) ++told->limits_in_log;
+    if (line.find(limit) != line.npos) ++reported->limits_in_log;
   };
   const NodeProcess publisher(network_->host(0), with_log, publish);
   const NodeProcess subscriber(network_->host(1), options("subscriber"), subscribe);
   expect_all_sizes(subscriber);
   EXPECT_TRUE(eventually([&] { return publisher.report().limits_in_status == topics; }));
-  EXPECT_TRUE(eventually([&] { return told->limits_in_log > 0; }));
-  EXPECT_EQ(told->limits_in_log, 1U);
+  EXPECT_TRUE(eventually([&] { return reported->limits_in_log > 0; }));
+  EXPECT_EQ(reported->limits_in_log, 1U);
 }
 
 /// Two hosts request the same fields. So one copy by multicast serves both of them, once the maximum length

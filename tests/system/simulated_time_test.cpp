@@ -22,7 +22,7 @@ using NodeTime = std::chrono::sys_time<std::chrono::nanoseconds>;
 class SimulatedTimeTest : public PubSubTest {
  protected:
   // On a busy machine a node may discover the publisher of the clock late.
-  SimulatedTimeTest() { expected_warning = "use_sim_time: nobody publishes the topic"; }
+  SimulatedTimeTest() { expected_warning = "use_sim_time: there is no publisher of the topic"; }
 
   static NodeOptions following(const std::string& name) {
     NodeOptions options = node_options(GetParam(), name);
@@ -117,8 +117,8 @@ TEST_P(SimulatedTimeTest, TheLogSaysThatNobodyPublishesTheClock) {
   EXPECT_TRUE(eventually([&] {
     const std::scoped_lock lock(mutex);
     return lines.find(
-               "use_sim_time: nobody publishes the topic 'clock', so the time of the node, "
-               "Node::now(), is 0 until somebody does") != std::string::npos;
+               "use_sim_time: there is no publisher of the topic 'clock', so the time of the node, "
+               "Node::now(), is 0 until a publisher comes") != std::string::npos;
   }));
   EXPECT_EQ(robot.now(), NodeTime());
 }

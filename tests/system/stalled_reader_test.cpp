@@ -36,7 +36,7 @@ struct TakenInOrder {
   std::atomic<bool> failed{false};
   std::atomic<bool> out_of_order{false};
   std::atomic<std::uint32_t> last{0};
-  std::atomic<std::uint64_t> count{0}, told{0};
+  std::atomic<std::uint64_t> count{0}, reported{0};
   std::atomic<std::uint32_t> in_a_row{0};  ///< the length of the latest run of samples without a gap
 };
 
@@ -61,7 +61,7 @@ void take_in_order(Node& node, TakenInOrder& taken) {
     subscriber.wait(5ms);
     while (const auto sample = subscriber.take()) {
       if (sample->height() <= taken.last) taken.out_of_order = true;
-      taken.told += sample.info().lost_before;
+      taken.reported += sample.info().lost_before;
       if (sample.info().lost_before != 0) taken.in_a_row = 0;
       ++taken.in_a_row;
       ++taken.count;
@@ -90,14 +90,14 @@ TEST(StalledReader, LosesTheOldestAndKnowsItWhileAnotherGetsAllInTime) {
   stalled.hold_up();
   published.wanted = samples_published;
   ASSERT_TRUE(has(good, samples_published)) << "while the other one is held up: nobody waits for it";
-  EXPECT_EQ(good.report().told, 0U);
+  EXPECT_EQ(good.report().reported, 0U);
   EXPECT_EQ(good.report().count, samples_published);
   stalled.let_go();
   ASSERT_TRUE(has(stalled, samples_published)) << stalled.report().last;
   const TakenInOrder& taken = stalled.report();
   EXPECT_FALSE(taken.out_of_order);
-  EXPECT_GT(taken.told, 0U);
-  EXPECT_EQ(taken.count + taken.told, samples_published);
+  EXPECT_GT(taken.reported, 0U);
+  EXPECT_EQ(taken.count + taken.reported, samples_published);
   EXPECT_GE(taken.in_a_row, kept) << "what the publisher still had";
   EXPECT_EQ(published.served, 2U);
 }

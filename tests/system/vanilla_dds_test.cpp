@@ -86,16 +86,16 @@ TEST_F(VanillaServingTest, AReaderThatWasThereBeforeThePublisherIsServed) {
 
 TEST_F(VanillaServingTest, ReadersCountAsSubscribersForWhoeverWaitsForThem) {
   Node node = open(Way::udp);
-  std::atomic<std::size_t> told{0};
+  std::atomic<std::size_t> reported{0};
   PublisherOptions options;
-  options.on_readers_changed = [&](const PublisherStatus& status) { told = status.vanilla_readers; };
+  options.on_readers_changed = [&](const PublisherStatus& status) { reported = status.vanilla_readers; };
   auto pub = node.publisher<PointCloud2>("points", options).value();
   EXPECT_FALSE(pub.wait_for_subscribers(1, std::chrono::milliseconds(0)));
   VanillaReader first(network_.host(1), {});
   ASSERT_TRUE(pub.wait_for_subscribers(1, hang_timeout));
   VanillaReader second(network_.host(0), {});
   ASSERT_TRUE(pub.wait_for_subscribers(2, hang_timeout));
-  EXPECT_TRUE(eventually([&] { return told == 2; }));
+  EXPECT_TRUE(eventually([&] { return reported == 2; }));
   ASSERT_TRUE(first.matches(1) && second.matches(1));
   pub.publish(cloud(7));
   EXPECT_EQ(first.take().body, body_of(cloud(7)));

@@ -39,7 +39,7 @@ SampleHandle sample_of(std::uint32_t bytes, BufferPool& pool) {
   return sample;
 }
 
-void tell_matched(dds_entity_t, dds_publication_matched_status_t status, void*) {
+void report_matched(dds_entity_t, dds_publication_matched_status_t status, void*) {
   const std::uint32_t readers = status.current_count;
   if (write(STDOUT_FILENO, &readers, sizeof readers) != sizeof readers) std::_Exit(0);  // the test has ended
 }
@@ -57,7 +57,7 @@ int main(int argc, char** argv) {
   dds_qset_durability(qos, DDS_DURABILITY_TRANSIENT_LOCAL);
   dds_qset_history(qos, DDS_HISTORY_KEEP_ALL, 0);
   dds_listener_t* const listener = dds_create_listener(nullptr);
-  dds_lset_publication_matched(listener, tell_matched);
+  dds_lset_publication_matched(listener, report_matched);
   const dds_entity_t writer = dds_create_writer(participant, topic.entity, qos, listener);
   if (writer < 0) return 3;
   const std::shared_ptr<BufferPool> pool = BufferPool::make(64 << 20);

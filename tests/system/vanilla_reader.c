@@ -26,7 +26,7 @@ static void write_all(const void* bytes, size_t size) {
   }
 }
 
-static void tell(uint32_t kind, int64_t stamp, const void* bytes, uint32_t size) {
+static void report(uint32_t kind, int64_t stamp, const void* bytes, uint32_t size) {
   struct {
     int64_t stamp;
     uint32_t kind, size;
@@ -36,12 +36,12 @@ static void tell(uint32_t kind, int64_t stamp, const void* bytes, uint32_t size)
 }
 
 /* The struct once more as bytes, by Cyclone's own serializer. */
-static void tell_sample(const struct ddsi_serdata* as_received, const void* message, int64_t stamp) {
+static void report_sample(const struct ddsi_serdata* as_received, const void* message, int64_t stamp) {
   struct ddsi_serdata* again = ddsi_serdata_from_sample(as_received->type, SDK_DATA, message);
   const uint32_t size = ddsi_serdata_size(again);
   char* bytes = malloc(size);
   ddsi_serdata_to_ser(again, 0, size, bytes);
-  tell(sample, stamp, bytes, size);
+  report(sample, stamp, bytes, size);
   free(bytes);
   ddsi_serdata_unref(again);
 }
@@ -54,7 +54,7 @@ static void take_all(dds_entity_t reader) {
     void* to = &message;
     if (dds_readcdr(reader, &as_received, 1, &info, DDS_ANY_STATE) <= 0) return;
     if (dds_take(reader, &to, &info, 1, 1) > 0 && info.valid_data)
-      tell_sample(as_received, &message, info.source_timestamp);
+      report_sample(as_received, &message, info.source_timestamp);
     ddsi_serdata_unref(as_received);
   }
 }
@@ -78,7 +78,7 @@ int main(int argc, char** argv) {
     dds_subscription_matched_status_t status;
     dds_get_subscription_matched_status(reader, &status);
     if (status.current_count_change != 0)
-      tell(matched, 0, &status.current_count, sizeof status.current_count);
+      report(matched, 0, &status.current_count, sizeof status.current_count);
     take_all(reader);
   }
 }

@@ -19,7 +19,7 @@
 #include "vanilla_messages.h"
 #include "tests/system/vanilla_qos.h"
 
-static void tell_matched(dds_entity_t writer, const dds_publication_matched_status_t status, void* unused) {
+static void report_matched(dds_entity_t writer, const dds_publication_matched_status_t status, void* unused) {
   (void)writer;
   (void)unused;
   const uint32_t readers = status.current_count;
@@ -77,7 +77,7 @@ int main(int argc, char** argv) {
                                                   : &sensor_msgs_msg_dds__PointCloud2__desc;
   const dds_entity_t topic = dds_create_topic(participant, type, argv[2], NULL, NULL);
   dds_listener_t* listener = dds_create_listener(NULL);
-  dds_lset_publication_matched(listener, tell_matched);
+  dds_lset_publication_matched(listener, report_matched);
   const dds_entity_t writer = dds_create_writer(participant, topic, vanilla_qos(argv + 3, argv[6]), listener);
   if (writer < 0) return 3;
   unsigned number, bytes;

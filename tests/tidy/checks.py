@@ -221,16 +221,19 @@ def comment_blocks(tree, settings):
 
 
 def identifiers_are_words_of_the_trade(tree, settings):
-    """Accepts any words in names of tests, which are sentences, and in names in capitals (macros, definitions)."""
+    """Accepts names in capitals (macros, definitions). Names of tests are sentences, and may have all words that other
+    text may have."""
     for path in tree.code:
         for token in lexer.read(tree.text(path)).tokens:
             parts = _PARTS.findall(token.text) if token.kind == "word" else []
-            if token.text.isupper() or token.text[0].isupper() and len(parts) >= 4:
+            if token.text.isupper():
                 continue
+            is_sentence = token.text[0].isupper() and len(parts) >= 4
+            refused = settings.words if is_sentence else settings.metaphors
             for part in parts:
-                better = settings.metaphors.get(part.lower())
+                better = refused.get(part.lower())
                 if better:
-                    yield Finding(path, token.line, f'{token.text}: "{part.lower()}" is a metaphor: {better}')
+                    yield Finding(path, token.line, f'{token.text}: "{part.lower()}" hides what is meant: {better}')
 
 
 def trailing_comments_have_a_noun(tree, settings):

@@ -178,6 +178,10 @@ class NamesTest(TreeTest):
                               "EarlikeBox b;\n")
         self.assertEqual(self.found("identifiers-are-words-of-the-trade"), ["low/a.h:1", "low/a.h:5"])
 
+    def test_a_word_of_the_list_is_found_in_the_name_of_a_test(self):
+        self.write("low/a.h", "int TheWhatsoeverishReaderHearsAll;\n")
+        self.assertEqual(self.found("identifiers-are-words-of-the-trade"), ["low/a.h:1"])
+
     def test_a_trailing_comment_of_one_word_is_found(self):
         self.write("low/a.h", "int a;  ///< likewise\nint b;  ///< the number of ears\nint c;  ///< id()\n")
         self.assertEqual(self.found("trailing-comments-have-a-noun"), ["low/a.h:1"])

@@ -125,7 +125,7 @@ class Demo {
     std::string text = fmt::format("not everybody was served within {} s:", timeout_for_matching.count());
     for (const SubscriberFigures& s : run_.subscribers) {
       if (served_as_wished(s, true)) continue;
-      text += fmt::format(" {} ({})", s.name, s.reason.empty() ? "heard of no publisher" : s.reason);
+      text += fmt::format(" {} ({})", s.name, s.reason.empty() ? "found no publisher" : s.reason);
     }
     return {Errc::unavailable, text};
   }

@@ -170,7 +170,7 @@ std::string format_request(const SubscriberFigures& s) {
 
 std::vector<std::string> format_table(const RunFigures& run) {
   std::vector<std::string> lines{
-      fmt::format(row_format, "who", "asks for", "by", "received", "lost", "a cloud", "saved", "p50 us")};
+      fmt::format(row_format, "name", "asks for", "via", "received", "lost", "a cloud", "saved", "p50 us")};
   for (const SubscriberFigures& s : run.subscribers) lines.push_back(row(s));
   return lines;
 }
@@ -196,7 +196,7 @@ std::vector<std::string> format_summary(const RunFigures& run) {
                         ? "Bytes are as counted by each host's network interface, packet headers included, "
                           "without control traffic."
                         : "All of it ran on this machine, and what would go between hosts went over "
-                          "loopback, where bytes on the wire cannot be told apart by subscriber: figures "
+                          "loopback, where bytes on the wire cannot be counted for each subscriber: figures "
                           "marked * are payload. The first lines say why there are no real hosts.")}) {
     if (paragraph.empty()) continue;
     for (std::string& line : tool::lines_of(paragraph, columns_max, tool::LongWords::whole))

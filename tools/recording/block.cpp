@@ -11,7 +11,7 @@ void walk(std::span<const std::byte> bytes, const RecordVisitor& visitor) {
     const auto length = head.number<std::uint64_t>();
     if (!head.is_good()) return visitor.fault(offset, "the head of a record is cut off");
     if (length > head.left()) {
-      return visitor.fault(offset, "a record claims " + std::to_string(length) + " bytes, and " +
+      return visitor.fault(offset, "a record names " + std::to_string(length) + " bytes, and " +
                                        std::to_string(head.left()) + " are left");
     }
     if (opcode == 0) return visitor.fault(offset, "there is no record of the kind 0");

@@ -83,7 +83,7 @@ bool McapReader::scan_from(std::uint64_t offset, std::uint64_t end) {
     if (length > left || opcode == 0) {
       add_fault(name(static_cast<Opcode>(opcode), offset) +
                 (opcode == 0 ? ": there is no record of the kind 0"
-                             : ": it claims " + std::to_string(length) + " bytes, and the file has " +
+                             : ": it names " + std::to_string(length) + " bytes, and the file has " +
                                    std::to_string(left) + " more"));
       return false;
     }

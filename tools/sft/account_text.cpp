@@ -8,7 +8,7 @@ namespace sft::tool {
 
 namespace {
 
-constexpr const char* not_reported = "not told yet";
+constexpr const char* not_reported = "not reported yet";
 constexpr const char* account_row = "  {:<27.27} {:<3.3} {:>9.9} {:>18.18} {:>9.9} {:>7.7}";
 constexpr std::size_t sent_width = 9, withheld_width = 9, lost_width = 7;
 
@@ -22,7 +22,7 @@ std::string saved_percent(const DomainSnapshot::Sent& account, int decimals) {
 
 }  // namespace
 
-bool is_told(const DomainSnapshot::Pair& pair) {
+bool is_reported(const DomainSnapshot::Pair& pair) {
   return !pair.matched ||
          ((pair.dds_publisher || pair.account.publisher) && (pair.dds_subscriber || pair.account.subscriber));
 }

@@ -8,7 +8,7 @@ namespace sft::tool {
 
 /// Returns true if both sides have reported their counters, or if the pair does not match and so has no
 /// counters.
-bool is_told(const DomainSnapshot::Pair& pair);
+bool is_reported(const DomainSnapshot::Pair& pair);
 
 /// Returns a text such as "the publisher's node does not answer", with possible causes. Returns an empty text
 /// if both sides have reported their counters.
@@ -25,7 +25,7 @@ std::string takes_none_text(const DomainSnapshot::Pair& pair);
 /// causes. Returns an empty text for other pairs.
 std::string unreadable_text(const DomainSnapshot::Pair& pair);
 
-// If a side has not reported its counters, these functions return "not told yet".
+// If a side has not reported its counters, these functions return "not reported yet".
 
 /// Returns a text such as "5 samples, 40 B over the network".
 std::string sent_text(const DomainSnapshot::Pair& pair);

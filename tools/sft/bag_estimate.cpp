@@ -242,8 +242,8 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     output.document(to_json(estimate));
   else
     print_text(estimate, output);
-  const bool is_told = !common.json && estimate.sum(&TopicEstimate::samples) == 0;
-  if (!is_told)
+  const bool is_reported = !common.json && estimate.sum(&TopicEstimate::samples) == 0;
+  if (!is_reported)
     for (const std::string& fault : estimate.faults()) complain(printable(fault));
   for (const TopicSelection& one : like) {
     if (std::ranges::find(estimate.topics(), one.topic, &EstimatedTopic::topic) == estimate.topics().end())

@@ -40,7 +40,7 @@ Json progress_json(const DomainSnapshot::Endpoint& publisher) {
 }
 
 template <class Account>
-Json told(const std::optional<Account>& account, std::uint64_t Account::*count) {
+Json count_of(const std::optional<Account>& account, std::uint64_t Account::*count) {
   return account ? Json(*account.*count) : Json();
 }
 
@@ -99,18 +99,18 @@ Json pair_json(const DomainSnapshot::Pair& pair, const DomainSnapshot::Endpoint&
           {"offered", qos_json(publisher.qos)},
           {"requested", qos_json(subscriber.qos)},
           {"sent_by_publisher", progress_json(publisher)},
-          {"sent", told(pair.account.publisher, &DomainSnapshot::Sent::sent)},
-          {"bytes_sent", told(pair.account.publisher, &DomainSnapshot::Sent::bytes_sent)},
-          {"bytes_saved", told(pair.account.publisher, &DomainSnapshot::Sent::bytes_saved)},
-          {"withheld", told(pair.account.publisher, &DomainSnapshot::Sent::withheld)},
-          {"dropped", told(pair.account.publisher, &DomainSnapshot::Sent::dropped)},
-          {"retained", told(pair.account.publisher, &DomainSnapshot::Sent::retained)},
-          {"diverted", told(pair.account.publisher, &DomainSnapshot::Sent::diverted)},
-          {"too_large_bytes", told(pair.account.publisher, &DomainSnapshot::Sent::too_large_bytes)},
-          {"chunk_bytes", told(pair.account.publisher, &DomainSnapshot::Sent::chunk_bytes)},
+          {"sent", count_of(pair.account.publisher, &DomainSnapshot::Sent::sent)},
+          {"bytes_sent", count_of(pair.account.publisher, &DomainSnapshot::Sent::bytes_sent)},
+          {"bytes_saved", count_of(pair.account.publisher, &DomainSnapshot::Sent::bytes_saved)},
+          {"withheld", count_of(pair.account.publisher, &DomainSnapshot::Sent::withheld)},
+          {"dropped", count_of(pair.account.publisher, &DomainSnapshot::Sent::dropped)},
+          {"retained", count_of(pair.account.publisher, &DomainSnapshot::Sent::retained)},
+          {"diverted", count_of(pair.account.publisher, &DomainSnapshot::Sent::diverted)},
+          {"too_large_bytes", count_of(pair.account.publisher, &DomainSnapshot::Sent::too_large_bytes)},
+          {"chunk_bytes", count_of(pair.account.publisher, &DomainSnapshot::Sent::chunk_bytes)},
           {"publisher_told_ns_ago", age_json(pair.account.publisher)},
-          {"received", told(pair.account.subscriber, &DomainSnapshot::Received::received)},
-          {"lost", told(pair.account.subscriber, &DomainSnapshot::Received::lost)},
+          {"received", count_of(pair.account.subscriber, &DomainSnapshot::Received::received)},
+          {"lost", count_of(pair.account.subscriber, &DomainSnapshot::Received::lost)},
           {"takes_none", takes_none(pair)},
           {"subscriber_told_ns_ago", age_json(pair.account.subscriber)}};
 }

@@ -60,8 +60,8 @@ ExitCode run(const DoctorOptions& options, const CommonOptions& common, Stop& st
   for (const Finding& finding : findings) {
     worst = std::max(worst, finding.health);
     checks.push_back(json_of(finding));
-    const bool is_told = !options.quiet || finding.health != Health::ok;
-    if (!common.json && is_told) print(finding, output);
+    const bool is_reported = !options.quiet || finding.health != Health::ok;
+    if (!common.json && is_reported) print(finding, output);
   }
   if (common.json) output.document({{"health", name_of(worst)}, {"checks", std::move(checks)}});
   return static_cast<ExitCode>(worst);

@@ -20,28 +20,28 @@ using Json = nlohmann::ordered_json;
 void print_endpoint(const DomainSnapshot::Endpoint& e, bool publishes, Output& output) {
   output.line(fmt::format("  {}  {}", output.colored(printable(e.node), Color::cyan),
                           output.colored(hex_text(e.id), Color::dim)));
-  const auto tell = [&](const char* what, const std::string& text) {
+  const auto print_line = [&](const char* what, const std::string& text) {
     const std::string head = fmt::format("    {:<10} ", what);
     output.line(head + output.fitted(text, head.size(), head.size()));
   };
-  if (!e.given_topic.empty()) tell("called", printable(e.given_topic) + " by its program");
-  tell("qos", qos_text(e.qos));
+  if (!e.given_topic.empty()) print_line("called", printable(e.given_topic) + " by its program");
+  print_line("qos", qos_text(e.qos));
   if (e.dds) {
-    tell("ways", "dds: it knows nothing of SFT");
-    tell("in DDS", printable(fmt::format("{}, {}", e.dds->topic, e.dds->type_name)));
-    tell("hash", printable(type_hash_text(e)));
-    return tell("guid", e.dds->guid);
+    print_line("ways", "dds: it knows nothing of SFT");
+    print_line("in DDS", printable(fmt::format("{}, {}", e.dds->topic, e.dds->type_name)));
+    print_line("hash", printable(type_hash_text(e)));
+    return print_line("guid", e.dds->guid);
   }
-  tell("ways", fmt::format("{}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
+  print_line("ways", fmt::format("{}, on {} machine", ways_text(e), e.same_machine ? "this" : "another"));
   std::string addresses;
   for (const std::string& address : e.addresses) addresses += (addresses.empty() ? "" : ", ") + address;
-  if (!addresses.empty()) tell("addresses", addresses);
-  if (!publishes) return tell("asks for", printable(request_text(e)));
-  tell("samples", "of at most " + bytes_text(static_cast<double>(e.max_sample_bytes)));
-  if (e.waits) tell("waits", "for reliable subscribers that do not keep up");
+  if (!addresses.empty()) print_line("addresses", addresses);
+  if (!publishes) return print_line("asks for", printable(request_text(e)));
+  print_line("samples", "of at most " + bytes_text(static_cast<double>(e.max_sample_bytes)));
+  if (e.waits) print_line("waits", "for reliable subscribers that do not keep up");
   if (!e.progress) return;
-  tell("sent", fmt::format("{} so far, {} over the network", count_text(e.progress->samples, "sample"),
-                           bytes_text(static_cast<double>(e.progress->bytes))));
+  print_line("sent", fmt::format("{} so far, {} over the network", count_text(e.progress->samples, "sample"),
+                                 bytes_text(static_cast<double>(e.progress->bytes))));
 }
 
 void print_text(const OneTopic& topic, Output& output) {

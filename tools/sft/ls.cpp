@@ -174,8 +174,8 @@ ExitCode run(const LsOptions& options, const CommonOptions& common, Session& ses
     print_json(options.what, domain, number, output);
   } else if (!found) {
     complain(fmt::format(
-        "This host hears no publisher and no subscriber in domain {}; 'sft doctor' checks the host{}{}.",
-        number, common.peers.empty() ? "" : "; ", common.peers.empty() ? "" : peers_name_each_other));
+        "No publisher and no subscriber was found in domain {}; 'sft doctor' checks this host{}{}.", number,
+        common.peers.empty() ? "" : "; ", common.peers.empty() ? "" : peers_name_each_other));
   } else if (options.names) {
     print_names(options.what, domain, output);
   } else {

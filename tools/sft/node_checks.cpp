@@ -67,7 +67,7 @@ DomainSnapshot look_around(Session& session) {
   constexpr double longest_s = 3;  // the first answers come after about a second
   DomainSnapshot domain = session.look_around();
   std::map<std::string, Result<AccountInquiry>> inquiries;  // one for each topic
-  const auto is_told_of = [&](const DomainSnapshot::Pair& pair) {
+  const auto has_accounts = [&](const DomainSnapshot::Pair& pair) {
     const auto* const publisher = endpoint_of(pair.publisher, domain.publishers);
     const bool is_asked_about = publisher != nullptr && publisher->same_machine && pair.connected &&
                                 pair.transport == TransportKind::shm;
@@ -79,7 +79,7 @@ DomainSnapshot look_around(Session& session) {
       [&](const DomainSnapshot& now) {
         domain = now;
         // is_told_of() is called for each pair, because it also opens the inquiries
-        return std::ranges::count_if(now.pairs, is_told_of) == std::ssize(now.pairs);
+        return std::ranges::count_if(now.pairs, has_accounts) == std::ssize(now.pairs);
       },
       longest_s);
   session.wait_until(all_dds_nodes_have_answered, dds_answers_within_s);

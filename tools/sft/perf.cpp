@@ -67,18 +67,18 @@ ExitCode serve(const CommonOptions& common, Session& session) {
   Result<perf::Pong> pong = perf::Pong::open(session.node());
   if (!pong) return tool::give_up(pong.error());
   Output& output = session.output();
-  const auto tell = [&](const std::string& sentence) {
+  const auto print_line = [&](const std::string& sentence) {
     if (common.json) return output.record({{"event", sentence}});
     output.line((output.on_terminal() ? "\r\x1b[K" : "") + output.fitted(printable(sentence), 4));
   };
-  tell(fmt::format("waits in domain {} for 'sft perf ping' or 'sft perf pub'",
-                   session.node().status().domain));
+  print_line(fmt::format("waits in domain {} for 'sft perf ping' or 'sft perf pub'",
+                         session.node().status().domain));
   bool served = false;
   for (auto shown = std::chrono::steady_clock::now();
        !session.stop().wait_for(pong->pause(), pong->descriptor());) {
     for (const std::string& sentence : pong->step()) {
       served = true;
-      tell(sentence);
+      print_line(sentence);
     }
     if (std::chrono::steady_clock::now() - shown < 1s || common.json || !output.on_terminal()) continue;
     shown = std::chrono::steady_clock::now();

@@ -29,7 +29,7 @@ using Clock = std::chrono::steady_clock;
 using namespace std::chrono_literals;
 
 constexpr auto late_most = 20ms;    // what is later than this is not made up for: all topics slow down
-constexpr auto told_behind = 1s;    // what is behind by more is told at once
+constexpr auto behind_max = 1s;     // the user is warned at once beyond this
 constexpr auto blocking_most = 1s;  // for which a sample waits for reliable subscribers that do not keep up
 constexpr auto last_pause = 200ms;  // time for the last sample to be received before the node closes
 constexpr double ns_of_s = 1e9;
@@ -48,7 +48,7 @@ struct PlayedChannel {
 };
 
 /// A file whose faults are reported while it is played.
-struct ToldFile {
+struct ReportedFile {
   std::string path;
   std::size_t faults;  ///< the number of faults that were reported
 };
@@ -57,12 +57,12 @@ struct ToldFile {
 class Player {
  public:
   Player(const PlayOptions& options, const CommonOptions& common, Session& session,
-         std::vector<std::unique_ptr<recording::Recording>> files, std::vector<ToldFile> told)
+         std::vector<std::unique_ptr<recording::Recording>> files, std::vector<ReportedFile> reported)
       : options_(options),
         common_(common),
         session_(session),
         files_(std::move(files)),
-        told_(std::move(told)),
+        reported_(std::move(reported)),
         only_(files_.size()) {}
 
   /// Opens the publishers. Returns an error that says why nothing can be played.
@@ -92,7 +92,7 @@ class Player {
   const CommonOptions& common_;
   Session& session_;
   PlayedFiles files_;
-  const std::vector<ToldFile> told_;
+  const std::vector<ReportedFile> reported_;
   std::vector<std::set<std::uint16_t>> only_;        ///< the channels of each file
   std::map<std::string, PlayedChannel> channels_{};  ///< by what makes them one
   std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< by file and channel
@@ -336,9 +336,9 @@ bool Player::play_once(std::uint64_t from_ns) {
     const auto late = Clock::now() - (begin_ + offset);
     if (late > late_most) {
       begin_ += late;
-      const bool was_told = behind_ > told_behind;
+      const bool was_behind = behind_ > behind_max;
       behind_ += late;
-      if (!was_told && behind_ > told_behind) complain("It cannot keep up: all topics slow down.");
+      if (!was_behind && behind_ > behind_max) complain("It cannot keep up: all topics slow down.");
     }
     publish(*message);
     reached_ns = time_ns;
@@ -363,8 +363,8 @@ void Player::play() {
 void Player::report_faults() {
   for (std::size_t i = 0; i < files_.size(); ++i) {
     const std::vector<std::string>& faults = files_.file(i).faults();
-    for (std::size_t fault = told_[i].faults; fault < faults.size(); ++fault) {
-      complain(printable(told_[i].path + ": " + faults[fault]));
+    for (std::size_t fault = reported_[i].faults; fault < faults.size(); ++fault) {
+      complain(printable(reported_[i].path + ": " + faults[fault]));
       failed_ = true;
     }
   }
@@ -402,7 +402,7 @@ void Player::report() {
 
 ExitCode run(const PlayOptions& options, const CommonOptions& common, Session& session) {
   std::vector<std::unique_ptr<recording::Recording>> files;
-  std::vector<ToldFile> told;
+  std::vector<ReportedFile> reported;
   for (const std::string& given : options.files) {
     const Result<std::vector<std::string>> paths = recording::files_of(given);
     if (!paths) return give_up(paths.error());
@@ -410,11 +410,11 @@ ExitCode run(const PlayOptions& options, const CommonOptions& common, Session& s
       Result<std::unique_ptr<recording::Recording>> file = recording::open_recording(path);
       if (!file) return give_up(file.error());
       for (const std::string& fault : (*file)->faults()) complain(printable(path + ": " + fault));
-      told.push_back({path, (*file)->faults().size()});
+      reported.push_back({path, (*file)->faults().size()});
       files.push_back(*std::move(file));
     }
   }
-  Player player(options, common, session, std::move(files), std::move(told));
+  Player player(options, common, session, std::move(files), std::move(reported));
   if (const Result<void> opened = player.open(); !opened) return give_up(opened.error());
   (void)session.look_around();  // subscribers that are there are served by then
   if (!player.wait_for_subscribers()) return ExitCode::nothing;

@@ -162,7 +162,7 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
   if (!topic) return give_up(topic.error());
   const auto all_are_reported = [&](const DomainSnapshot& domain) {
     topic = part_of(domain, topic->name);
-    return std::ranges::all_of(topic->pairs, is_told);
+    return std::ranges::all_of(topic->pairs, is_reported);
   };
   session.wait_until(all_are_reported, common.wait_s);
   const auto all_have_taken = [&](const DomainSnapshot& domain) {

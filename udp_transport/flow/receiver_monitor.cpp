@@ -76,10 +76,10 @@ ReceiverMonitor::Time::duration ReceiverMonitor::retry_pause(const RoundTrips& r
 /// Returns true if a new flow mark is due. An ack is no evidence that long datagrams arrive, so acks do not
 /// count while that arrival is uncertain.
 bool ReceiverMonitor::has_to_ask_anew(Time now, bool is_uncertain) const {
-  const Time told_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
-  if (asked_since_) return now - told_at >= limits_.mark_silent;
-  if (is_uncertain) return now - told_at >= anew_unconfirmed;
-  return now - told_at >= (acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew);
+  const Time known_at = is_uncertain ? marked_at_ : std::max(heard_at_, marked_at_);
+  if (asked_since_) return now - known_at >= limits_.mark_silent;
+  if (is_uncertain) return now - known_at >= anew_unconfirmed;
+  return now - known_at >= (acks_come_ ? limits_.mark_anew_behind_acks : limits_.mark_anew);
 }
 
 }  // namespace sft::udp

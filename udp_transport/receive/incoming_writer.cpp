@@ -53,9 +53,9 @@ bool gives_way(ArrivedSamples& arrived, const SampleAssembly& samples, std::uint
   constexpr std::chrono::milliseconds progress_holds{20};
   using State = ArrivedSamples::State;
   if (!arrived.slots().contains(place) || arrived.slots()[place].state != State::begun) return false;
-  const SampleLabel claimed = arrived.slots()[place].label;
-  if (claimed == label) return false;
-  const UnfinishedSample* const sample = samples.find(claimed);
+  const SampleLabel label_there = arrived.slots()[place].label;
+  if (label_there == label) return false;
+  const UnfinishedSample* const sample = samples.find(label_there);
   if (sample != nullptr && now - sample->last_progress() < progress_holds) return false;
   arrived.give_back(place, now);
   return true;

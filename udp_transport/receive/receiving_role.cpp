@@ -35,7 +35,7 @@ ReceivingRole::Entry ReceivingRole::enter(Time now) {
       return true;
     } else {
       entry = Entry::taken;
-      state.inside = Inside::somebody;
+      state.inside = Inside::other_thread;
       state.holder = Holder::waiter;
       return true;
     }
@@ -169,7 +169,7 @@ bool ReceivingRole::end_turn(Time next_deadline) {
     state.in_turn = false;
     passes_it_on = state.inside == Inside::awaited_waiter;
     if (!passes_it_on) return;
-    state.inside = Inside::somebody;
+    state.inside = Inside::other_thread;
     if (state.attended == 0) state.holder = Holder::waiter;
   });
   return passes_it_on;

@@ -106,7 +106,7 @@ class ReceivingRole {
   enum class Holder : std::uint8_t { own, waiter, nobody };
   /// Says if a waiting thread is between enter() and leave(). `awaited_waiter`: that thread has been
   /// promised the role.
-  enum class Inside : std::uint8_t { nobody, somebody, awaited_waiter };
+  enum class Inside : std::uint8_t { nobody, other_thread, awaited_waiter };
 
   /// The complete state, which decides which thread may receive. It is one word, so that it changes
   /// atomically.

@@ -82,7 +82,7 @@ bool Channel::await_room(const Job& job, std::chrono::nanoseconds* timeout) {
   return has_room_for(job);
 }
 
-bool Channel::has_room_or_tells(const Job& job) {
+bool Channel::has_room_or_waits(const Job& job) {
   const core::Lock lock(mutex_);
   const bool has_room = has_room_for(job);
   waiters_.note_sending_thread(!has_room);

@@ -69,7 +69,7 @@ class Channel {
   bool await_room(const Job& job, std::chrono::nanoseconds* timeout);
   /// Returns true if the job can be posted without giving up an older sample. Called by the sending thread.
   /// If the result is false, hear() wakes that thread later.
-  bool has_room_or_tells(const Job& job);
+  bool has_room_or_waits(const Job& job);
   /// Returns true if a channel that keeps `bytes` has to give up samples, because all channels of the node
   /// together keep too many bytes.
   bool must_give_up_some_of(std::size_t bytes) const {

@@ -22,7 +22,7 @@ class AnswerReceiver {
 
   /// Sets the function that handles answers. If it is empty, answers are ignored. Must be called before the
   /// sending thread begins.
-  void tell(Hear hear) { hear_ = std::move(hear); }
+  void set_handler(Hear hear) { hear_ = std::move(hear); }
   /// Reads and handles the answers that have come, without waiting. The sending thread also calls this
   /// function between the system calls for a large sample. So the sample is sent without a pause if answers
   /// come in time.

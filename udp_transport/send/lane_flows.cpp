@@ -61,7 +61,7 @@ bool LaneFlows::pass_on(SendFlow& flow) {
   if (lane.closed()) flow.waits_for_room = false;
   while (flow.waits_for_room || lane.next() != nullptr) {
     const JobHandle& job = lane.current();
-    flow.waits_for_room = !lane.channel()->has_room_or_tells(*job);
+    flow.waits_for_room = !lane.channel()->has_room_or_waits(*job);
     if (flow.waits_for_room) return true;
     const Channel::Posted posted = lane.channel()->post(job, job->first, false);
     lane.passed_on(posted.kept.ordinal);

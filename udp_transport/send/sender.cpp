@@ -22,7 +22,7 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
 Sender::~Sender() { stop(); }
 
 Result<void> Sender::start(const core::ThreadSpec& thread, Hear hear) {
-  answers_.tell(std::move(hear));
+  answers_.set_handler(std::move(hear));
   Result<std::thread> started = core::start_thread(thread, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);

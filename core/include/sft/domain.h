@@ -163,6 +163,7 @@ struct DomainSnapshot::Sent {
                                   ///< them
   std::uint64_t too_large_bytes = 0;  ///< as in PublisherStatus::Diverted
   std::uint64_t chunk_bytes = 0;      ///< as in PublisherStatus::Diverted
+  friend bool operator==(const Sent&, const Sent&) = default;
 };
 
 /// The counts of the subscriber's node for one publisher, with the meanings of SubscriberStatus::Writer.
@@ -170,6 +171,7 @@ struct DomainSnapshot::Received {
   std::chrono::nanoseconds age{};  ///< as in Sent
   std::uint64_t received = 0;      ///< samples that were taken or passed to the callback
   std::uint64_t lost = 0;          ///< samples that should have arrived, and did not
+  friend bool operator==(const Received&, const Received&) = default;
 };
 
 /// The counts that the two nodes of a pair have reported. The counts of a side are empty if the program

@@ -37,9 +37,9 @@ std::uint32_t retained_for(const core::Qos& offered, const core::Qos& requested)
 /// listen.
 void NegotiationLaws::check_serving(const WorldNode& node, const WorldWriter& writer) {
   std::size_t routes = 0;
-  for (const auto& [id, told] : node.told) {
-    const bool here = !told.lost() && told.endpoint->role == Role::reader;
-    if (here) routes += check_route(node, writer, *told.endpoint, told.newest);
+  for (const auto& [id, reported] : node.reported) {
+    const bool here = !reported.lost() && reported.endpoint->role == Role::reader;
+    if (here) routes += check_route(node, writer, *reported.endpoint, reported.newest);
   }
   for (const auto& [id, reader] : node.readers) {
     const Endpoint& own = *node.negotiation.local(id);

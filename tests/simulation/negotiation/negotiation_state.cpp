@@ -33,8 +33,8 @@ bool WorldWriter::owes_history() const {
 bool WorldNode::has_begun(Id writer, Id reader, const AskedRequests& asked) const {
   if (const auto own = readers.find(reader); own != readers.end())
     return holds(negotiation.local(reader)->request.begun, writer);
-  const auto known = told.find(reader);
-  if (known == told.end()) return false;
+  const auto known = reported.find(reader);
+  if (known == reported.end()) return false;
   return holds(asked.at(reader, known->second.newest).request.begun, writer);
 }
 

@@ -70,7 +70,7 @@ struct WorldWriter {
 };
 /// The messages that a node has received about an endpoint of another node. The tests compare the node's
 /// negotiation with these messages.
-struct Told {
+struct Reported {
   std::shared_ptr<const core::Endpoint> endpoint;
   std::optional<core::Time> lost_since;
   std::uint64_t newest = 0;  ///< the greatest sequence of a request
@@ -88,7 +88,7 @@ struct WorldNode {
   std::map<Id, WorldReader> readers;
   std::map<Id, std::shared_ptr<const core::Endpoint>> announced;  ///< endpoints that other nodes find
   std::map<Id, std::shared_ptr<const core::Request>> sent;
-  std::map<Id, Told> told;
+  std::map<Id, Reported> reported;
   std::vector<Id> opened;  ///< endpoints of this node, including removed ones
 
   /// Returns true if a request of the reader, which this node has received, says that the history of the

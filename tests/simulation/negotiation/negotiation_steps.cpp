@@ -27,8 +27,8 @@ class StepList {
     const WorldNode& node = state_.nodes[n];
     if (node.dirty) add(What::agent_reconciles, n);
     if (node.connections_changed()) add(What::agent_looks_after_connections, n);
-    const auto is_lost = [](const auto& told) { return told.second.lost_since.has_value(); };
-    if (std::any_of(node.told.begin(), node.told.end(), is_lost)) add(What::lost_forgotten, n);
+    const auto is_lost = [](const auto& reported) { return reported.second.lost_since.has_value(); };
+    if (std::any_of(node.reported.begin(), node.reported.end(), is_lost)) add(What::lost_forgotten, n);
     for (std::size_t i = 0; i < node.readers.size() && state_.left.selection_changes > 0; ++i)
       add(What::selection_changes, n, i);
     for (std::size_t i = 0; i < node.readers.size() && state_.left.rate_changes > 0; ++i)

@@ -32,23 +32,24 @@ void NegotiationWorld::deliver(std::size_t to, const Word& word) {
   if (word.endpoint != nullptr) return seen(to, word.endpoint);
   if (word.request != nullptr) return requested(to, *word.request);
   WorldNode& node = state_.nodes[to];
-  node.told.erase(word.id);
+  node.reported.erase(word.id);
   node.forget_history(word.id);
   changed(to, node.negotiation.endpoint_departed(word.id));
 }
 
 void NegotiationWorld::seen(std::size_t to, const std::shared_ptr<const Endpoint>& endpoint) {
   WorldNode& node = state_.nodes[to];
-  node.told[endpoint->id] = {.endpoint = endpoint, .lost_since = {}, .newest = endpoint->request.sequence};
+  node.reported[endpoint->id] = {
+      .endpoint = endpoint, .lost_since = {}, .newest = endpoint->request.sequence};
   if (endpoint->role == Role::reader) node.owe_what_has_not_begun(endpoint->id, state_.asked);
   changed(to, node.negotiation.endpoint_seen(*endpoint));
 }
 
 void NegotiationWorld::requested(std::size_t to, const Request& request) {
   WorldNode& node = state_.nodes[to];
-  const auto told = node.told.find(request.reader);
-  if (told != node.told.end() && !told->second.lost()) {
-    told->second.newest = request.sequence;
+  const auto reported = node.reported.find(request.reader);
+  if (reported != node.reported.end() && !reported->second.lost()) {
+    reported->second.newest = request.sequence;
     node.owe_what_has_not_begun(request.reader, state_.asked);
   }
   changed(to, node.negotiation.request_received(request));
@@ -58,9 +59,9 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
   state_.channels.lose(from, to);
   WorldNode& node = state_.nodes[to];
   bool dirty = false;
-  for (auto& [id, told] : node.told) {
+  for (auto& [id, reported] : node.reported) {
     if (!holds(state_.nodes[from].opened, id)) continue;
-    if (!told.lost_since) told.lost_since = node.now;
+    if (!reported.lost_since) reported.lost_since = node.now;
     dirty |= node.negotiation.endpoint_lost(id, node.now);
   }
   changed(to, dirty);
@@ -69,7 +70,7 @@ void NegotiationWorld::lose(std::size_t from, std::size_t to) {
 void NegotiationWorld::forget(std::size_t n) {
   WorldNode& node = state_.nodes[n];
   node.now += std::chrono::seconds(60);
-  std::erase_if(node.told, [&](const auto& item) {
+  std::erase_if(node.reported, [&](const auto& item) {
     if (item.second.lost()) node.forget_history(item.first);
     return item.second.lost();
   });

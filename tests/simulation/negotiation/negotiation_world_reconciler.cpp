@@ -46,8 +46,7 @@ void NegotiationWorld::reconcile_reader(std::size_t n, Id id, WorldReader& reade
     if (std::erase(reader.connected, writer) != 0) insert(reader.let_go, writer);
     std::erase(reader.subscribed, writer);
     std::erase(reader.fed, writer);
-    dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, false);
-    dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, false);
+    dirty |= negotiation.connection_changed(id, writer, false, false);
   }
   reader.heard = std::move(heard);
   if (!dirty) return;
@@ -64,8 +63,7 @@ void NegotiationWorld::look_after_connections(std::size_t n) {
     for (const auto& [writer, heard] : reader.heard) {
       const bool listening = heard.network && holds(reader.connected, writer);
       const bool attached = heard.memory && holds(reader.fed, writer);
-      dirty |= negotiation.connection_changed(id, writer, TransportKind::udp, listening);
-      dirty |= negotiation.connection_changed(id, writer, TransportKind::shm, attached);
+      dirty |= negotiation.connection_changed(id, writer, listening, attached);
       if (!holds(negotiation.local(id)->request.begun, writer)) {
         std::erase(reader.history_came, writer);
       } else if (!holds(reader.history_came, writer)) {

@@ -12,11 +12,11 @@ namespace sft::simulation {
 
 void GroupPath::change() {
   if (group_ && happens(random_, 0.3)) {
-    group_->deaf = !group_->deaf;
+    group_->is_cut = !group_->is_cut;
   } else if (group_ && happens(random_, 0.3)) {
     group_.reset();
   } else {
-    group_.emplace(Group{.number = ++last_number_, .deaf = happens(random_, 0.1)});
+    group_.emplace(Group{.number = ++last_number_, .is_cut = happens(random_, 0.1)});
   }
 }
 
@@ -34,7 +34,7 @@ void GroupPath::send(const udp::JobHandle& job, Time now) {
   job->first.group = {group_->number, static_cast<std::uint32_t>(job->sequence >> 32), ordinal};
   const Time at_once = leaving_.empty() ? now : leaving_.back().at;
   const std::chrono::microseconds waits(happens(random_, 0.5) ? 0 : log_uniform(random_, 20'000));
-  const bool lost = group_->deaf || happens(random_, 0.02);
+  const bool lost = group_->is_cut || happens(random_, 0.02);
   leaving_.push_back({std::max(at_once, now + waits), job, kept.elsewhere ? kept.ordinal : 0, lost});
   send_due(now);
 }
@@ -77,7 +77,7 @@ void GroupPath::offer(Time now) {
 }
 
 void GroupPath::probe(Time now) {
-  if (!group_->probes.due(now) || group_->membership.hears() || group_->deaf) return;
+  if (!group_->probes.due(now) || group_->membership.hears() || group_->is_cut) return;
   Bytes bytes(udp::group_probe_bytes);
   udp::encode(udp::GroupProbe{writer_label, group_->number, group_->last_ordinal}, bytes.data());
   network_.send(Network::Side::reader, std::move(bytes), now);

@@ -43,7 +43,7 @@ class GroupPath {
  private:
   struct Group {
     std::uint32_t number = 0;
-    bool deaf = false;                    ///< whether the group's datagrams fail to reach the process
+    bool is_cut = false;                  ///< whether the group's datagrams fail to reach the process
     std::uint64_t last_ordinal = 1;       ///< the ordinal of the last sample, which probes carry
     std::optional<std::int64_t> ahead{};  ///< the ordinal of a sample in the channel minus that in the group
     udp::GroupMembership membership{};

@@ -188,7 +188,7 @@ TEST(Demo, FitsATerminalOf80ColumnsAnd24Rows) {
   EXPECT_TRUE(screen.colours()) << demo.text();
   const auto& rows = screen.rows();
   const auto table =
-      std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.starts_with("who "); });
+      std::find_if(rows.begin(), rows.end(), [](const auto& r) { return r.starts_with("name "); });
   EXPECT_LE(rows.end() - table, 24) << "with the row of the prompt";
   const auto result =
       std::find_if(table, rows.end(), [](const auto& r) { return r.find(" carried ") != r.npos; });

@@ -83,10 +83,10 @@ TEST_F(HostileMcap, LengthsOfTwoToThe63AreNamedWithTheirRecord) {
   const auto reader = read();
   EXPECT_EQ(all_of(*reader).size(), 2U) << "the summary names the chunk behind the damaged one";
   EXPECT_THAT(reader->faults(), Contains(HasSubstr("Chunk at offset " + std::to_string(second) +
-                                                   ": it claims 9223372036854775808 bytes")));
+                                                   ": it names 9223372036854775808 bytes")));
 }
 
-TEST_F(HostileMcap, ChunksThatClaimHugeContentsTakeNoMemory) {
+TEST_F(HostileMcap, ChunksThatNameHugeContentsTakeNoMemory) {
   for (const std::uint64_t size : {std::uint64_t{1} << 63, std::uint64_t{1} << 29}) {
     std::string file(magic);
     add(file, Opcode::chunk, chunk(size, "zstd", "nothing"));
@@ -101,7 +101,7 @@ TEST_F(HostileMcap, ChunksThatClaimHugeContentsTakeNoMemory) {
   }
 }
 
-TEST_F(HostileMcap, BombsAreStoppedAtTheSizeThatTheChunkClaims) {
+TEST_F(HostileMcap, BombsAreStoppedAtTheSizeThatTheChunkNames) {
   const std::string zeros(std::size_t{64} << 20, '\0');
   std::string zstd(ZSTD_compressBound(zeros.size()), '\0');
   zstd.resize(ZSTD_compress(zstd.data(), zstd.size(), zeros.data(), zeros.size(), 1));

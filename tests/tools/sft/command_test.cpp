@@ -240,15 +240,15 @@ TEST_F(CommandTest, DoctorTellsOfEachPartAndItsExitCodeIsTheWorst) {
 
 TEST_F(CommandTest, DoctorSaysOfEachQuickPathThatItIsUsedOrWhyNot) {
   const Json json = Json::parse(run_tool({"doctor", "--json"}).out);
-  std::size_t told = 0;
+  std::size_t reported = 0;
   for (const Json& check : json["checks"]) {
     if (!std::set<std::string>{"io_uring", "GSO", "GRO", "huge pages"}.contains(check["check"])) continue;
     const std::string text = check["text"];
     EXPECT_TRUE(text == "used" || text.starts_with("not used: ")) << check;
     EXPECT_EQ(text == "used", check["health"] == "ok") << check;
-    ++told;
+    ++reported;
   }
-  EXPECT_EQ(told, 4U);
+  EXPECT_EQ(reported, 4U);
 }
 
 TEST_F(CommandTest, DoctorWarnsOfAnInterfaceThatIsNotThereAndOfNoneThatIs) {
@@ -358,7 +358,7 @@ TEST_F(CommandTest, NobodyInADomainIsExitCodeOne) {
   for (const char* arguments : {"topics", "nodes"}) {
     const Ended text = run_tool({"ls", arguments, "--domain", "17"});
     EXPECT_EQ(text.code, 1);
-    EXPECT_THAT(text.err, HasSubstr("no publisher and no subscriber in domain 17;"));
+    EXPECT_THAT(text.err, HasSubstr("No publisher and no subscriber was found in domain 17;"));
   }
   EXPECT_THAT(run_tool({"ls", "--names", "--domain", "17"}).err, HasSubstr("in domain 17;"));
 }

@@ -184,19 +184,19 @@ TEST_F(LookTest, WhyTellsWhatTwoFieldsOfALargeCloudHaveSaved) {
     ASSERT_TRUE(all.wait(hang_timeout));
     while (all.take()) continue;
   }
-  Json told;
+  Json reported;
   ASSERT_TRUE(eventually([&] {
     const Json json = Json::parse(run_tool({"why", "points", "--json"}).out);
     for (const Json& pair : json["pairs"]) {
-      if (pair["max_rate_hz"] == 0.0) told = pair;
+      if (pair["max_rate_hz"] == 0.0) reported = pair;
     }
-    return told["received"] == samples;
-  })) << told.dump(2);
-  EXPECT_EQ(told["sent"], samples);
-  EXPECT_EQ(told["withheld"], 0);
-  EXPECT_EQ(told["lost"], 0);
-  EXPECT_EQ(told["bytes_sent"], samples * 8);
-  EXPECT_GT(told["bytes_saved"], samples * 6'000'000);
+    return reported["received"] == samples;
+  })) << reported.dump(2);
+  EXPECT_EQ(reported["sent"], samples);
+  EXPECT_EQ(reported["withheld"], 0);
+  EXPECT_EQ(reported["lost"], 0);
+  EXPECT_EQ(reported["bytes_sent"], samples * 8);
+  EXPECT_GT(reported["bytes_saved"], samples * 6'000'000);
   const std::string text = run_tool({"why", "points"}).out;
   const std::size_t begin = text.find("-> " + id);
   ASSERT_NE(begin, std::string::npos) << text;
@@ -222,7 +222,7 @@ TEST_F(LookTest, WhySaysThatSamplesWereSentOfWhichTheSubscriberHasTakenNone) {
   EXPECT_TRUE(eventually([&] { return run_tool({"why", "points"}).code == 0; }));
 }
 
-TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
+TEST_F(LookTest, WhyNamesWhatWasNotReportedYet) {
   std::string text;
   // Repeats the command, because it may end before it has discovered both endpoints.
   EXPECT_TRUE(eventually([&] {
@@ -231,10 +231,10 @@ TEST_F(LookTest, WhyTellsWhatWasNotToldYet) {
     text = why.out;
     return text.find("lidar -> logger") != std::string::npos;
   }));
-  EXPECT_THAT(text, HasSubstr("\n    sent       not told yet\n"
-                              "    saved      not told yet\n"
-                              "    withheld   not told yet\n"
-                              "    lost       not told yet\n"
+  EXPECT_THAT(text, HasSubstr("\n    sent       not reported yet\n"
+                              "    saved      not reported yet\n"
+                              "    withheld   not reported yet\n"
+                              "    lost       not reported yet\n"
                               "    both nodes are heard, and neither answers: "));
   Json pairs;
   EXPECT_TRUE(eventually([&] {

@@ -444,7 +444,7 @@ TEST_F(Sftd, RemovesNoFileThatAProgramNamesAsItsSocket) {
   EXPECT_TRUE(std::filesystem::exists(shm::daemon_lock_path));
 }
 
-TEST_F(Sftd, StartsAfreshWithItsProgramsAfterSomebodyRemovedItsFiles) {
+TEST_F(Sftd, StartsAfreshWithItsProgramsAfterItsFilesWereRemoved) {
   Node node;
   ASSERT_TRUE(node.becomes_ready()) << node->description();
   for (const char* directory : {"/dev/shm", "/tmp"}) {

@@ -203,7 +203,7 @@ class ForgedChunk : public ShmPorts {
   iox::mepoo::ChunkHeader* header_ = nullptr;
 };
 
-TEST_F(ForgedChunk, ThatClaimsToReachBeyondTheSegmentIsRefused) {
+TEST_F(ForgedChunk, ThatReachesBeyondTheSegmentByItsHeaderIsRefused) {
   const std::uint32_t more = 0xFFFF'FFF0 - header_->userPayloadSize();
   forge_size(more);
   expect_refusal();

@@ -268,7 +268,7 @@ class Gate {
     if (DatagramSender* sender = sender_; sender != nullptr) sender->wake();
   }
   void close() { open_ = false; }
-  bool somebody_waits() const { return waiting_; }
+  bool has_waiting() const { return waiting_; }
 
   DatagramIo put_around(DatagramIo io) {
     auto sender = std::make_unique<DecoratedSender>(

@@ -51,7 +51,7 @@ TEST_P(TransportTest, DropsTheOldestOfAFullQueueAndSaysSo) {
   ASSERT_EQ(subscriber.await_sequences(1), first_numbers(1));
   gate.close();
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
-  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+  ASSERT_TRUE(eventually([&] { return gate.has_waiting(); }));
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::sent);
   EXPECT_EQ(publisher.publish(make_image(100'000)), core::SendStatus::dropped);
@@ -77,7 +77,7 @@ TEST_P(TransportTest, LetsOneDestinationFallBehindAlone) {
     publisher.publish(make_image(n % 2 != 0 ? 50 : 100'000));
     ASSERT_EQ(fast_one.await(n, std::chrono::seconds(2)).size(), n);
     if (n == 2) {
-      ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+      ASSERT_TRUE(eventually([&] { return gate.has_waiting(); }));
     }
   }
   EXPECT_EQ(fast_one.await_sequences(21), first_numbers(21));
@@ -116,7 +116,7 @@ TEST_P(TransportTest, LetsGoOfWhatIsQueuedForADestinationThatLeft) {
   publisher.serve({{loopback_address(*here)}});
   const auto pool = core::BufferPool::make(150'000);
   ASSERT_EQ(publisher.publish(make_image(100'000), *pool), core::SendStatus::sent);
-  ASSERT_TRUE(eventually([&] { return gate.somebody_waits(); }));
+  ASSERT_TRUE(eventually([&] { return gate.has_waiting(); }));
   EXPECT_FALSE(pool->take(100'000)) << "it is being sent";
   publisher.serve({});
   EXPECT_TRUE(eventually([&] { return static_cast<bool>(pool->take(100'000)); }));

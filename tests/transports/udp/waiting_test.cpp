@@ -202,14 +202,14 @@ TEST_P(WaitingThread, DoesNotCallTheListenersOfReadersThatAreNotOnlyWaitedFor) {
     void arrived() noexcept override { by = std::this_thread::get_id(); }
     std::atomic<std::thread::id> by{};
   } called_back;
-  auto tended = here->open_reader({.id = 2,
+  auto polled = here->open_reader({.id = 2,
                                    .type = &test::type_support<Image>(),
                                    .depth = 1,
                                    .listener = &called_back,
                                    .doorbell = {}})
                     .value();
-  tended->accept({{.wanted = {fields<Image>("*")}}});
-  ASSERT_TRUE(tended->connect({second.id(), 0}));
+  polled->accept({{.wanted = {fields<Image>("*")}}});
+  ASSERT_TRUE(polled->connect({second.id(), 0}));
   for (int i = 0; i < 20; ++i) {
     called_back.by = std::thread::id{};
     second.publish(make_image(10));

@@ -139,10 +139,10 @@ TEST(CellsTest, PixelsOfABigEndianImageAreSwapped) {
   EXPECT_TRUE(std::ranges::equal(*values, std::array{1.5F, -2.F}));
 }
 
-TEST(CellsTest, AnImageThatClaimsMoreThanItHasIsEmpty) {
-  Image claims = image(2, 3);
-  claims.height = 3;
-  const Arrived sample(claims);
+TEST(CellsTest, AnImageThatIsShorterThanItsHeightSaysIsEmpty) {
+  Image too_tall = image(2, 3);
+  too_tall.height = 3;
+  const Arrived sample(too_tall);
   const auto pixels = sample.view().data<Rgb>();
   ASSERT_TRUE(pixels) << message_of(pixels);
   EXPECT_TRUE(pixels->empty());

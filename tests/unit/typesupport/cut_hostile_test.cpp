@@ -134,7 +134,7 @@ AssertionResult has_no_points(const PointCloud2& cloud) {
 
 /// Checks the rules for each part of a cloud: rows have room for their points, and the data is as long as the
 /// rows.
-AssertionResult tells_the_truth(const PointCloud2& cloud) {
+AssertionResult is_true(const PointCloud2& cloud) {
   const std::uint64_t row = std::uint64_t{cloud.width} * cloud.point_step;
   if (cloud.height > 0 && row > cloud.row_step) return AssertionFailure() << "a row is too short";
   if (std::uint64_t{cloud.height} * cloud.row_step != cloud.data.size())
@@ -311,7 +311,7 @@ TEST_F(CutHostile, DistortedCloudsGivePartsThatTellTheTruth) {
     const Selection selection = extreme_selection<PointCloud2>("data", channels);
     if (selection.is_mask()) continue;
     const PointCloud2 some = taken(cloud, selection);
-    ASSERT_TRUE(tells_the_truth(some)) << "in round " << round;
+    ASSERT_TRUE(is_true(some)) << "in round " << round;
     if (channels.empty()) {
       ASSERT_EQ(some.fields, cloud.fields);
       ASSERT_LE(some.data.size(), cloud.data.size());

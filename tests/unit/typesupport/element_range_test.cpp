@@ -288,7 +288,7 @@ TEST(HostileElements, BytesThatChangeAfterTheFirstJumpHarmNobody) {
   EXPECT_TRUE(sample.state().is_malformed());
 }
 
-TEST(HostileElements, OfElementsWithoutBytesAnyNumberIsClaimedButFewAreVisited) {
+TEST(HostileElements, OfElementsWithoutBytesAnyNumberMayBeWrittenButFewAreVisited) {
   Sample sample(cloud_with_fields(10), Mask<PointCloud2>(PointCloud2::Field::fields.size));
   put_u32(sample, fields_slot, 0xFFFFFFFF);
   constexpr Req<PointCloud2> size_only = PointCloud2::Field::fields.size;

@@ -32,12 +32,12 @@ TEST(ResultTest, TheValueOfAnErrorIsAnExceptionThatSaysWhatTheErrorSays) {
 
 TEST(ResultTest, TheExceptionHasTheError) {
   try {
-    const Result<std::string> nothing = fail(Errc::no_permission, "ask somebody");
+    const Result<std::string> nothing = fail(Errc::no_permission, "ask the administrator");
     (void)nothing.value();
     FAIL() << "nothing was thrown";
   } catch (const tl::bad_expected_access<Error>& e) {
     EXPECT_EQ(e.error().code, Errc::no_permission);
-    EXPECT_EQ(e.error().message, "ask somebody");
+    EXPECT_EQ(e.error().message, "ask the administrator");
   }
 }
 

@@ -101,9 +101,9 @@ TEST(ViewTest, RecordedGettersAreOptionalAndNoteWhatWasRead) {
   struct Listener final : AccessLog::Listener {
     void first_read(std::size_t leaf) noexcept override { leaves.push_back(leaf); }
     std::vector<std::size_t> leaves;
-  } told;
+  } reported;
   std::vector<AccessWord> words(1);
-  AccessLog log(words, &told);
+  AccessLog log(words, &reported);
   const Encoded encoded(cloud(), F::width | F::header.stamp);
   SampleState state = encoded.state();
   state.log = &log;
@@ -116,7 +116,7 @@ TEST(ViewTest, RecordedGettersAreOptionalAndNoteWhatWasRead) {
   }
   EXPECT_EQ(words[0].found.load(), FieldMask(F::width | F::header.stamp.nanosec).word(0));
   EXPECT_EQ(words[0].missed.load(), FieldMask(F::height | F::fields.size).word(0));
-  EXPECT_EQ(told.leaves, (std::vector<std::size_t>{4, 1, 3, 5}));
+  EXPECT_EQ(reported.leaves, (std::vector<std::size_t>{4, 1, 3, 5}));
 }
 
 TEST(ViewTest, ANestedStructIsCopiedByAssignment) {

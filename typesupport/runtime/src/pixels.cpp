@@ -73,9 +73,9 @@ Pixels Pixels::of(std::string_view encoding) {
 
 std::uint64_t Pixels::bytes_in(const Image& image) const {
   if (order_ != Order::unknown) return bytes_;
-  const bool is_told = image.columns != 0 && image.row_bytes % image.columns == 0 &&
-                       image.rows * image.row_bytes == image.data_bytes;
-  return is_told ? image.row_bytes / image.columns : 0;
+  const bool is_known = image.columns != 0 && image.row_bytes % image.columns == 0 &&
+                        image.rows * image.row_bytes == image.data_bytes;
+  return is_known ? image.row_bytes / image.columns : 0;
 }
 
 bool Pixels::have(const Selection::Range& rows, const Selection::Range& columns, std::uint64_t count) const {

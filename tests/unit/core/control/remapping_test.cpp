@@ -85,7 +85,7 @@ INSTANTIATE_TEST_SUITE_P(
         Case{{"__node:=eye"}, "~/x", "left/eye/x"}, Case{{"__name:=eye"}, "~/x", "left/eye/x"},
         Case{{"lidar:__node:=eye"}, "~/x", "left/cam/x"},
         Case{{"/left/cam:__node:=eye"}, "~/x", "left/eye/x"},
-        Case{{"__node:=eye", "__node:=ear"}, "~/x", "left/eye/x"},
+        Case{{"__node:=eye", "__node:=nose"}, "~/x", "left/eye/x"},
         // Rules for topics are matched against the names of the node after rules for the name and the
         // namespace have been applied, whatever the order of the rules.
         Case{{"a:=b", "__ns:=/right"}, "a", "right/b"}, Case{{"~/x:=b", "__node:=eye"}, "~/x", "left/b"},

@@ -203,7 +203,7 @@ TEST_F(LinkDecisionsTest, AskAfterALeaseAtTheLatestThoughOthersGoOnBeingNew) {
   EXPECT_LE(asked, static_cast<std::size_t>(20s / timing.lease));
 }
 
-TEST_F(LinkDecisionsTest, AskEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceSomebodyJoins) {
+TEST_F(LinkDecisionsTest, AskEverMoreSeldomWhileTheStrangerStaysOneAndSoonAgainOnceAProcessJoins) {
   const std::size_t asked = asks_within(120);
   EXPECT_LE(asked, 25U);
   EXPECT_GE(asked, static_cast<std::size_t>(60s / timing.lease));

@@ -1,4 +1,4 @@
-#include "core/negotiation/address_choice.h"
+#include "core/negotiation/local_host.h"
 
 #include <gtest/gtest.h>
 

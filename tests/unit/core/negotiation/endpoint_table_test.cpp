@@ -1,11 +1,9 @@
-// Tests of the table of endpoints: its contents, and that nothing remains of an endpoint that has departed.
+// Tests of the table of endpoints.
 #include "core/negotiation/endpoint_table.h"
 
 #include <gmock/gmock.h>
 
 #include <sensor_msgs/msg/PointCloud2.hpp>
-
-#include "core/negotiation/known_facts.h"
 
 namespace sft::core {
 namespace {
@@ -92,34 +90,12 @@ TEST_F(EndpointTableTest, OnlyTopicsOfOurEndpointsAreOurs) {
 
 TEST_F(EndpointTableTest, OnlyWritersHaveProgress) {
   table.enter(endpoint(Role::writer, 7));
-  EXPECT_EQ(table.progress_of(7), nullptr);
+  EXPECT_FALSE(table.find(7)->progress);
   for (const EndpointId id : {7, 8}) table.progressed({.writer = id, .samples = 3});
-  EXPECT_EQ(table.progress_of(7)->samples, 3U);
+  EXPECT_EQ(table.find(7)->progress->samples, 3U);
   table.enter(endpoint(Role::reader, 9));
   table.progressed({.writer = 9, .samples = 3});
-  EXPECT_EQ(table.progress_of(9), nullptr);
-}
-
-TEST(KnownFactsTest, NothingRemainsNotedOfAnEndpointThatIsGone) {
-  KnownFacts facts;
-  Endpoint gone = endpoint(Role::reader, one_reader);
-  gone.request.begun = {our_writer};
-  facts.table.enter(gone);
-  EXPECT_TRUE(facts.history.given(our_writer, gone));
-  EXPECT_TRUE(facts.unreachable.changed({our_writer, one_reader}, "no doorbell"));
-  facts.erase(one_reader);
-  EXPECT_EQ(facts.table.known(one_reader), nullptr);
-  EXPECT_TRUE(facts.history.given(our_writer, gone)) << "it counts as new";
-  EXPECT_EQ(facts.unreachable.why({our_writer, one_reader}), nullptr);
-}
-
-TEST(UnreachableReadersTest, OnlyAnotherReasonIsNews) {
-  UnreachableReaders unreachable;
-  EXPECT_TRUE(unreachable.changed({our_writer, one_reader}, "no doorbell"));
-  EXPECT_FALSE(unreachable.changed({our_writer, one_reader}, "no doorbell"));
-  EXPECT_EQ(*unreachable.why({our_writer, one_reader}), "no doorbell");
-  EXPECT_TRUE(unreachable.changed({our_writer, one_reader}, ""));
-  EXPECT_FALSE(unreachable.changed({our_writer, one_reader}, ""));
+  EXPECT_FALSE(table.find(9)->progress);
 }
 
 }  // namespace

@@ -118,29 +118,27 @@ class OurLateReaderTest : public NegotiationTest {
     writer.qos.durability = transient_local;
     negotiation.endpoint_seen(writer);
   }
-  void changed(TransportKind path, bool connected) {
-    negotiation.connection_changed(200, 7, path, connected);
-  }
+  void changed(bool listening, bool attached) { negotiation.connection_changed(200, 7, listening, attached); }
   bool has_begun() const { return !negotiation.local(200)->request.begun.empty(); }
 };
 
 TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceThePathIsGoneThatItCameBy) {
-  changed(TransportKind::udp, true);
+  changed(true, false);
   negotiation.history_began(200, 7);
   negotiation.history_came(200, 7);
-  changed(TransportKind::shm, true);
-  changed(TransportKind::shm, false);
+  changed(true, true);
+  changed(true, false);
   EXPECT_TRUE(has_begun()) << "it came by UDP, which is there still";
   EXPECT_TRUE(negotiation.hearing(200).at(0).memory);
-  changed(TransportKind::udp, false);
+  changed(false, false);
   EXPECT_FALSE(has_begun());
   EXPECT_FALSE(negotiation.hearing(200).at(0).memory);
 }
 
 TEST_F(OurLateReaderTest, IsOwedTheHistoryAgainOnceSharedMemoryIsGoneThatItCameBy) {
-  changed(TransportKind::shm, true);
+  changed(false, true);
   negotiation.history_began(200, 7);
-  changed(TransportKind::shm, false);
+  changed(false, false);
   EXPECT_FALSE(has_begun());
 }
 
@@ -157,8 +155,8 @@ TEST_F(NegotiationTest, OurReaderTakesNothingOfADurableWriterBeforeTheRetainedSa
   EXPECT_TRUE(negotiation.history_began(200, 7));
   EXPECT_FALSE(negotiation.history_began(200, 7));
   EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7});
-  negotiation.connection_changed(200, 7, TransportKind::udp, true);
-  negotiation.connection_changed(200, 7, TransportKind::udp, false);
+  negotiation.connection_changed(200, 7, true, false);
+  negotiation.connection_changed(200, 7, false, false);
   EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
 }
 

@@ -183,7 +183,7 @@ TEST_F(NegotiationTest, WriterAndReaderOfOneNodeMatchLikeAnyOthers) {
   our_reader();
   EXPECT_EQ(negotiation.serving(100).network.size(), 1U);
   EXPECT_TRUE(negotiation.serving(100).memory_port);
-  negotiation.connection_changed(200, 100, TransportKind::shm, true);
+  negotiation.connection_changed(200, 100, true, true);
   EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
 }
 

@@ -240,9 +240,9 @@ TEST_F(NegotiationTest, AnAttachedReaderThatListensByUdpTooGetsThereWhatSharedMe
   EXPECT_TRUE(serving.fallback[0].fallback);
   EXPECT_EQ(serving.fallback[0].selection.mask(), FieldMask(F::height));
   EXPECT_TRUE(std::holds_alternative<UdpAddress>(serving.fallback[0].destination));
-  Request deaf = request(7, 3, F::height, {100});
-  deaf.listening.clear();
-  negotiation.request_received(deaf);
+  Request silent = request(7, 3, F::height, {100});
+  silent.listening.clear();
+  negotiation.request_received(silent);
   EXPECT_EQ(negotiation.serving(100).memory.size(), 1U);
   EXPECT_TRUE(negotiation.serving(100).fallback.empty());
 }
@@ -349,7 +349,7 @@ TEST_F(NegotiationTest, AWriterIsConnectedOnceOurReaderListensToItAndWhileItsNod
   const auto heard = [&] { return negotiation.hearing(200).at(0).status; };
   EXPECT_TRUE(heard().matched);
   EXPECT_FALSE(heard().connected);
-  negotiation.connection_changed(200, 7, TransportKind::udp, true);
+  negotiation.connection_changed(200, 7, true, false);
   EXPECT_TRUE(heard().connected);
   negotiation.endpoint_lost(7, Time{});
   EXPECT_TRUE(heard().matched);
@@ -361,9 +361,9 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
   const std::uint64_t first = negotiation.local(200)->request.sequence;
   EXPECT_TRUE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
   EXPECT_FALSE(negotiation.requirement_changed(200, FieldMask(F::data | F::height)));
-  EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
-  EXPECT_FALSE(negotiation.connection_changed(200, 7, TransportKind::shm, true));
-  EXPECT_TRUE(negotiation.connection_changed(200, 7, TransportKind::udp, true));
+  EXPECT_TRUE(negotiation.connection_changed(200, 7, false, true));
+  EXPECT_FALSE(negotiation.connection_changed(200, 7, false, true));
+  EXPECT_TRUE(negotiation.connection_changed(200, 7, true, true));
   EXPECT_TRUE(negotiation.rate_changed(200, 1000));
   EXPECT_FALSE(negotiation.rate_changed(200, 1000));
   const Request& asked = negotiation.local(200)->request;
@@ -374,13 +374,12 @@ TEST_F(NegotiationTest, EveryChangeOfARequirementOrAnAttachmentIsANewerRequest) 
 
 TEST_F(NegotiationTest, AHistoryBeginsAgainOnceOurReaderListensToTheWriterNoMore) {
   our_reader();
-  negotiation.connection_changed(200, 7, TransportKind::udp, true);
-  negotiation.connection_changed(200, 7, TransportKind::shm, true);
+  negotiation.connection_changed(200, 7, true, true);
   EXPECT_TRUE(negotiation.history_began(200, 7));
   EXPECT_FALSE(negotiation.history_began(200, 7));
-  negotiation.connection_changed(200, 7, TransportKind::shm, false);
+  negotiation.connection_changed(200, 7, true, false);
   EXPECT_EQ(negotiation.local(200)->request.begun, std::vector<EndpointId>{7}) << "it came over the network";
-  negotiation.connection_changed(200, 7, TransportKind::udp, false);
+  negotiation.connection_changed(200, 7, false, false);
   EXPECT_TRUE(negotiation.local(200)->request.begun.empty());
 }
 
@@ -426,8 +425,7 @@ TEST_F(NegotiationTest, AMaximumRateTravelsInRequestsAndIsInForceInRoutes) {
 
 TEST_F(NegotiationTest, AttachmentsEndWithTheMemoryTheyWereIn) {
   our_reader();
-  for (const EndpointId writer : {7U, 8U})
-    negotiation.connection_changed(200, writer, TransportKind::shm, true);
+  for (const EndpointId writer : {7U, 8U}) negotiation.connection_changed(200, writer, false, true);
   const std::uint64_t before = negotiation.local(200)->request.sequence;
   at_host(token(9));
   EXPECT_TRUE(negotiation.local(200)->request.attached.empty());

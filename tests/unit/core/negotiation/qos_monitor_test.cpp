@@ -48,19 +48,19 @@ TEST(ActivityMonitorTest, NothingIsToldThatWasNotMissedAndNothingMissedForLongIs
   std::uint64_t count = 0;
   Time last_sign = test_start;
   Time next_sign = test_start;
-  bool told = false;
+  bool reported = false;
   for (Time now = test_start; now < test_start + 60s; now += monitor.pace()) {
     while (next_sign <= now) {
       if (next_sign - last_sign > 150ms) {
-        ASSERT_TRUE(told);
+        ASSERT_TRUE(reported);
       }
       last_sign = next_sign;
-      told = false;
+      reported = false;
       ++count;
       next_sign += std::chrono::milliseconds(random() % 300 + 1);
     }
     const std::uint64_t missed = monitor.look(count, now);
-    told |= missed != 0;
+    reported |= missed != 0;
     ASSERT_TRUE(missed == 0 || now - last_sign >= 100ms);
   }
 }
@@ -122,17 +122,17 @@ TEST(OfferMonitorTest, AnAssertionOfTheProgramIsToldWithinHalfALeaseThoughAnothe
 
 TEST(OfferMonitorTest, SamplesSpareAssertionsWhereEveryReaderGetsThem) {
   OfferMonitor monitor({.liveliness_lease = 90ms}, test_start);
-  int told = 0, not_reported = 0;
+  int reported = 0, not_reported = 0;
   for (std::uint64_t t = 0; t < 900; ++t) {
     const Signs signs{.published = t / 20};
-    told += monitor.assertion_due(signs, true, test_start + std::chrono::milliseconds(t)) ? 1 : 0;
+    reported += monitor.assertion_due(signs, true, test_start + std::chrono::milliseconds(t)) ? 1 : 0;
   }
   OfferMonitor limited({.liveliness_lease = 90ms}, test_start);
   for (std::uint64_t t = 0; t < 900; ++t) {
     const Signs signs{.published = t / 20};
     not_reported += limited.assertion_due(signs, false, test_start + std::chrono::milliseconds(t)) ? 1 : 0;
   }
-  EXPECT_LE(told, 1);
+  EXPECT_LE(reported, 1);
   EXPECT_EQ(not_reported, 30);
 }
 

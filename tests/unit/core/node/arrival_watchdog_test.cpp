@@ -33,8 +33,8 @@ class ArrivalWatchdogTest : public test::RandomTest {
   bool happens(double probability) { return std::uniform_real_distribution<>(0, 1)(random) < probability; }
 
   /// Simulates the events at the reader's agent for the duration `length`. The pair works as the scene
-  /// describes. But if `deaf` is true, the reader receives nothing.
-  void run(const Scene& scene, std::chrono::nanoseconds length, bool deaf = false) {
+  /// describes. But if `hears_nothing` is true, the reader receives nothing.
+  void run(const Scene& scene, std::chrono::nanoseconds length, bool hears_nothing = false) {
     const Time end = now + length;
     Time publish_at = now, passes_at = now;
     while (now < end) {
@@ -48,15 +48,15 @@ class ArrivalWatchdogTest : public test::RandomTest {
           publish_at += scene.period * static_cast<std::int64_t>(scene.burst);
         const bool passes = now >= passes_at;
         if (passes) passes_at = now + std::chrono::microseconds(scene.pair.min_period_us);
-        if (!deaf && passes && !happens(scene.lost)) {
+        if (!hears_nothing && passes && !happens(scene.lost)) {
           const auto late = std::chrono::milliseconds(
               std::uniform_int_distribution<std::int64_t>(0, scene.jitter.count())(random));
           under_way.insert(now + scene.transit + late);
         }
       }
       if (now == assert_at) {
-        const bool is_news = sent.samples != told;
-        told = sent.samples;
+        const bool is_news = sent.samples != reported;
+        reported = sent.samples;
         assert_at += 650ms;
         if (happens(scene.assertions_lost)) continue;
         if (watchdog.look(is_news ? &sent : nullptr, arrived, scene.pair, now)) {
@@ -71,12 +71,12 @@ class ArrivalWatchdogTest : public test::RandomTest {
   Time now{1h};
   Time assert_at{1h};
   Progress sent{1, 0, 0};
-  std::uint64_t told = 0, arrived = 0;
+  std::uint64_t reported = 0, arrived = 0;
   std::multiset<Time> under_way;
   std::vector<Time> restarted_at;
 };
 
-TEST_F(ArrivalWatchdogTest, APairThatGoesDeafIsRestartedWithinFiveSeconds) {
+TEST_F(ArrivalWatchdogTest, APairAtWhichNothingArrivesAnyMoreIsRestartedWithinFiveSeconds) {
   for (const bool reliable : {false, true}) {
     for (const auto period : {1ms, 10ms, 30ms}) {
       restarted_at.clear();
@@ -92,12 +92,12 @@ TEST_F(ArrivalWatchdogTest, APairThatGoesDeafIsRestartedWithinFiveSeconds) {
   }
 }
 
-TEST_F(ArrivalWatchdogTest, APairThatWasDeafFromTheBeginningIsRestarted) {
+TEST_F(ArrivalWatchdogTest, APairAtWhichNothingEverArrivedIsRestarted) {
   run({}, 6s, true);
   EXPECT_FALSE(restarted_at.empty());
 }
 
-TEST_F(ArrivalWatchdogTest, WhatStaysDeafIsRestartedEverMoreSeldomAndAMinuteApartInTheEnd) {
+TEST_F(ArrivalWatchdogTest, APairThatStaysWithoutArrivalsIsRestartedEverMoreSeldomAndAMinuteApartInTheEnd) {
   run({}, 5s);
   run({}, 600s, true);
   ASSERT_GT(restarted_at.size(), 10U);
@@ -111,7 +111,7 @@ TEST_F(ArrivalWatchdogTest, WhatStaysDeafIsRestartedEverMoreSeldomAndAMinuteApar
   EXPECT_EQ(watchdog.restarts(), restarted_at.size());
 }
 
-TEST_F(ArrivalWatchdogTest, WhatWorksAgainIsRestartedSoonWhenItGoesDeafOnceMore) {
+TEST_F(ArrivalWatchdogTest, APairThatWorkedAgainIsRestartedSoonWhenNothingArrivesOnceMore) {
   run({}, 300s, true);
   run({}, 100s);
   const std::size_t before = restarted_at.size();

@@ -45,7 +45,7 @@ class DomainSnapshotTest : public ::testing::Test {
     return e;
   }
   DomainSnapshot snapshot() const {
-    return domain_snapshot({{writer}, {reader}}, {}, our_node, this_machine);
+    return domain_snapshot({{.endpoint = writer}, {.endpoint = reader}}, {}, our_node, this_machine);
   }
   DomainSnapshot::Pair pair() const { return snapshot().pairs.at(0); }
 
@@ -117,7 +117,8 @@ TEST_F(DomainSnapshotTest, APairWithoutACommonWayIsToldWhy) {
 TEST_F(DomainSnapshotTest, FieldsRatesAndProgressAreTold) {
   reader.request.min_period_us = 50'000;
   const DomainSnapshot domain =
-      domain_snapshot({{reader}, {writer, Progress{writer.id, 12, 345}}}, {}, reader.node_id, this_machine);
+      domain_snapshot({{.endpoint = reader}, {.endpoint = writer, .progress = Progress{writer.id, 12, 345}}},
+                      {}, reader.node_id, this_machine);
   const DomainSnapshot::Endpoint& subscriber = domain.subscribers.at(0);
   EXPECT_EQ(subscriber.fields, "height, width");
   EXPECT_EQ(subscriber.max_rate_hz, 20);
@@ -136,12 +137,13 @@ TEST_F(DomainSnapshotTest, APairHasTheAccountsThatItsNodesHaveTold) {
   accounts[{writer.id, reader.id}].subscriber = DomainSnapshot::Received{.age = {}, .received = 5, .lost = 1};
   accounts[{reader.id, writer.id}].publisher = DomainSnapshot::Sent{};  // an account of another pair, with
                                                                         // swapped ids
-  const DomainSnapshot::Pair told =
-      domain_snapshot({{writer}, {reader}}, accounts, our_node, this_machine).pairs.at(0);
-  EXPECT_FALSE(told.account.publisher);
-  ASSERT_TRUE(told.account.subscriber);
-  EXPECT_EQ(told.account.subscriber->received, 5U);
-  EXPECT_EQ(told.account.subscriber->lost, 1U);
+  const DomainSnapshot::Pair reported =
+      domain_snapshot({{.endpoint = writer}, {.endpoint = reader}}, accounts, our_node, this_machine)
+          .pairs.at(0);
+  EXPECT_FALSE(reported.account.publisher);
+  ASSERT_TRUE(reported.account.subscriber);
+  EXPECT_EQ(reported.account.subscriber->received, 5U);
+  EXPECT_EQ(reported.account.subscriber->lost, 1U);
 }
 
 TEST_F(DomainSnapshotTest, EndpointsOfDifferentTopicsAreNoPair) {

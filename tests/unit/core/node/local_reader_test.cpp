@@ -177,7 +177,7 @@ TEST_F(LocalReaderTest, AConnectionByWhichNothingArrivesIsClosedAndMadeAnewAfter
   EXPECT_TRUE(reader->may_try_again(now + std::chrono::seconds(1)));
 }
 
-TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionCountsAsDeaf) {
+TEST_F(LocalReaderTest, WhileACallbackHoldsUpWhatArrivesNoConnectionIsRestarted) {
   open_by_network();
   seen(over_network(Role::writer, 7));
   reader->look_after_connections();

@@ -56,7 +56,7 @@ class LocalWriterTest : public LocalEndpointTest {
   std::optional<LocalWriter> writer;
 };
 
-TEST_F(LocalWriterTest, OpensItsPortInSharedMemoryOnceSomebodyMayNeedIt) {
+TEST_F(LocalWriterTest, OpensItsPortInSharedMemoryOnceAReaderMayNeedIt) {
   open_in_memory();
   reader_attaches(200);
   EXPECT_EQ(memory.writers, 1);

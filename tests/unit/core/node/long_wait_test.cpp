@@ -1,5 +1,5 @@
 // A wait for a callback is reported if it takes long.
-#include "core/node/long_wait.h"
+#include "core/node/callback_monitor.h"
 
 #include <gtest/gtest.h>
 

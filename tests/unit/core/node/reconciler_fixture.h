@@ -77,7 +77,6 @@ class TestDiscovery final : public Discovery {
   void inquire(const std::set<Inquiry>& inquiries) override { inquired = inquiries; }
   Inquiries inquiries() const override { return asked; }
   void report(const NodeReport& report) override { reports.push_back(report); }
-  Time newcomer_at() const override { return {}; }
   Vanilla vanilla() const override { return {}; }
   Time look_after(Time) override { return next_look; }
   std::vector<Endpoint> announced;

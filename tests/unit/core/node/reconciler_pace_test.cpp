@@ -16,7 +16,7 @@ TEST_F(ReconcilerTest, ANodeLooksAroundAgainWhenDiscoveryHasToAndSeldomOtherwise
 
 /// The usual checks of a quiet node are rare. With these checks alone, a missed short deadline or lease
 /// would be detected late.
-TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoInCalm) {
+TEST_F(ReconcilerTest, ANodeLooksTwiceInADeadlineAndSixTimesInALeaseThatItKeepsAlsoWhenNothingHappens) {
   using std::chrono::milliseconds;
   // These periods need more frequent checks than all other work of the node.
   constexpr milliseconds deadline{80}, lease{240}, requested{60};

@@ -131,20 +131,20 @@ TEST_F(ReconcilerTest, ARequestThatAsksAWriterForNothingElseIsShownAndChangesNot
   request.listening = {7};
   requested(request);
   EXPECT_EQ(port->routes.size(), 1U);
-  const int changes = port->changes, told = readers_changed;
+  const int changes = port->changes, reported = readers_changed;
 
   request.sequence = 3;
   request.listening = {7, 8};
   requested(request);
   EXPECT_EQ(port->changes, changes);
-  EXPECT_EQ(readers_changed, told);
+  EXPECT_EQ(readers_changed, reported);
   EXPECT_EQ(core->status().readers.at(0).request_sequence, 3U);
 
   request.sequence = 4;
   request.mask_words = type.full().to_words();
   requested(request);
   EXPECT_EQ(port->changes, changes + 1);
-  EXPECT_EQ(readers_changed, told + 1);
+  EXPECT_EQ(readers_changed, reported + 1);
 }
 
 // While nothing happens, a program that receives events must not cause any work.
@@ -380,12 +380,12 @@ TEST_F(ReportsTest, TellAccountsInTurnsIfThereAreMoreThanOneReportMayHave) {
     reconciler.endpoint_seen(reader);
   }
   others_ask({{.topic = "points", .wants_accounts = true}});
-  std::set<AccountId> told;
+  std::set<AccountId> reported;
   for (const NodeReport& report : reports_of(2)) {
     EXPECT_LE(report.accounts.size(), accounts_max);
-    for (const Account& account : report.accounts) told.insert(account.id);
+    for (const Account& account : report.accounts) reported.insert(account.id);
   }
-  EXPECT_EQ(told.size(), 3 + (end - first));
+  EXPECT_EQ(reported.size(), 3 + (end - first));
 }
 
 TEST_F(ReportsTest, AreForgottenOnceTheProgramAsksForNoneAnyMore) {

@@ -1,5 +1,5 @@
 // A remapping rule that matches no name in a process is reported once.
-#include "core/node/rule_use.h"
+#include "core/node/node_names.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

@@ -1,5 +1,5 @@
 // Tests when the log names a second server of a service.
-#include "core/node/control_monitor.h"
+#include "core/node/second_servers.h"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -28,17 +28,14 @@ class SecondServersTest : public ::testing::Test {
     publishers.push_back({topic, "left"});
   }
   std::vector<std::string> said_after(std::chrono::seconds time) {
-    monitor.name_second_servers([this](const std::string&) { return publishers; }, Time(1h) + time);
-    return std::exchange(lines, {});
+    return servers.look(
+        table, [this](const std::string&) { return publishers; }, Time(1h) + time);
   }
 
   const TypeSupport type{detail::TypeTable<sensor_msgs::msg::PointCloud2>::type};
   EndpointTable table;
   std::vector<Discovery::KnownPublisher> publishers;
-  std::vector<std::string> lines;
-  NodeLog log{"left", LogLevel::warning,
-              [this](LogLevel, std::string_view line) { lines.emplace_back(line); }};
-  ControlMonitor monitor{table, log};
+  SecondServers servers;
   EndpointId last_id = 0;
 };
 

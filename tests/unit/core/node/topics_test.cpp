@@ -30,12 +30,12 @@ class TopicsTest : public ::testing::Test {
     e.type_name = type.name;
     e.type_hash = structure_hash(type);
     e.type_description = announced_description(type).value();
-    endpoints.push_back(e);
-    return endpoints.back();
+    entries.push_back({.endpoint = e});
+    return entries.back().endpoint;
   }
   Result<DynamicType> type(std::string_view topic) const {
-    std::vector<const Endpoint*> all;
-    for (const Endpoint& e : endpoints) all.push_back(&e);
+    std::vector<const TableEntry*> all;
+    for (const TableEntry& entry : entries) all.push_back(&entry);
     return type_of(topic, all, 7);
   }
   std::string error(std::string_view topic) const {
@@ -45,7 +45,7 @@ class TopicsTest : public ::testing::Test {
 
   const StructType& cloud = TypeTable<PointCloud2>::type;
   const StructType& odometry = TypeTable<Odometry>::type;
-  std::vector<Endpoint> endpoints;
+  std::vector<TableEntry> entries;
 };
 
 TEST_F(TopicsTest, TheTypeOfATopicIsThatOfItsPublishersOrElseOfItsSubscribers) {
@@ -94,7 +94,7 @@ TEST_F(TopicsTest, AreListedByNameWithTheirTypesWhoUsesThemAndTheirQos) {
   add(Role::reader, "b", "points", cloud).qos = {.durability = transient_local};
   add(Role::reader, "c", "points", odometry);
   add(Role::writer, "a", "odom", odometry).type_description.clear();
-  const auto topics = topics_of(endpoints);
+  const auto topics = topics_of(entries);
   ASSERT_EQ(topics.size(), 2U);
   EXPECT_EQ(topics[0].name, "odom");
   EXPECT_FALSE(topics[0].types.at(0).type);

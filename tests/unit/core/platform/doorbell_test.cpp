@@ -89,7 +89,7 @@ TEST(DoorbellTest, APageThatWasCutShortIsAnErrorThatNamesTheFile) {
   EXPECT_NE(cut.error().message.find(path), std::string::npos) << cut.error().message;
 }
 
-TEST(DoorbellTest, APageWhoseNameSomebodyRemovedIsFoundInItsProcess) {
+TEST(DoorbellTest, APageWhoseNameWasRemovedIsFoundInItsProcess) {
   const auto page = DoorbellPage::create();
   const auto named = DoorbellPage::create();
   if (page->id() == 0) GTEST_SKIP() << "/dev/shm cannot be used here";

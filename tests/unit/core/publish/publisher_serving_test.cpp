@@ -98,7 +98,7 @@ TEST_F(PublisherServingTest, RoutesThatAskForMoreWaitForAPayloadBeingPublished) 
   expect_waited_for([&] { EXPECT_TRUE(publisher.publish_cdr(payload())); });
 }
 
-TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfSomebodyReads) {
+TEST_F(PublisherServingTest, APayloadIsWalkedOnlyIfThereIsAReader) {
   std::vector<std::byte> cut = payload();
   cut.resize(cut.size() / 2);
   EXPECT_EQ(publisher.publish_cdr(cut).value(), PublishStatus::ok);
@@ -153,15 +153,15 @@ TEST_F(PublisherServingTest, TheEncapsulationOfAnUnreadPayloadIsCheckedToo) {
 }
 
 TEST_F(PublisherServingTest, OnceClosedItTellsTheProgramOfNoReaders) {
-  int told = 0;
+  int notified = 0;
   PublisherCore::Spec spec{1, "points", &type, 1 << 16};
-  spec.on_readers_changed = [&](const PublisherStatus&) { ++told; };
+  spec.on_readers_changed = [&](const PublisherStatus&) { ++notified; };
   PublisherCore telling(spec, BufferPool::make(1 << 20), port);
   telling.serve(to_one(type.full()), nullptr);
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(notified, 1);
   telling.close();
   telling.serve({}, nullptr);
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(notified, 1);
 }
 
 using PublisherServingDeathTest = PublisherServingTest;

@@ -156,10 +156,10 @@ TEST(EventsTest, WhatASubscriberAsksForIsToldOnBothSidesWhenItChanges) {
   after.mask = type.parse_mask("height, width").value();
   after.max_rate_hz = 2.5;
   EXPECT_THAT(kinds(between(PublisherStatus{}, serving(before))), ElementsAre(Event::Kind::matched));
-  const auto told = between(serving(before), serving(after));
-  ASSERT_THAT(kinds(told), ElementsAre(Event::Kind::request_changed));
-  EXPECT_EQ(told[0].peer, peer);
-  EXPECT_EQ(told[0].text, "height, width, at most 2.5 Hz");
+  const auto reported = between(serving(before), serving(after));
+  ASSERT_THAT(kinds(reported), ElementsAre(Event::Kind::request_changed));
+  EXPECT_EQ(reported[0].peer, peer);
+  EXPECT_EQ(reported[0].text, "height, width, at most 2.5 Hz");
   SubscriberStatus recorded;
   recorded.mask = type.full();
   SubscriberStatus narrow;

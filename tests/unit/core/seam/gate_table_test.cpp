@@ -81,9 +81,9 @@ TEST_F(GateTableTest, ATableThatEndsBehindTheMemoryIsNoTable) {
   made->capacity = end - 1;
   EXPECT_EQ(ordinal(made, *gates[0]), std::nullopt);
   made->capacity = end;
-  for (const std::uint16_t claimed : {2, 64, 65, 65535}) {
-    made->header().gates = claimed;
-    EXPECT_EQ(ordinal(made, *gates[0]), std::nullopt) << claimed;
+  for (const std::uint16_t written : {2, 64, 65, 65535}) {
+    made->header().gates = written;
+    EXPECT_EQ(ordinal(made, *gates[0]), std::nullopt) << written;
   }
   made->header().gates = 1;
   made->header().body_bytes = 0xFFFF'FFFF;

@@ -136,13 +136,13 @@ TEST_F(RecorderTest, ReadsCountWhenTheirSampleIsReleasedInWhateverOrder) {
 }
 
 TEST_F(RecorderTest, WhoeverIsToldMayAskForWhatChanged) {
-  Leaves told;
-  recorder = Recorder::make(70, {.learn_samples = 1}, [&] { told = required(); });
+  Leaves reported;
+  recorder = Recorder::make(70, {.learn_samples = 1}, [&] { reported = required(); });
   sample({7});
-  EXPECT_EQ(told, (Leaves{7}));
+  EXPECT_EQ(reported, (Leaves{7}));
   RecordedSample* s = recorder->begin();
   s->log().touch(8, false);
-  EXPECT_EQ(told, (Leaves{7, 8}));
+  EXPECT_EQ(reported, (Leaves{7, 8}));
   Recorder::end(s);
 }
 
@@ -194,7 +194,7 @@ TEST_F(RecorderTest, OnceDetachedNobodyIsTold) {
   for (int round = 0; round < 200; ++round) {
     auto gone = std::make_unique<std::atomic<bool>>(false);
     recorder = Recorder::make(70, {.learn_samples = 1, .narrow_after_samples = 1},
-                              [told = gone.get()] { EXPECT_FALSE(told->load()); });
+                              [reported = gone.get()] { EXPECT_FALSE(reported->load()); });
     std::atomic<int> started{0};
     const auto read = [&, recording = recorder](std::size_t leaf) {
       for (int i = 0; i < 20; ++i) {
@@ -259,8 +259,8 @@ class AnyReads : public test::RandomTest {
   std::size_t below(std::size_t n) { return static_cast<std::size_t>(random() % n); }
 
   void open(std::size_t leaves, const SubscriberOptions::Recording& settings) {
-    told = changes = 0;
-    recorder = Recorder::make(leaves, settings, [this] { ++told; });
+    reported = changes = 0;
+    recorder = Recorder::make(leaves, settings, [this] { ++reported; });
     promise.emplace(leaves, settings);
   }
   void take() { out.push_back({recorder->begin(), FieldMask(promise->required().leaves())}); }
@@ -289,7 +289,7 @@ class AnyReads : public test::RandomTest {
   std::shared_ptr<Recorder> recorder;
   std::optional<Promise> promise;
   std::vector<Out> out;
-  int told = 0, changes = 0;
+  int reported = 0, changes = 0;
 };
 
 TEST_F(AnyReads, AreFollowedAsPromisedAndEveryChangeIsToldOnce) {
@@ -308,7 +308,7 @@ TEST_F(AnyReads, AreFollowedAsPromisedAndEveryChangeIsToldOnce) {
         read(below(favourites));
       }
       ASSERT_EQ(leaves_of(recorder->required().mask()), leaves_of(promise->required())) << "step " << step;
-      ASSERT_EQ(told, changes) << "step " << step;
+      ASSERT_EQ(reported, changes) << "step " << step;
     }
     while (!out.empty()) release();
   }
@@ -342,7 +342,7 @@ TEST_F(AnyReads, NeverFlap) {
       for (std::size_t leaf = 0; leaf < leaves; ++leaf)
         ASSERT_TRUE(n >= read_at[leaf] + hang_timeout || recorder->required().mask().contains(leaf)) << leaf;
     }
-    ASSERT_LE(told, 2 * times_given_up + 1) << "what was never given up does not come back";
+    ASSERT_LE(reported, 2 * times_given_up + 1) << "what was never given up does not come back";
   }
 }
 

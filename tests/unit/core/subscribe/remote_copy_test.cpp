@@ -81,7 +81,7 @@ TEST_F(RemoteCopyTest, IsTheSampleItselfIfThatHasNoMoreThanIsAskedFor) {
   EXPECT_EQ(&*copies.of(buffer, asked(FieldMask(F::width | F::height))), &*buffer);
 }
 
-TEST_F(RemoteCopyTest, IsNotMadeOfBytesThatAreNotWhatTheyClaimToBe) {
+TEST_F(RemoteCopyTest, IsNotMadeOfBytesThatAreNotOfTheirType) {
   const SampleHandle broken = whole(any_cloud());
   std::fill_n(broken->index(), type.index_slots(), 0xFFFFFF00U);
   EXPECT_FALSE(copies.of(broken, asked(FieldMask(F::width | F::data))));

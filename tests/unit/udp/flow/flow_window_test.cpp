@@ -345,7 +345,7 @@ TEST_F(FlowWindowTest, StopsWhereTheHostSaysThatNobodyHasThePort) {
   EXPECT_TRUE(answer(200'000)) << "it is back";
   EXPECT_GT(window.room(Size::small, now), 0U);
   window.refused(now + 10ms);
-  EXPECT_GT(window.room(Size::small, now + 10ms), 0U) << "it has just reported: somebody else may say so";
+  EXPECT_GT(window.room(Size::small, now + 10ms), 0U) << "it has just reported: the refusal may be forged";
   now += 300ms;
   window.refused(now);
   EXPECT_EQ(window.room(Size::large, now), 0U);

@@ -226,7 +226,7 @@ TEST(PathMtuTest, TriesMoreAtTheMomentWhenItIsDue) {
   EXPECT_EQ(mtu.datagram_bytes(), payload(1400));
 }
 
-TEST(PathMtuTest, TriesNothingWhileNobodyTellsWhatArrives) {
+TEST(PathMtuTest, TriesNothingWhileNoReportSaysWhatArrives) {
   PathMtu mtu(headers, shortest, payload(9000));
   PathMtu::Time now{1h};
   for (int i = 0; i < PathMtu::losses_max; ++i, now += 50ms) mtu.lost(mtu.datagram_bytes(), now);

@@ -106,7 +106,7 @@ TEST_F(SharedFlowWindowTest, KeepsThatControlWasWithheldUntilAReportIsBelieved) 
   EXPECT_TRUE(window_.hear(answer(*mark), now_).control_was_withheld);
 }
 
-TEST_F(SharedFlowWindowTest, TellsThatSomebodyMayGoOnWhoWaitedForRoom) {
+TEST_F(SharedFlowWindowTest, ReportsThatAThreadThatWaitedForRoomMayGoOn) {
   EXPECT_EQ(window_.room(Size::large, now_), 0U);
   const std::optional<FlowMark> mark = window_.await_room(now_);
   ASSERT_TRUE(mark);

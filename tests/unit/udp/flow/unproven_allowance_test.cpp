@@ -40,7 +40,7 @@ TEST(UnprovenAllowanceTest, HasSomeMarksOfItsOwnAndThenThoseOfItsHost) {
   host->spend(UnprovenBudget::datagrams_max, test_start);
   EXPECT_FALSE(allowance.takes_mark(test_start));
   allowance.answered(test_start);
-  EXPECT_TRUE(allowance.takes_mark(test_start)) << "somebody on that host answers";
+  EXPECT_TRUE(allowance.takes_mark(test_start)) << "a receiver on that host answers";
   allowance.begin_anew(nullptr);
   EXPECT_EQ(allowance.datagrams_left(test_start), 4U);
   const auto silent = std::make_shared<UnprovenBudget>();

@@ -81,7 +81,7 @@ class MulticastGroupTest : public testing::Test {
   std::size_t ask(std::size_t member, std::uint64_t ordinal) {
     Ack ack{.writer = group_writer, .channel = static_cast<std::uint32_t>(member + 1), .next = 1};
     ack.missing[ack.missing_count++] = {static_cast<std::uint32_t>(ordinal - first_sent + 1 + member), 0, 0};
-    told += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
+    reported += group->take_over_repairs(member, ack, now) == Wake::schedule ? 1 : 0;
     return ack.missing_count;
   }
   /// Takes all jobs that wait to be sent to the group again. Returns their number.
@@ -94,7 +94,7 @@ class MulticastGroupTest : public testing::Test {
   GroupMembership::Time now{1h};
   std::uint64_t first_sent = 0;  ///< the ordinal of the first sample in the group
   std::shared_ptr<MulticastGroup> group;
-  int told = 0;
+  int reported = 0;
 
  private:
   std::shared_ptr<core::BufferPool> memory_ = core::BufferPool::make(std::size_t{64} << 20);
@@ -238,10 +238,10 @@ TEST_F(MulticastGroupTest, SendsAgainToAllWhatASecondOneAsksForAndAnswersOthersN
   EXPECT_EQ(ask(0, lost), 1U) << "the first is answered alone";
   EXPECT_EQ(ask(0, lost), 1U) << "once more";
   EXPECT_EQ(ask(1, other), 1U);
-  EXPECT_EQ(told, 0);
+  EXPECT_EQ(reported, 0);
   EXPECT_EQ(ask(1, lost), 0U);
   EXPECT_EQ(ask(2, lost), 0U);
-  EXPECT_EQ(told, 1);
+  EXPECT_EQ(reported, 1);
   EXPECT_EQ(sent_again(), 1U);
   EXPECT_EQ(ask(1, lost), 1U) << "it lost that as well";
   now += 100ms;

@@ -97,7 +97,7 @@ TEST_F(OfferedGroupsTest, AreToBeOfferedAgainWhereWhatComesHasNoPlace) {
   EXPECT_EQ(reports(), (std::vector<GroupReport>{{1, 1, 3, 9}}));
 }
 
-TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereSomebodyReplacesOrTakesBackOneThatIsInUse) {
+TEST_F(OfferedGroupsTest, AreToBeOfferedAgainAtOnceWhereOneThatIsInUseIsReplacedOrTakenBack) {
   const GroupReport offer_it_again{1, 1, 3, 0};
   const auto use = [&] {
     offer(1, 9, 5);
@@ -182,9 +182,9 @@ TEST_F(OfferedGroupsTest, ReportToWhereTheLastOfferSays) {
   groups_.hear(again, writer_at, test_start);
   groups_.hear(again, writer_at, test_start);
   place(1, 1);
-  std::vector<SocketAddress> told;
-  groups_.report([&](const SocketAddress& to, const GroupReport&) { told.push_back(to); });
-  EXPECT_EQ(told, (std::vector<SocketAddress>{{writer_at.ip, 78}}));
+  std::vector<SocketAddress> notified;
+  groups_.report([&](const SocketAddress& to, const GroupReport&) { notified.push_back(to); });
+  EXPECT_EQ(notified, (std::vector<SocketAddress>{{writer_at.ip, 78}}));
 }
 
 TEST_F(OfferedGroupsTest, MakeNoRoomForOthersWhileTheyAreHeard) {
@@ -374,7 +374,7 @@ TEST(GroupMembership, IsOfferedAgainAtOnceWhenItRefusesTheOffer) {
   EXPECT_FALSE(member.hears());
   EXPECT_TRUE(member.offer_due(test_start + 1s));
   member.reported(7, test_start + 1s);
-  EXPECT_FALSE(member.hears()) << "that is an earlier report once more, maybe by somebody else";
+  EXPECT_FALSE(member.hears()) << "that is an earlier report once more, maybe by a forger";
   member.reported(8, test_start + 1s);
   EXPECT_TRUE(member.hears());
 }

@@ -109,7 +109,7 @@ TEST_F(PartSizeTest, IsForgottenOnceNobodyAsksForThePart) {
 }
 
 /// The test puts random bytes into samples, as a program may do.
-TEST_F(PartSizeTest, IgnoresBytesThatAreNotWhatTheyClaimToBe) {
+TEST_F(PartSizeTest, IgnoresBytesThatAreNotOfTheirType) {
   const Selection some = asked_of<PointCloud2>("data{x,y,z}[::2]");
   for (int i = 0; i < 2000; ++i) {
     Arrived<PointCloud2> sample(sft::test::random_cloud(random, 2, 3));

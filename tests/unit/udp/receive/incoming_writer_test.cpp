@@ -331,7 +331,7 @@ TEST_F(IncomingWriterTest, PutsSamplesOfAGroupIntoTheChannelByTheOfferOfThatGrou
   EXPECT_EQ(writer_->window()->samples().next(), 2U);
 }
 
-TEST_F(IncomingWriterTest, GivesBackMemoryThatSomeSampleClaimedAndDoesNotUseWhereItIsShort) {
+TEST_F(IncomingWriterTest, GivesBackMemoryThatASampleReservedAndDoesNotUseWhereItIsShort) {
   restart({}, 500'000);
   read_reliably();
   hear(1, 1);

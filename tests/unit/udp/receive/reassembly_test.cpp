@@ -428,7 +428,7 @@ TEST_F(ReassemblyTest, CountsBytesThatAreNoDatagram) {
   EXPECT_EQ(counted().malformed, 2U);
 }
 
-TEST_F(ReassemblyTest, RefusesABodyThatIsNotWhatItClaimsToBe) {
+TEST_F(ReassemblyTest, RefusesABodyThatIsNotOfItsType) {
   auto datagrams = sent(1, make_image(10));
   datagrams[0][parse(datagrams[0])->first.bytes_in_single() + 11] =
       std::byte{0xff};  // a wrong length of the name

@@ -120,7 +120,7 @@ TEST(SubscriberOfParts, TakesItsPartAndMergedSamplesThatHaveTheWholeField) {
   sample.parts = test::selection_of<test::Image>("data[::4]").parts_hash();
   EXPECT_FALSE(subscriber.accepts(sample)) << "another part";
   sample.parts = 0;
-  EXPECT_FALSE(subscriber.accepts(sample)) << "the whole field was sent to somebody else";
+  EXPECT_FALSE(subscriber.accepts(sample)) << "the whole field was sent to another reader";
   sample.merged = true;
   EXPECT_TRUE(subscriber.accepts(sample));
   sample.mask = test::fields<test::Image>("data, height");

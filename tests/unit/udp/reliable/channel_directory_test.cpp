@@ -93,7 +93,7 @@ TEST_F(ChannelDirectoryTest, TellsOnceThatChannelsWereClosedOrHaveEnded) {
   EXPECT_FALSE(channels.take_closed()) << "it has ended already";
 }
 
-TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileSomebodyHoldsIt) {
+TEST_F(ChannelDirectoryTest, FindsTheChannelOfAnAckWhileItIsHeld) {
   const auto there = to(1);
   auto channel = channels.find(there, {1});
   EXPECT_EQ(registry.find(7, channel->number()), channel);

@@ -157,15 +157,15 @@ class GroupKeeperTest : public testing::Test {
   /// Returns the members that got a farewell of the group, in ascending order. A member that got two
   /// farewells is listed twice.
   std::vector<std::size_t> withdrawn(const MulticastGroup& group) const {
-    std::vector<std::size_t> told;
+    std::vector<std::size_t> reported;
     for (const auto& datagram : connections_.sent()) {
       const auto offer = parse_as<GroupOffer>(datagram);
       for (std::size_t i = 0; offer && i < group.members().size(); ++i) {
-        if (*offer == group.farewell(i)) told.push_back(i);
+        if (*offer == group.farewell(i)) reported.push_back(i);
       }
     }
-    std::ranges::sort(told);
-    return told;
+    std::ranges::sort(reported);
+    return reported;
   }
 
   struct Connected {

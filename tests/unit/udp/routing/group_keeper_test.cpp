@@ -166,7 +166,7 @@ TEST_F(GroupKeeperTest, NoticesNothingOfAHostWhereAReaderWithAMaximumRateComesAn
     serve();
     plans += go_on(60ms);
   }
-  EXPECT_LE(plans, 8) << "it is restless soon";
+  EXPECT_LE(plans, 8) << "it is unsettled soon";
   EXPECT_EQ(members(), 3U);
 }
 
@@ -282,7 +282,7 @@ TEST_F(GroupKeeperTest, WhoChangesItsMaximumRateTakesNoGroupFromOthers) {
   EXPECT_EQ(members(), 3 * some_samples_groups_max - 1);
 }
 
-TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndIntoAnotherOneOnceItIsCalm) {
+TEST_F(GroupKeeperTest, TakesAMemberOutOfItsGroupWhenItsMaximumRateChangesAndIntoAnotherOneOnceItHasSettled) {
   readers(4);
   const auto often = std::make_shared<core::Gate>(10'000), seldom = std::make_shared<core::Gate>(20'000);
   for (const std::size_t i : {0, 1, 2, 3}) routes_[i].gate = i < 2 ? often : seldom;
@@ -377,7 +377,7 @@ TEST_F(GroupKeeperTest, MakesNoGroupIfMulticastIsOff) {
 TEST_F(GroupKeeperTest, NamesNoOtherReaderIfOneIsAlone) {
   readers(1);
   serve();
-  EXPECT_NE(keeper_->sizes(), nullptr) << "somebody may come";
+  EXPECT_NE(keeper_->sizes(), nullptr) << "a reader may come";
   EXPECT_EQ(why(1), "alone: nobody else could be in a group with it");
 }
 
@@ -499,13 +499,13 @@ TEST_F(GroupKeeperTest, WithdrawsALargeGroupFromEightMembersOrAnEighthAtATime) {
     ASSERT_EQ(members(), size);
     const auto group = end_of_group();
     now_ += 1s;
-    std::size_t told = 0;
-    for (std::size_t times = 0; told < size; ++times) {
-      ASSERT_LT(times, 20U) << told << " of " << size;
+    std::size_t reported = 0;
+    for (std::size_t times = 0; reported < size; ++times) {
+      ASSERT_LT(times, 20U) << reported << " of " << size;
       keeper_->maintain(now_);
-      const std::size_t rest = size - told;
-      EXPECT_EQ(withdrawn(*group).size(), told + std::min(rest, std::max<std::size_t>(8, rest / 8)));
-      told = withdrawn(*group).size();
+      const std::size_t rest = size - reported;
+      EXPECT_EQ(withdrawn(*group).size(), reported + std::min(rest, std::max<std::size_t>(8, rest / 8)));
+      reported = withdrawn(*group).size();
     }
     keeper_->maintain(now_);
     EXPECT_EQ(withdrawn(*group).size(), size) << "once";

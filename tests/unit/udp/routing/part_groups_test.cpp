@@ -131,7 +131,7 @@ TEST_F(PartGroupsTest, NobodyIsSentMoreThanItAskedForIfThatMightBeTooMuchForASam
   readers(3, "data");
   serve();
   go_on_with(100'000, 200ms);
-  EXPECT_EQ(members(), 11U) << "somebody is sent the whole field anyway";
+  EXPECT_EQ(members(), 11U) << "a reader is sent the whole field anyway";
 
   restart_with_limit(Multicast::off);
   reader(first_link + 10, "data[1:]");
@@ -166,7 +166,7 @@ TEST_F(PartGroupsTest, ReadersWithTheSameConditionsShareAGroupOfTheirOwn) {
   }
 }
 
-TEST_F(PartGroupsTest, AReaderThatAsksForAnotherPartLeavesItsGroupAtOnceAndJoinsTheNextOneWhenItIsCalm) {
+TEST_F(PartGroupsTest, AReaderThatAsksForAnotherPartLeavesItsGroupAtOnceAndJoinsTheNextOneWhenItHasSettled) {
   readers(3, "data[::3]");
   readers(2, "data[::4]");
   serve();

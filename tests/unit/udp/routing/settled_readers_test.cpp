@@ -21,7 +21,7 @@ TEST_F(GroupKeeperTest, GathersThoseThatAskForTheSameAHundredthOfASecondAfterThe
   EXPECT_TRUE(why(2).ends_with(" of 3; it has not reported any sample of the group yet, or no more"));
 }
 
-TEST_F(GroupKeeperTest, GathersCalmReadersWithTheFirstSample) {
+TEST_F(GroupKeeperTest, GathersSettledReadersWithTheFirstSample) {
   readers(3);
   serve();
   now_ += 10s;
@@ -160,7 +160,7 @@ TEST_F(GroupKeeperTest, LeavesAReaderAloneForLongerEachTimeThatItsMaskChangesOnc
   EXPECT_EQ(alone, expected) << "after five seconds without a change the earlier ones are forgotten";
 }
 
-TEST_F(GroupKeeperTest, GathersCalmReadersWhileAnotherNeverIs) {
+TEST_F(GroupKeeperTest, GathersSettledReadersWhileAnotherNeverIs) {
   readers(1);
   serve();
   for (int i = 0; i < 12; ++i) {

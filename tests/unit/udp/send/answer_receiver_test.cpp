@@ -24,13 +24,14 @@ class AnsweredSender final : public test::NoSender {
 
 class AnswerReceiverTest : public testing::Test {
  protected:
-  void tell(Wake wake) {
-    answer_receiver.tell([this, wake](std::span<const std::byte> datagram, const SocketAddress& from, auto) {
-      EXPECT_EQ(from.port, 5);
-      EXPECT_EQ(datagram.size(), 1U);
-      heard.push_back(std::to_integer<int>(datagram[0]));
-      return wake;
-    });
+  void set_handler(Wake wake) {
+    answer_receiver.set_handler(
+        [this, wake](std::span<const std::byte> datagram, const SocketAddress& from, auto) {
+          EXPECT_EQ(from.port, 5);
+          EXPECT_EQ(datagram.size(), 1U);
+          heard.push_back(std::to_integer<int>(datagram[0]));
+          return wake;
+        });
   }
 
   test::Connections connections;
@@ -41,7 +42,7 @@ class AnswerReceiverTest : public testing::Test {
 };
 
 TEST_F(AnswerReceiverTest, HearsAllThatHasCome) {
-  tell(Wake::none);
+  set_handler(Wake::none);
   io.answers = 3;
   answer_receiver.listen();
   EXPECT_EQ(heard, (std::vector{0, 1, 2}));
@@ -49,7 +50,7 @@ TEST_F(AnswerReceiverTest, HearsAllThatHasCome) {
 }
 
 TEST_F(AnswerReceiverTest, AsksForARoundAtOnceIfSomethingMayGoOn) {
-  tell(Wake::look);
+  set_handler(Wake::look);
   answer_receiver.listen();
   EXPECT_EQ(round.time(), NextRound::Time::max());
   io.answers = 1;
@@ -58,7 +59,7 @@ TEST_F(AnswerReceiverTest, AsksForARoundAtOnceIfSomethingMayGoOn) {
 }
 
 TEST_F(AnswerReceiverTest, LetsStrangersKeepItBusyForAWhileOnly) {
-  tell(Wake::none);
+  set_handler(Wake::none);
   io.answers = 100;
   answer_receiver.listen();
   EXPECT_EQ(heard.size(), 64U);

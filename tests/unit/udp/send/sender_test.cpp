@@ -113,9 +113,9 @@ TEST(SenderTest, GivesLargeSamplesOfTheGreaterPriorityTheFirstTurn) {
     return channel;
   };
   std::promise<std::vector<const Connection*>> round;
-  bool is_told = false;
+  bool is_set = false;
   seen.when_one_waits = [&] {
-    if (seen.waiting.size() == 2 && !std::exchange(is_told, true)) round.set_value(seen.waiting);
+    if (seen.waiting.size() == 2 && !std::exchange(is_set, true)) round.set_value(seen.waiting);
   };
   // The first round would begin with the second channel.
   const auto urgent = channel_with_large_sample(1, 1);

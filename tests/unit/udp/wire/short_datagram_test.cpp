@@ -70,7 +70,7 @@ TEST(SingleDatagram, IsRefusedIfItEndsBeforeItsHeaderDoes) {
   }
 }
 
-TEST(SingleDatagram, HasNoMarksAndIsRefusedIfItClaimsToHaveSome) {
+TEST(SingleDatagram, HasNoMarksAndIsRefusedIfItNamesSome) {
   std::array<std::byte, single_header_bytes + 64> bytes{};
   encode_in_single(FirstHeader{.label = single_label, .mask = UINT64_MAX}, bytes.data());
   for (unsigned flag = 1; flag < merged_masks; flag *= 2) {

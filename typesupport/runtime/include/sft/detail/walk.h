@@ -62,7 +62,7 @@ inline std::uint32_t checked_block(const SampleState& s, std::uint64_t offset, s
 
 /// Reads exactly once a number that is checked and then used. A compiler assumes that the bytes in memory
 /// do not change. So it might read the number again where it is used, after the check. The empty
-/// instruction claims to change the number, so that the compiler cannot replace the number by the value in
+/// instruction seems to change the number, so that the compiler cannot replace the number by the value in
 /// memory.
 template <std::integral T>
 T read_once(const std::byte* at) noexcept {

@@ -1,4 +1,4 @@
-#include "core/node/rule_use.h"
+#include "core/node/node_names.h"
 
 #include <utility>
 

@@ -26,7 +26,7 @@ std::uint64_t wakes_of(pid_t process) {
   return wakes;
 }
 
-class Crowd : public NegotiationTest {
+class ManyNodes : public NegotiationTest {
  protected:
   static constexpr std::size_t size = 12;
 
@@ -133,7 +133,7 @@ class Crowd : public NegotiationTest {
   std::uint64_t published_ = 0;
 };
 
-TEST_F(Crowd, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
+TEST_F(ManyNodes, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
   SCOPED_TRACE(how_to_repeat());
   network().set_faults({.lost = 0.1, .repeated = 0.05, .delayed = 0.1});
   publisher().start_publishing(5ms);
@@ -146,7 +146,7 @@ TEST_F(Crowd, ThatJoinsAtOnceOverABadNetworkIsServedAndMissesNothingUnnoticed) {
 
 /// The survivors get best-effort samples, so a lost sample is not repaired. The test publishes only as fast
 /// as the survivors take, because the publisher would otherwise drop samples on a slow machine.
-TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothing) {
+TEST_F(ManyNodes, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothing) {
   start(0, size);
   ASSERT_TRUE(are_served());
   constexpr std::size_t survivors = size - size / 3;
@@ -166,7 +166,7 @@ TEST_F(Crowd, OfWhichAThirdIsKilledAgainAndAgainWhileOthersComeCostsTheRestNothi
 }
 
 /// Each node sends one heartbeat per second. The heartbeats of other nodes wake no thread of a node.
-TEST_F(Crowd, ThatIsAsleepSaysLittleAndWakesNobody) {
+TEST_F(ManyNodes, ThatIsAsleepSaysLittleAndWakesNobody) {
   start(0, size);
   ASSERT_TRUE(are_served());
   constexpr std::size_t nodes = size + 1;

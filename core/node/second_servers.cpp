@@ -1,5 +1,8 @@
-#include "core/node/control_monitor.h"
+#include "core/node/second_servers.h"
 
+#include <algorithm>
+#include <iterator>
+#include <string_view>
 #include <utility>
 
 #include "core/control/names.h"
@@ -20,29 +23,27 @@ std::string_view service_of(const Endpoint& e) {
 }
 }  // namespace
 
-void ControlMonitor::name_misspelt_topics(const MisspeltTopics::PublishersOf& publishers_of, Time now) {
-  for (const std::string& sentence : misspelt_topics_.look(table_, publishers_of, now))
-    log_.write(LogLevel::warning, sentence);
-}
-
-void ControlMonitor::name_second_servers(const MisspeltTopics::PublishersOf& publishers_of, Time now) {
-  if (now < look_at_servers_at_) return;
-  look_at_servers_at_ = now + look_at_servers_every;
+std::vector<std::string> SecondServers::look(const EndpointTable& table,
+                                             const MisspeltTopics::PublishersOf& publishers_of, Time now) {
+  if (now < next_) return {};
+  next_ = now + look_at_servers_every;
   std::set<std::string> found;
-  for (const Endpoint* const ours : table_.present()) {
-    if (table_.find_ours(ours->id) == nullptr || service_of(*ours).empty()) continue;
+  for (const TableEntry* const entry : table.present()) {
+    const Endpoint& ours = entry->endpoint;
+    if (!entry->is_ours() || service_of(ours).empty()) continue;
     std::multiset<std::string> nodes;
-    for (const auto& [topic, node] : publishers_of(ours->type_name))
-      if (topic == ours->topic) nodes.insert(in_quotes(node));
+    for (const auto& [topic, node] : publishers_of(ours.type_name))
+      if (topic == ours.topic) nodes.insert(in_quotes(node));
     if (nodes.size() < 2) continue;
     std::string names;
     for (const std::string& node : nodes) names += (names.empty() ? "" : ", ") + node;
-    found.insert("service " + in_quotes(service_of(*ours)) + " has " + std::to_string(nodes.size()) +
+    found.insert("service " + in_quotes(service_of(ours)) + " has " + std::to_string(nodes.size()) +
                  " servers, on the nodes " + names + ", and clients call none of them: end all but one");
   }
-  for (const std::string& sentence : found)
-    if (second_servers_.contains(sentence)) log_.write(LogLevel::warning, sentence);
-  second_servers_ = std::move(found);
+  std::vector<std::string> sentences;
+  std::ranges::set_intersection(found, found_, std::back_inserter(sentences));
+  found_ = std::move(found);
+  return sentences;
 }
 
 }  // namespace sft::core
