@@ -28,7 +28,7 @@ bool is_reported(const DomainSnapshot::Pair& pair) {
 }
 
 std::string unanswered_text(const DomainSnapshot::Pair& pair) {
-  if (is_told(pair)) return {};
+  if (is_reported(pair)) return {};
   const bool publisher = !pair.dds_publisher && !pair.account.publisher;
   const bool subscriber = !pair.dds_subscriber && !pair.account.subscriber;
   const char* const who = publisher && subscriber ? "both nodes are heard, and neither answers"

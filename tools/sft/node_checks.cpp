@@ -78,7 +78,7 @@ DomainSnapshot look_around(Session& session) {
   session.wait_until(
       [&](const DomainSnapshot& now) {
         domain = now;
-        // is_told_of() is called for each pair, because it also opens the inquiries
+        // has_accounts() is called for each pair, because it also opens the inquiries
         return std::ranges::count_if(now.pairs, has_accounts) == std::ssize(now.pairs);
       },
       longest_s);

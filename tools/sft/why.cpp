@@ -181,7 +181,7 @@ ExitCode run(const WhyOptions& options, const CommonOptions& common, Session& se
   common.json ? print_pairs_json(*topic, findings, session.output())
               : print_text(*topic, findings, options, session.output());
   const auto is_well = [](const DomainSnapshot::Pair& pair) {
-    return pair.matched && is_told(pair) && !takes_none(pair);
+    return pair.matched && is_reported(pair) && !takes_none(pair);
   };
   const bool all_is_well = std::ranges::all_of(topic->pairs, is_well);
   return all_is_well && !topic->pairs.empty() ? ExitCode::done : ExitCode::nothing;
