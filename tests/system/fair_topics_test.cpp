@@ -31,7 +31,7 @@ class FairTopics : public PubSubTest {
   /// on. Expects each of them to arrive.
   void expect_presses_to_arrive(std::size_t bytes) {
     auto stops =
-        source_.publisher<PointCloud2>("stop", {.reliability = reliable, .asynchronous = true}).value();
+        source_.publisher<PointCloud2>("stop", {.reliability = reliable, .asynchronous = by_udp_}).value();
     auto stop = app_.subscriber<PointCloud2>("stop", {.reliability = reliable}).value();
     expect_served(stops, 1);
     for (std::uint32_t i = 1; i <= presses; ++i) {
@@ -47,7 +47,9 @@ class FairTopics : public PubSubTest {
 
   Node source_ = open("source");
   Node app_ = open("app");
-  Publisher<PointCloud2> clouds_ = source_.publisher<PointCloud2>("clouds", {.asynchronous = true}).value();
+  const bool by_udp_ = GetParam() != Way::shm;
+  Publisher<PointCloud2> clouds_ =
+      source_.publisher<PointCloud2>("clouds", {.asynchronous = by_udp_}).value();
   std::atomic<std::uint64_t> published_{0};
 };
 
