@@ -17,7 +17,7 @@ struct BridgeScale {
 /// the same way.
 std::vector<Figure> bridge_carrying(const BridgeScale& scale);
 
-/// The cost of bridges to which nobody gives samples.
+/// The cost of bridges that carry no samples.
 std::vector<Figure> bridge_idle(const BridgeScale& scale);
 
 }  // namespace sft::bench

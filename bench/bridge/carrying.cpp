@@ -165,7 +165,7 @@ int read_clouds_by_dds(Times& times) {
   return 1;
 }
 
-/// What was measured in all rounds.
+/// The measurements of all rounds.
 struct Found {
   std::vector<double> local_us{};  ///< from publish() to the reader on the robot
   std::vector<double> small_ms{};  ///< from publish() to the reader at the station

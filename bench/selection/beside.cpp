@@ -161,7 +161,7 @@ std::shared_ptr<void> subscribe_to_compressed(Node& node, std::size_t readers, c
       node.subscriber<CompressedImage>("points/zstd", read, {.reliability = reliable}).value());
 }
 
-/// What a cloud costs.
+/// The cost of a cloud.
 struct Costs {
   double bytes = 0;  ///< received by the interface of the readers' host, with all headers
   double publisher_ms = 0, subscriber_ms = 0;  ///< processor time of all threads

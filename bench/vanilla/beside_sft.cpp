@@ -23,7 +23,7 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 
 constexpr double latency_bound = 1.1, bytes_bound = 1.005;
-/// So many times as many samples for a p99.
+/// A p99 needs this many times as many samples.
 constexpr std::uint64_t for_p99 = 3;
 constexpr std::int64_t quiet_us = 1'000'000;
 
@@ -94,7 +94,7 @@ std::vector<double> local_times(std::shared_ptr<const hosts::EmulatedNetwork> ne
                   samples);
 }
 
-/// What the publisher and the parent of its process tell each other.
+/// The values that the publisher and the parent of its process exchange.
 struct Board {
   std::atomic<bool> is_served{false};
   std::atomic<std::size_t> vanilla_readers{0};

@@ -98,7 +98,7 @@ void read_by_cyclone(Exchange& exchange) {
   });
 }
 
-/// What both sides of a pair have measured.
+/// The measurements of both sides of a pair.
 struct Measured {
   double writing_ms = 0;  ///< of each sample that was written
   double reading_ms = 0;  ///< of each sample that came
@@ -115,6 +115,25 @@ std::optional<Measured> measure(const TwoHosts& hosts, std::uint64_t samples, Wr
   if (came < 0.9 * sent) return {};
   return Measured{.writing_ms = static_cast<double>(one[0].returned_at) / 1e6 / sent,
                   .reading_ms = static_cast<double>(one[0].sent_at) / 1e6 / came};
+}
+
+struct Compared {
+  double ours = 0, theirs = 0;
+};
+struct Pair {
+  Writes write;
+  Reads read;
+};
+/// Returns the medians of the pair with SFT and of the pair without it, which are measured in turns.
+Compared compare(const TwoHosts& hosts, const VanillaScale& scale, const Pair& ours, double Measured::*cost) {
+  std::vector<double> of_ours, of_theirs;
+  for (int round = 0; round < scale.rounds; ++round) {
+    if (const auto one = measure(hosts, scale.samples, ours.write, ours.read))
+      of_ours.push_back((*one).*cost);
+    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_cyclone))
+      of_theirs.push_back((*one).*cost);
+  }
+  return {median_if_any(of_ours), median_if_any(of_theirs)};
 }
 
 /// The subscribers of this program read messages where these have arrived.
@@ -148,28 +167,14 @@ double copies(const TwoHosts& hosts) {
 
 std::vector<Figure> vanilla_write(const VanillaScale& scale) {
   const TwoHosts hosts;
-  std::vector<double> ours, theirs;
-  for (int round = 0; round < scale.rounds; ++round) {
-    if (const auto one = measure(hosts, scale.samples, write_by_sft, read_by_cyclone))
-      ours.push_back(one->writing_ms);
-    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_cyclone))
-      theirs.push_back(one->writing_ms);
-  }
-  return {{"vanilla_write", median_if_any(ours), "ms", median_if_any(theirs), "dds_write, CPU of a sample",
-           write_bound}};
+  const Compared costs = compare(hosts, scale, {write_by_sft, read_by_cyclone}, &Measured::writing_ms);
+  return {{"vanilla_write", costs.ours, "ms", costs.theirs, "dds_write, CPU of a sample", write_bound}};
 }
 
 std::vector<Figure> vanilla_read(const VanillaScale& scale) {
   const TwoHosts hosts;
-  std::vector<double> ours, theirs;
-  for (int round = 0; round < scale.rounds; ++round) {
-    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_sft))
-      ours.push_back(one->reading_ms);
-    if (const auto one = measure(hosts, scale.samples, write_by_cyclone, read_by_cyclone))
-      theirs.push_back(one->reading_ms);
-  }
-  return {{"vanilla_read", median_if_any(ours), "ms", median_if_any(theirs), "dds_take, CPU of a sample",
-           read_bound},
+  const Compared costs = compare(hosts, scale, {write_by_cyclone, read_by_sft}, &Measured::reading_ms);
+  return {{"vanilla_read", costs.ours, "ms", costs.theirs, "dds_take, CPU of a sample", read_bound},
           {"vanilla_read_copies", copies(hosts), "", {}, "of a message for two subscribers", 1}};
 }
 

@@ -1,5 +1,5 @@
 // Measures what it costs to serve and to hear nodes of plain DDS, beside Cyclone DDS alone, and that such
-// nodes cost nobody else anything.
+// nodes cost other readers nothing.
 #include "bench/common/program.h"
 #include "bench/vanilla/vanilla.h"
 #include "tests/support/isolated_host.h"

@@ -24,7 +24,8 @@ namespace sft::core {
 class CycloneDomain;
 class KnownPeers;
 
-/// What the links of a process exchange with others, beside heartbeats and the records that they write.
+/// The kinds of data that the links of a process exchange with others, beside heartbeats and the records that
+/// they write.
 struct LinkUse {
   PerRole<bool> reads_records{};
   bool reads_reports = false, writes_reports = false;

@@ -142,7 +142,7 @@ void Peers::network_changed(Time now) {
   }
 }
 
-/// A participant that claims to belong to this process is ignored.
+/// A participant whose user data name this process is ignored.
 void Peers::participant_found(const RemoteParticipant& id, ProcessId process, Time now, bool asks) {
   const auto link = links_.find(id.link);
   if (link == links_.end() || process == self_) return;

@@ -10,7 +10,7 @@
 // 2. if there are none, those that agreed at least once;
 // 3. if there are none, the one that was found first.
 //
-// So a participant that falsely claims the id of a process does not count while that process's own
+// So a participant with the forged id of a process does not count while that process's own
 // participants do. If the tables of the participants that count have several records with the same key, the
 // record with the greatest revision is in force, whichever link has brought it. All tables are compared
 // with the digests of the first participant that sends heartbeats regularly.
@@ -114,7 +114,7 @@ struct Peer {
   ProcessId process = 0;
   std::vector<Participants::value_type*> participants{};  ///< in the order in which they were found
   std::set<LinkId> links{};                               ///< the links by which the process has been found
-  /// The digests of the last heartbeat that speaks for the whole process; empty: there was none.
+  /// The digests of the last heartbeat that counts for the whole process; empty: there was none.
   std::optional<PerRole<std::uint64_t>> digests{};
   PerRole<Records> records{};  ///< the records that are in force, including withdrawn ones
   PathsCut cut{};              ///< as last reported
@@ -147,9 +147,10 @@ class Peers {
   void link_gone(LinkId link);
   /// Cables, switches or interfaces have changed.
   void network_changed(Time now);
-  /// Cyclone has found a participant that claims to belong to the process, or its user data have changed.
-  /// Later claims of this participant to another process are ignored. `asks`: the participant asks all others
-  /// to announce themselves. This is ignored if the participant is new, since its user data may be old then.
+  /// Cyclone has found a participant whose user data name this process, or its user data have changed.
+  /// If later user data of this participant name another process, they are ignored. `asks`: the participant
+  /// asks all others to announce themselves. This is ignored if the participant is new, since its user data
+  /// may be old then.
   void participant_found(const RemoteParticipant& id, ProcessId process, Time now, bool asks = false);
   void participant_gone(const RemoteParticipant& id);
   /// A record may come before its participant is found. Returns false if the limits leave no memory for it.
@@ -172,7 +173,7 @@ class Peers {
   std::optional<ProcessId> process_of(const RemoteParticipant& id) const;
 
  private:
-  /// What has to be decided about a link of this process.
+  /// The state from which decisions about a link of this process follow.
   struct Link {
     Time stirred_at{};             ///< when a participant, or a record of a participant whose tables never
                                    ///< agreed, last came

@@ -74,7 +74,7 @@ class Reconciler final : public DiscoveryListener {
   Reports& reports() { return reports_; }
 
   // The functions for any thread.
-  /// What discovery has refused and mended so far.
+  /// The counts of what discovery has refused and mended so far.
   struct DiscoveryCounts {
     std::atomic<std::uint64_t> malformed{0}, ignored{0}, links_renewed{0};
   };

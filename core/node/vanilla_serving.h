@@ -19,7 +19,7 @@ namespace sft::core {
 
 class VanillaServing {
  public:
-  /// For this time all samples that were sent may wait for their acknowledgements.
+  /// All samples that were sent may wait for their acknowledgements for this time.
   static constexpr std::chrono::seconds unanswered_max{5};
 
   /// Both outlive this object.

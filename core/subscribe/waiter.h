@@ -44,7 +44,7 @@ class Waiter {
   /// Returns true if there is a sample or an interrupt, and the file descriptor is not readable yet.
   bool has_unshown() const { return must_return() && !handle_->is_raised(); }
   void show_if_available() const;
-  /// To be called after samples were taken.
+  /// Must be called after samples were taken.
   void taken() const {
     if (is_watched_.load(std::memory_order_seq_cst)) settle();
   }

@@ -49,7 +49,7 @@ class Plan {
     std::size_t bytes;
   };
 
-  /// The end of the bytes to copy, to which the caller appends so many.
+  /// The end of the bytes to copy, to which the caller appends that number of bytes.
   std::vector<std::byte>::iterator end_of_copied(std::size_t bytes);
 
   std::vector<std::byte> copied_;

@@ -20,7 +20,7 @@ namespace py = pybind11;
 /// A sample that objects of Python refer to. Views and arrays keep it alive, and nothing else does.
 class HeldSample {
  public:
-  /// What the samples of one subscriber have in common.
+  /// The data that the samples of one subscriber share.
   struct Origin {
     Origin(std::string of_topic, bool records) : topic(std::move(of_topic)), is_recorded(records) {}
 

@@ -40,7 +40,7 @@ constexpr const char* on_this_host =
 
 std::string topic_of(EndpointId writer) { return "writer_" + std::to_string(writer); }
 
-/// What readers have to know of a writer.
+/// The facts about a writer that readers need.
 struct DdsEnd {
   EndpointId id = 0;                                ///< that DDS readers have for it
   std::function<bool(const core::Guid&)> serves{};  ///< whether a reader is matched
@@ -82,7 +82,7 @@ bool is_matched(dds_entity_t writer, const core::Guid& reader) {
   });
 }
 
-/// What a transport shares with its ports.
+/// The state that a transport shares with its ports.
 struct DdsNode {
   explicit DdsNode(std::shared_ptr<DdsWriters> shared) : writers(std::move(shared)) {
     core::VanillaPlan plan{.user_config = on_this_host};

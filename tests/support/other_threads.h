@@ -1,4 +1,4 @@
-// What tests see of the threads of this process.
+// Functions by which tests look at the threads of this process.
 #pragma once
 
 #include <unistd.h>

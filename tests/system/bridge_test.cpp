@@ -182,7 +182,7 @@ TEST_F(BridgeOfHostsTest, MutatedAndCutRoutesOfAForgerStopNothing) {
 
 using std_msgs::msg::UInt32;
 
-/// What a reader behind a narrow link has got.
+/// The samples that a reader behind a narrow link has received.
 struct Arrivals {
   std::atomic<bool> failed{false};
   std::atomic<std::uint32_t> bulk{0}, urgent{0}, small{0};

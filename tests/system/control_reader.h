@@ -108,7 +108,7 @@ class ControlReader final {
   std::vector<std::string> refused() const { return record().refused; }
 
  private:
-  /// What the node was notified of so far.
+  /// The events of which the node was notified so far.
   struct Record final : core::DiscoveryListener {
     void endpoint_seen(const core::Endpoint& endpoint) override {
       heard.insert(endpoint.id);

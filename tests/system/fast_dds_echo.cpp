@@ -35,14 +35,14 @@ using sensor_msgs::msg::dds_::PointCloud2_PubSubType;
 class Matches : public fast::DataReaderListener, public fast::DataWriterListener {
  public:
   void on_subscription_matched(fast::DataReader*, const fast::SubscriptionMatchedStatus& status) override {
-    tell(status.current_count_change);
+    report(status.current_count_change);
   }
   void on_publication_matched(fast::DataWriter*, const fast::PublicationMatchedStatus& status) override {
-    tell(status.current_count_change);
+    report(status.current_count_change);
   }
 
  private:
-  void tell(int change) {
+  void report(int change) {
     const std::lock_guard lock(mutex_);
     matched_ += static_cast<std::uint32_t>(change);
     if (write(STDOUT_FILENO, &matched_, sizeof matched_) != sizeof matched_) std::_Exit(0);  // the test ended

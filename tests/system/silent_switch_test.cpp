@@ -44,8 +44,8 @@ struct Report {
   std::atomic<std::size_t> in_groups{0};  ///< the number of pairs that share a multicast group
 };
 
-/// What the status and the log say of the path to the second host. They also name the longest length that is
-/// known to arrive, which grows while longer ones are tried.
+/// The text that the status and the log have about the path to the second host. They also name the longest
+/// length that is known to arrive, which grows while longer ones are tried.
 constexpr std::string_view limit = " bytes do not arrive at '10.77.0.2': samples go there in shorter ones";
 
 void publish(Node& node, Report& report) {

@@ -222,7 +222,7 @@ class VanillaJoins : public VanillaProcess {
  public:
   VanillaJoins(const hosts::NetworkNamespace& host, const std::string& topic)
       : VanillaProcess(host, "vanilla_joins", {topic}) {}
-  /// Waits until so many nodes have come, have written a cloud with that number, and have left. Returns how
+  /// Waits until that many nodes have come, have written a cloud with that number, and have left. Returns how
   /// many of them were matched, as far as they can be.
   std::uint32_t join(std::uint32_t number, std::uint64_t nodes) {
     const std::string line = std::to_string(number) + " " + std::to_string(nodes) + "\n";

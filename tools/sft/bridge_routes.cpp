@@ -24,7 +24,7 @@ constexpr auto hearing_time = 5s;
 /// After an outage of the network, a bridge does not announce its old routes again. So they are kept.
 constexpr auto memory_time = 1h;
 constexpr std::uint32_t bridges_most = 64;  // in a chain
-// Limits of what other bridges announce, since anybody may claim to be one.
+// Limits of what other bridges announce, since any node may announce itself as one.
 constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // of one bridge
 constexpr std::size_t routes_of_all_most = 16'384, others_most = 256;
 constexpr std::size_t topic_bytes_most = 255;

@@ -89,22 +89,17 @@ TEST_F(ControlPlaneTest, FollowsManyChangesASecond) {
   }
 }
 
-/// Sometimes all heartbeats within a lease are lost. A newcomer is found within 20 s, but for one of some
-/// hundred worlds, in which several questions or their answers were lost.
+/// Sometimes all heartbeats within a lease are lost.
 TEST_F(ControlPlaneTest, MakesNoLinkAnewWhereAFifthOfAllDatagramsGetsLost) {
-  const std::uint64_t rounds = test_rounds(20);
-  std::uint64_t late = 0;
-  for (std::uint64_t round = 0; round < rounds; ++round) {
+  for (std::uint64_t round = 0; round < test_rounds(20); ++round) {
     const std::uint64_t seed = random();
     SCOPED_TRACE("world " + std::to_string(seed));
     ControlWorld world(seed);
     world.lose(0.2);
     live_through(world, {.networks = some_networks(), .kills = 0.02});
-    late += wrong_within(world, 20s).empty() ? 0 : 1;
-    EXPECT_EQ(wrong_within(world, 120s), "");
+    EXPECT_EQ(wrong_within(world, 20s), "");
     EXPECT_EQ(world.renewals(), 0);
   }
-  EXPECT_LE(late, rounds / 10);
 }
 
 TEST_F(ControlPlaneTest, FindsAllAgainAfterNetworksWereCut) {

@@ -387,7 +387,7 @@ TEST_F(BridgeTest, APatternCarriesSixtyFourTopics) {
   for (std::uint32_t i = 0; i < 64; ++i) EXPECT_TRUE(listeners[i]->has(i)) << i;
 }
 
-/// A node that claims to be a bridge of another start, and announces what the test wants.
+/// A node that announces itself as a bridge, with the routes that the test gives it.
 class FalseBridge {
  public:
   FalseBridge()
@@ -395,7 +395,7 @@ class FalseBridge {
   }
   /// The route is the one that `publisher` holds: as far from the origin as the bridge that is there, and
   /// older.
-  void claim(std::uint64_t origin) {
+  void announce_itself(std::uint64_t origin) {
     announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", 1}}});
   }
   void announce_many(std::size_t routes, std::size_t topic_bytes) {
@@ -442,7 +442,7 @@ TEST_F(BridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAr
     FalseBridge attacker;
     attacker.announce_many(100'000, 1);
     for (int i = 0; i < 40; ++i) attacker.announce_many(900, 200);
-    attacker.claim(publisher.status().id);
+    attacker.announce_itself(publisher.status().id);
     EXPECT_TRUE(work->says("another bridge carries 'chatter' to side 'domain 42'; this one waits"));
   }
   const std::uint32_t at_end = published;

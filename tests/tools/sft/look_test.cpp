@@ -227,7 +227,7 @@ TEST_F(LookTest, WhyNamesWhatWasNotReportedYet) {
   // Repeats the command, because it may end before it has discovered both endpoints.
   EXPECT_TRUE(eventually([&] {
     const Ended why = run_tool({"why", "points", "--wait", "0"});
-    EXPECT_EQ(why.code, 1) << "nobody knows if samples arrive";
+    EXPECT_EQ(why.code, 1) << "it is not known whether samples arrive";
     text = why.out;
     return text.find("lidar -> logger") != std::string::npos;
   }));

@@ -92,7 +92,7 @@ class DirectoryTest : public ::testing::Test {
     directory.record_changed({process, role, {slot, RecordKind::announcement}, {++revision, nullptr}});
     directory.record_changed({process, role, {slot, RecordKind::request}, {++revision, nullptr}});
   }
-  std::vector<std::string> told(Node& node) {
+  std::vector<std::string> events_of(Node& node) {
     for (const DiscoveryEvent& event : directory.take_events(*node.node)) event(node.listener);
     return std::exchange(node.listener.said, {});
   }
@@ -107,19 +107,19 @@ TEST_F(DirectoryTest, TellsANodeOfWhatMayMatchItsEndpoints) {
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
   other_has(endpoint(Role::writer, 11, "images"), process_one, 1);
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
   other_withdraws(Role::writer);
-  EXPECT_THAT(told(*node), ElementsAre("departed 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("departed 10"));
 }
 
 TEST_F(DirectoryTest, TellsANodeOfWhatWasThereBeforeItsEndpoint) {
   other_has(endpoint(Role::writer, 10));
   const auto node = open();
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   announce(*node, endpoint(Role::reader, 1));
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
   announce(*node, endpoint(Role::reader, 2));
-  EXPECT_THAT(told(*node), IsEmpty()) << "it knows that already";
+  EXPECT_THAT(events_of(*node), IsEmpty()) << "it knows that already";
 }
 
 TEST_F(DirectoryTest, TellsANodeOfAllOfARoleThatItAsksFor) {
@@ -128,9 +128,9 @@ TEST_F(DirectoryTest, TellsANodeOfAllOfARoleThatItAsksFor) {
   announce(*node, endpoint(Role::reader, 1));
   directory.hear_all(node->node, Role::writer);
   other_has(endpoint(Role::writer, 11, "more"), process_one, 1);
-  EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 11"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10", "seen 11"));
   directory.withdrawn(1);
-  EXPECT_THAT(told(*node), IsEmpty()) << "it goes on hearing them";
+  EXPECT_THAT(events_of(*node), IsEmpty()) << "it goes on hearing them";
 }
 
 TEST_F(DirectoryTest, LetsNodesOfTheProcessHearEachOtherAndNobodyHimself) {
@@ -138,25 +138,25 @@ TEST_F(DirectoryTest, LetsNodesOfTheProcessHearEachOtherAndNobodyHimself) {
   announce(*writer, endpoint(Role::writer, 1));
   announce(*writer, endpoint(Role::reader, 2));
   announce(*reader, endpoint(Role::reader, 3));
-  EXPECT_THAT(told(*writer), ElementsAre("seen 3"));
-  EXPECT_THAT(told(*reader), ElementsAre("seen 1"));
+  EXPECT_THAT(events_of(*writer), ElementsAre("seen 3"));
+  EXPECT_THAT(events_of(*reader), ElementsAre("seen 1"));
   directory.requested(request(3, 5));
-  EXPECT_THAT(told(*writer), ElementsAre("request 5 of 3"));
+  EXPECT_THAT(events_of(*writer), ElementsAre("request 5 of 3"));
   directory.withdrawn(3);
-  EXPECT_THAT(told(*writer), ElementsAre("departed 3"));
-  EXPECT_THAT(told(*reader), ElementsAre("departed 1")) << "it has no more endpoint of that topic";
+  EXPECT_THAT(events_of(*writer), ElementsAre("departed 3"));
+  EXPECT_THAT(events_of(*reader), ElementsAre("departed 1")) << "it has no more endpoint of that topic";
 }
 
 TEST_F(DirectoryTest, ShowsASubscriberOnceItsRequestIsThereToo) {
   const auto node = open();
   announce(*node, endpoint(Role::writer, 1));
   other_has(endpoint(Role::reader, 10));
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   other_asks(10, 1);
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 1u);
   other_asks(10, 2);
-  EXPECT_THAT(told(*node), ElementsAre("request 2 of 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("request 2 of 10"));
 }
 
 TEST_F(DirectoryTest, ShowsASubscriberWhoseRequestCameFirst) {
@@ -164,7 +164,7 @@ TEST_F(DirectoryTest, ShowsASubscriberWhoseRequestCameFirst) {
   announce(*node, endpoint(Role::writer, 1));
   other_asks(10, 7);
   other_has(endpoint(Role::reader, 10));
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 7u);
 }
 
@@ -173,7 +173,7 @@ TEST_F(DirectoryTest, TakesTheLatestRequestForANodeThatComesLate) {
   for (std::uint64_t sequence = 1; sequence < 5; ++sequence) other_asks(10, sequence);
   const auto node = open();
   announce(*node, endpoint(Role::writer, 1));
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
   EXPECT_EQ(node->listener.seen.request.sequence, 4u);
 }
 
@@ -182,11 +182,11 @@ TEST_F(DirectoryTest, EndsTheEndpointWhoseSlotAnotherOneHas) {
   announce(*node, endpoint(Role::writer, 1));
   other_has(endpoint(Role::reader, 10));
   other_asks(10, 1);
-  told(*node);
+  events_of(*node);
   other_has(endpoint(Role::reader, 11));
-  EXPECT_THAT(told(*node), ElementsAre("departed 10")) << "the request in the slot is not its own";
+  EXPECT_THAT(events_of(*node), ElementsAre("departed 10")) << "the request in the slot is not its own";
   other_asks(11, 1);
-  EXPECT_THAT(told(*node), ElementsAre("seen 11"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 11"));
 }
 
 TEST_F(DirectoryTest, EndsAnEndpointThatTakesAnotherTopic) {
@@ -194,9 +194,9 @@ TEST_F(DirectoryTest, EndsAnEndpointThatTakesAnotherTopic) {
   announce(*node, endpoint(Role::reader, 1));
   announce(*node, endpoint(Role::reader, 2, "images"));
   other_has(endpoint(Role::writer, 10));
-  told(*node);
+  events_of(*node);
   other_has(endpoint(Role::writer, 10, "images"));
-  const std::vector<std::string> said = told(*node);
+  const std::vector<std::string> said = events_of(*node);
   EXPECT_EQ(said.front(), "departed 10");
   EXPECT_EQ(said.back(), "seen 10");
   EXPECT_EQ(node->listener.seen.topic, "images");
@@ -208,26 +208,26 @@ TEST_F(DirectoryTest, LosesAllOfAProcessAtOnce) {
   other_has(endpoint(Role::writer, 10));
   other_has(endpoint(Role::writer, 11), process_one, 1);
   other_has(endpoint(Role::writer, 12), process_two);
-  told(*node);
+  events_of(*node);
   directory.peer_lost(process_one);
-  EXPECT_THAT(told(*node), ElementsAre("lost 10", "lost 11"));
+  EXPECT_THAT(events_of(*node), ElementsAre("lost 10", "lost 11"));
   other_has(endpoint(Role::writer, 10));
-  EXPECT_THAT(told(*node), ElementsAre("seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10"));
 }
 
 TEST_F(DirectoryTest, RefusesAnIdThatAnotherProcessHasUntilThatIsLost) {
   const auto node = open();
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10), process_one);
-  told(*node);
+  events_of(*node);
   other_has(endpoint(Role::writer, 10), process_two);
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused, ElementsAre(HasSubstr("the id of another process")));
   other_withdraws(Role::writer, process_two);
-  EXPECT_THAT(told(*node), IsEmpty()) << "it has nothing to withdraw";
+  EXPECT_THAT(events_of(*node), IsEmpty()) << "it has nothing to withdraw";
   other_has(endpoint(Role::writer, 10), process_two);
   directory.peer_lost(process_one);
-  EXPECT_THAT(told(*node), ElementsAre("lost 10", "seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("lost 10", "seen 10"));
 }
 
 TEST_F(DirectoryTest, ShowsNoMoreOfATopicThanTheShareOfAProcess) {
@@ -235,12 +235,12 @@ TEST_F(DirectoryTest, ShowsNoMoreOfATopicThanTheShareOfAProcess) {
   announce(*node, endpoint(Role::reader, 1));
   for (std::uint32_t slot = 0; slot < 300; ++slot)
     other_has(endpoint(Role::writer, 1000 + slot), process_one, slot);
-  EXPECT_THAT(told(*node), SizeIs(256));
+  EXPECT_THAT(events_of(*node), SizeIs(256));
   EXPECT_THAT(node->listener.ignored, SizeIs(300 - 256));
   other_has(endpoint(Role::writer, 10), process_two);
-  EXPECT_THAT(told(*node), ElementsAre("seen 10")) << "another process has a share of its own";
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10")) << "another process has a share of its own";
   other_has(endpoint(Role::writer, 2000, "images"), process_one, 300);
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.ignored, SizeIs(300 - 256)) << "that is another topic";
 }
 
@@ -251,7 +251,7 @@ TEST_F(DirectoryTest, RefusesTheIdsOfItsOwnNodes) {
   other_has(endpoint(Role::writer, 2));
   other_asks(1, 9);
   other_withdraws(Role::writer);
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused, SizeIs(1));
   EXPECT_THAT(directory.endpoints_of(node->node), ElementsAre(1, 2));
 }
@@ -262,10 +262,10 @@ TEST_F(DirectoryTest, RefusesWhatIsMalformedOrOnTheWrongTopic) {
   record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
   record(process_one, Role::writer, 1, RecordKind::announcement, to_bytes(endpoint(Role::reader, 10)));
   record(process_one, Role::reader, 2, RecordKind::request, {std::byte{1}});
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused, SizeIs(3));
   record(process_one, Role::writer, 1, RecordKind::announcement, to_bytes(endpoint(Role::reader, 11)));
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
   EXPECT_THAT(node->listener.refused.back(), HasSubstr("the topic of the other role"));
 }
 
@@ -274,7 +274,7 @@ TEST_F(DirectoryTest, EndsAnEndpointWhoseNextAnnouncementIsMalformed) {
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
   record(process_one, Role::writer, 0, RecordKind::announcement, {std::byte{1}});
-  EXPECT_THAT(told(*node), ElementsAre("seen 10", "departed 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10", "departed 10"));
 }
 
 TEST_F(DirectoryTest, FollowsAnEndpointToAnotherTopic) {
@@ -282,7 +282,7 @@ TEST_F(DirectoryTest, FollowsAnEndpointToAnotherTopic) {
   announce(*node, endpoint(Role::reader, 1));
   other_has(endpoint(Role::writer, 10));
   other_has(endpoint(Role::writer, 10, "images"));
-  EXPECT_THAT(told(*node), ElementsAre("seen 10", "departed 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10", "departed 10"));
 }
 
 TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
@@ -294,17 +294,17 @@ TEST_F(DirectoryTest, LeavesOutTheAddressesOfANetworkThatIsCut) {
   writer.addresses = {{.ip = by_lan, .port = 5}, {.ip = by_radio, .port = 5}};
   other_has(writer);
   directory.paths_cut({process_one, {1}});
-  EXPECT_THAT(told(*node), ElementsAre("seen 10", "seen 10"));
+  EXPECT_THAT(events_of(*node), ElementsAre("seen 10", "seen 10"));
   ASSERT_THAT(node->listener.seen.addresses, SizeIs(1));
   EXPECT_EQ(node->listener.seen.addresses[0].ip, by_radio);
   directory.paths_cut({process_one, {1, 2}});
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "process_one way at least is tried";
   directory.paths_cut({process_one, {1}, {3}});
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2)) << "another link leads there";
   directory.paths_cut({process_one, {}});
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
@@ -319,7 +319,7 @@ TEST_F(DirectoryTest, KeepsAllAddressesOfAProcessThatReturnsAfterOneOfItsNetwork
   directory.paths_cut({process_one, {1}});
   directory.peer_lost(process_one);
   other_has(writer);
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.seen.addresses, SizeIs(2));
 }
 
@@ -336,7 +336,7 @@ TEST_F(DirectoryTest, GivesReportsToNodesThatInquireAsFarAsTheProcessHasAnnounce
   report.accounts = {{.id = {{10, 1}, Role::writer}}, {.id = {{10, 1}, Role::reader}}};
   directory.report_came(process_one, report);
   directory.report_came(process_two, {.living = {10}});
-  for (const auto* const one : {&node, &silent}) told(**one);
+  for (const auto* const one : {&node, &silent}) events_of(**one);
   ASSERT_THAT(node->listener.reports, SizeIs(1));
   EXPECT_THAT(node->listener.reports[0].living, ElementsAre(10));
   EXPECT_THAT(node->listener.reports[0].progress, ElementsAre(Progress{10, 5, 0}));
@@ -349,7 +349,7 @@ TEST_F(DirectoryTest, GivesReportsOfANodeToOthersOfTheProcess) {
   announce(*node, endpoint(Role::writer, 1));
   for (const auto* const one : {&node, &other}) directory.inquires((*one)->node, {Inquiry{}});
   directory.reported(node->node, {.living = {1}});
-  for (const auto* const one : {&node, &other}) told(**one);
+  for (const auto* const one : {&node, &other}) events_of(**one);
   EXPECT_THAT(node->listener.reports, IsEmpty());
   EXPECT_THAT(other->listener.reports, SizeIs(1));
 }
@@ -375,7 +375,7 @@ TEST_F(DirectoryTest, KnowsWhatNodesAndProcessesInquireUntilTheyDoNotOrAreLost) 
   EXPECT_FALSE(directory.do_others_inquire());
   record(process_one, Role::reader, 5, RecordKind::inquiry, {std::byte{9}});
   EXPECT_THAT(inquired(), IsEmpty());
-  told(*node);
+  events_of(*node);
   EXPECT_THAT(node->listener.refused, SizeIs(1));
 }
 
@@ -387,16 +387,16 @@ TEST_F(DirectoryTest, WakesANodeOnceUntilItTakesItsEvents) {
     other_has(endpoint(Role::writer, 10 + slot), process_one, slot);
   EXPECT_THAT(directory.take_woken(), ElementsAre(node->node));
   EXPECT_THAT(directory.take_woken(), IsEmpty());
-  told(*node);
+  events_of(*node);
   other_withdraws(Role::writer);
   EXPECT_THAT(directory.take_woken(), ElementsAre(node->node));
-  told(*node);
+  events_of(*node);
   directory.report_came(process_one, {.progress = {{11, 5, 0}}});
   EXPECT_THAT(directory.take_woken(), IsEmpty()) << "such a report has time";
   for (int i = 0; i < 100; ++i) directory.report_came(process_one, {.progress = {{11, 5, 0}}});
   EXPECT_THAT(directory.take_woken(), ElementsAre(node->node)) << "so that they do not use up memory";
   directory.report_came(process_one, {.living = {11}});
-  told(*node);
+  events_of(*node);
   directory.report_came(process_one, {.living = {11}});
   EXPECT_THAT(directory.take_woken(), ElementsAre(node->node));
 }
@@ -417,7 +417,7 @@ TEST_F(DirectoryTest, TellsANodeThatHasClosedNothingMore) {
   directory.leave(node->node);
   other_has(endpoint(Role::writer, 10));
   directory.vanilla_changed();
-  EXPECT_THAT(told(*node), IsEmpty());
+  EXPECT_THAT(events_of(*node), IsEmpty());
 }
 
 }  // namespace

@@ -244,7 +244,7 @@ TEST_F(PeersTest, RefusesAClaimAlsoWhenTheFirstParticipantIsGone) {
     goes_on(500ms, {wlan});
     EXPECT_THAT(holds, ElementsAre(Pair(0, "a")));
   }
-  EXPECT_THAT(renewed, Not(Contains(wlan))) << "the impostor does not speak for it";
+  EXPECT_THAT(renewed, Not(Contains(wlan))) << "heartbeats of the forged participant do not count";
 }
 
 TEST_F(PeersTest, RefusesAClaimOfAProcessThatHasNothingYet) {

@@ -132,7 +132,7 @@ TEST_F(WaiterTest, ADescriptorThatNoProgramWatchesIsLoweredByWaitsOnly) {
   EXPECT_FALSE(own->is_raised());
   EXPECT_TRUE(comes_and_is_taken(2));
   pollfd waits{.fd = unwatched.descriptor(), .events = POLLIN, .revents = 0};
-  EXPECT_EQ(::poll(&waits, 1, 0), 0) << "whoever asks for it gets it right";
+  EXPECT_EQ(::poll(&waits, 1, 0), 0) << "the descriptor is right again once a program asks for it";
   EXPECT_FALSE(comes_and_is_taken(3));
 }
 
