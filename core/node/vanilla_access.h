@@ -6,6 +6,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/discovery/discovery.h"
@@ -56,6 +57,8 @@ class VanillaAccess {
   }
   /// Returns true if that endpoint is an unmodified writer of the topic.
   bool knows_writer(EndpointId id, const std::string& topic) const;
+  /// Returns the unmodified writers of that type whose topics nodes of SFT can have.
+  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
   /// Returns what the participant has discovered; nothing while there is none.
   VanillaView view() const;
   // The DDS readers and writers of the node in the graph of ROS 2. They are collected whenever all endpoints
