@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <regex>
 
+#include "core/platform/text_file.h"
 #include "tools/sft/session.h"
 #include "tools/sft/topic_selection.h"
 
@@ -211,9 +212,11 @@ Result<void> check_rules(const std::vector<BridgeRule>& rules) {
 }
 
 Result<void> read_bridge_file(const std::string& path, BridgePlan& plan) {
+  const Result<std::string> text = core::read_text_file(path);
+  if (!text) return tl::unexpected(text.error());
   Mistake mistake(path);
   try {
-    const toml::table file = toml::parse_file(path);
+    const toml::table file = toml::parse(*text, path);
     const auto sides = tables_of(file, "side", mistake);
     if (sides.size() != plan.sides.size())
       mistake.note(file, "write [[side]] twice: a bridge joins two sides");
