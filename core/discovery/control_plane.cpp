@@ -1,6 +1,8 @@
 #include "core/discovery/control_plane.h"
 
 #include <algorithm>
+#include <cerrno>
+#include <cstring>
 #include <tuple>
 #include <variant>
 
@@ -115,7 +117,13 @@ ControlPlane::ControlPlane(DdsConfig config, const ThreadSettings& threads)
 
 Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
-  interfaces_ = interfaces_that_count(config_).value_or(std::vector<HostInterface>());
+  std::optional<std::vector<HostInterface>> listed = interfaces_that_count(config_);
+  if (!listed) {
+    return fail(Errc::unavailable, std::string("the system does not list its network interfaces (") +
+                                       std::strerror(errno) +
+                                       "): allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)");
+  }
+  interfaces_ = std::move(*listed);
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});
   const Time now = std::chrono::steady_clock::now();
   look_at_interfaces_at_ = now + timing_.look_at_interfaces;
