@@ -35,8 +35,8 @@ class AccessLog {
     /// block.
     virtual void first_read(std::size_t leaf) noexcept = 0;
     /// Returns the number of a channel of the cloud that has its points in this leaf. The number is the
-    /// same in all samples. Returns nothing if channels of that leaf are not noted one by one, or not any
-    /// more.
+    /// same in all samples. Returns nothing if the channels of that leaf are not noted one by one, or are
+    /// no longer noted one by one.
     virtual std::optional<std::size_t> number_of_channel(std::size_t /*leaf*/,
                                                          std::string_view /*name*/) noexcept {
       return {};
