@@ -37,7 +37,8 @@ struct Unusable {
   std::atomic<std::uint64_t> absent{0};  ///< the message has no such element
 };
 
-/// Returns the path as selections name it: of all elements, "transforms[].header.stamp".
+/// Returns the path in the form that selections use for a field of all elements:
+/// "transforms[].header.stamp".
 std::string of_all_elements(std::string_view field) {
   std::string path;
   bool in_brackets = false;

@@ -95,8 +95,9 @@ void print_pair(const DomainSnapshot::Pair& pair, const OneTopic& topic, const W
   print_row("subscriber", "may use " + ways_text(subscriber), output);
 }
 
-/// DDS cannot tell a node of SFT from others. So a publisher that serves DDS readers also sends whole
-/// messages to the DDS reader of a subscriber that hears DDS writers.
+/// Returns a text for a topic on which a subscriber of SFT also receives from DDS writers. A publisher
+/// cannot distinguish the DDS reader of this subscriber from other DDS readers. So a publisher that serves
+/// DDS readers sends whole messages to that reader, too.
 std::string text_of_whole_messages(const OneTopic& topic) {
   const auto& pairs = topic.pairs;
   const bool serves = std::ranges::any_of(
