@@ -1,4 +1,4 @@
-// A generated yard as a spinning lidar sees it: the ground, and a wall around it that moves. The same time
+// A generated yard as a spinning lidar sees it: the ground, and a moving wall around it. The same time
 // always gives the same bytes.
 #pragma once
 

@@ -349,8 +349,8 @@ struct Req {
 };
 
 /// A set of leaves at run time. A default-constructed set belongs to a type without leaves. All numbers of
-/// leaves that are passed to it must be less than leaves(). Larger than usual: it is a set with all of its
-/// operators.
+/// leaves that are passed to it must be less than leaves().
+/// Larger than usual: it is a set with all of its operators.
 class FieldMask {
  public:
   /// The type of a leaf's number.
