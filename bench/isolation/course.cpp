@@ -81,7 +81,7 @@ void Link::widen() const {
   check(network_->run_on_switch({"tc", "qdisc", "del", "dev", hosts::EmulatedNetwork::port(host_), "root"}));
 }
 
-/// Applies each phase to the remote reader.
+/// Changes the remote reader, or its link, as each phase requires.
 class Remote {
  public:
   Remote(Pipeline& pipeline, Link link) : pipeline_(pipeline), link_(std::move(link)) {}

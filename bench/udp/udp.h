@@ -26,7 +26,7 @@ std::vector<Figure> cold_path(const Scale& scale);
 std::vector<Figure> rate(const Scale& scale);
 /// Measures the bytes on the link in addition to those of the samples.
 std::vector<Figure> wire_overhead(const Scale& scale);
-/// The bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
+/// Measures the bytes on the link: per sample of a diagnostic subscriber, and per second of an idle node.
 std::vector<Figure> diagnostic_bytes();
 
 }  // namespace sft::bench
