@@ -1,8 +1,8 @@
 """The folder in which a run keeps its results. The plots are made of them.
 
 NAME.json has the figures of a benchmark, as its option --json writes them. The files of benchmarks.FILES have further
-data for the plots. about.json says of each benchmark when, where and with which command it was measured. A later run
-of a benchmark replaces its files only."""
+data for the plots. about.json contains for each benchmark when, where and with which command it was measured. A later
+run of a benchmark replaces its files only."""
 
 import csv
 import json
