@@ -8,7 +8,7 @@ namespace sft::bench {
 
 namespace {
 
-// the time in which bridges find each other, and their traffic becomes quiet
+// The time in which bridges find each other, and their traffic becomes quiet
 constexpr std::int64_t settling_us = 8'000'000;
 constexpr double kilobytes_of_mb = 1000 / 1.024;
 

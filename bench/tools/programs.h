@@ -24,7 +24,7 @@ nlohmann::json last_json(const std::string& file);
 struct Clouds {
   std::uint32_t rows = 128;  ///< the rows of the cloud of bench/selection; 128 rows have 6.3 MB
   std::uint64_t count = UINT64_MAX;
-  /// the time between two clouds; 0: as fast as a reliable subscriber takes them
+  /// The time between two clouds; 0: as fast as a reliable subscriber takes them
   std::int64_t period_us = 0;
 };
 

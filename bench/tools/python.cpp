@@ -33,7 +33,7 @@ constexpr double points_us = 30;        // the limit of the access to the points
 constexpr double loan_bound = 1.1;      // the limit relative to a loan in C++
 constexpr double private_bound = 0.01;  // the limit relative to the bytes of the samples that Python holds
 constexpr std::int64_t period_us = 2000;
-constexpr std::uint32_t rows = 128;  // of a cloud of 6.3 MB
+constexpr std::uint32_t rows = 128;  // a cloud with this number of rows has 6.3 MB
 
 double us_since(std::int64_t begin) { return static_cast<double>(now_ns() - begin) / 1000; }
 

@@ -32,7 +32,7 @@ struct Recorded {
   double cpu_ms = none;   ///< processor time per sample
   double lost = none;     ///< the number of samples that are not in the file
   double bytes = 0;       ///< the size of the file
-  double seconds = none;  ///< from the first sample until the file is on the disk
+  double seconds = none;  ///< the time from the first sample until the file is on the disk
 };
 
 /// Records clouds until the publisher has ended. The file is kept.
@@ -69,7 +69,7 @@ bool write_all(int file, const std::vector<std::byte>& bytes) {
 
 /// Returns the processor time per sample in ms of a process that only copies samples and writes them.
 double copying_ms(const Clouds& clouds, const test::TemporaryDirectory& folder) {
-  // the number of samples in memory, so many that they do not stay in a cache
+  // The number of samples in memory, so many that they do not stay in a cache
   constexpr std::size_t places = 8;
   const std::string path = folder.path() / "copy";
   const Shared<double> cpu_ms;

@@ -99,7 +99,7 @@ std::vector<double> local_times(std::shared_ptr<const hosts::EmulatedNetwork> ne
 struct Board {
   std::atomic<bool> is_served{false};
   std::atomic<std::size_t> vanilla_readers{0};
-  /// numbers of samples: up to which the publisher must publish, and up to which it has published
+  /// Numbers of samples: up to which the publisher must publish, and up to which it has published
   std::atomic<std::uint64_t> wanted{0}, published{0};
 };
 

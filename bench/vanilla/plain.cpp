@@ -12,7 +12,7 @@ constexpr const char* settings =
     "<Discovery><LeaseDuration>100 s</></>,"
     "<Internal><SocketReceiveBufferSize min=\"default\" max=\"4MB\"/></>";
 constexpr const char* topic_name = "rt/points";
-constexpr std::int32_t depth = 10;  // as in ROS 2
+constexpr std::int32_t depth = 10;  // the depth that is usual in ROS 2
 
 CycloneQos reliable_qos() {
   CycloneQos qos(dds_create_qos(), dds_delete_qos);

@@ -21,7 +21,7 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::seconds;
 
-// the limit for the first answer of a role, which comes when its node is open
+// The limit for the first answer of a role, which comes when its node is open
 constexpr seconds timeout_for_answer{15};
 constexpr seconds timeout_for_matching{20};
 constexpr seconds timeout_for_shared_memory{8};

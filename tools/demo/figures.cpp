@@ -16,7 +16,7 @@ namespace {
 using tool::aligned_bytes_text;
 using tool::grouped_count_text;
 
-// the smallest share of the bytes of whole messages that is reported
+// The smallest share of the bytes of whole messages that is reported
 constexpr double worth_telling = 0.0005;
 constexpr std::size_t request_columns = 24;
 constexpr std::string_view row_format = "{:<9} {:<24} {:<3} {:>8} {:>4} {:>9} {:>9} {:>6}";

@@ -14,7 +14,7 @@ namespace sft::demo {
 struct Counts {
   std::uint64_t samples = 0;
   std::uint64_t payload_bytes = 0;
-  /// bytes that the interface received, without control traffic; 0: not measured
+  /// Bytes that the interface received, without control traffic; 0: not measured
   std::int64_t wire_bytes = 0;
 };
 

@@ -287,7 +287,7 @@ class Reader {
   Counts after_full_sample_ SFT_GUARDED_BY(mutex_);
   bool has_learnt_ SFT_GUARDED_BY(mutex_) = false;
   volatile float sum_ = 0;
-  // must be the last member, since its callback uses the others
+  // Must be the last member, since its callback uses the others
   std::optional<Subscriber<PointCloud2, R>> subscriber_;
 };
 

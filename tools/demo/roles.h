@@ -22,7 +22,7 @@ struct RolePlan {
   std::string name;
   std::uint32_t domain = 0;
   TransportChoice transport = TransportChoice::automatic;
-  /// the interface whose traffic is measured; empty: no traffic is measured
+  /// The interface whose traffic is measured; empty: no traffic is measured
   std::optional<std::string> interface {};
   double max_rate_hz = 0;  ///< the maximum rate of a subscriber; 0: all clouds
   RunOptions options{};

@@ -22,9 +22,9 @@ namespace {
 
 constexpr std::size_t datagram_bytes = 60'000;  // IP cuts a datagram into frames
 constexpr std::uint64_t message_bytes_max = 128 * 1024 * 1024;
-// the time within which a thread notices that it has to end
+// The time within which a thread notices that it has to end
 constexpr auto wake_up_period = std::chrono::milliseconds(200);
-// a peer that sends no header within this time is closed
+// A peer that sends no header within this time is closed
 constexpr std::int64_t first_header_ns = 2'000'000'000;
 constexpr std::int64_t never_ns = std::numeric_limits<std::int64_t>::max();
 

@@ -23,13 +23,13 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// not in the results: caches are cold, and paths are not chosen yet
+// Not in the results: caches are cold, and paths are not chosen yet
 constexpr std::uint64_t first_samples = 10;
-// the lanes are measured in turns of this length, so that a disturbance affects all of them
+// The lanes are measured in turns of this length, so that a disturbance affects all of them
 constexpr double slice_s = 1;
-// the time for which sending without pauses waits for slow readers
+// The time for which sending without pauses waits for slow readers
 constexpr std::chrono::nanoseconds flow_control = 500ms;
-// the time for which the last answers of a slice are awaited
+// The time for which the last answers of a slice are awaited
 constexpr std::int64_t grace_ns = 1'000'000'000;
 
 /// An answer, with its time of arrival by the clocks of this host. `stamp_ns` is its time of publishing by
@@ -88,7 +88,8 @@ struct Track {
   std::optional<double> first_s;
   std::optional<Sender> sender;  ///< empty for plain sockets
   std::unique_ptr<FloorClient> socket;
-  std::optional<DynamicSubscriber> answers;  ///< its callbacks use the members above
+  /// must be the last member, because its callbacks use the others
+  std::optional<DynamicSubscriber> answers;
 
   bool send(std::uint64_t next) { return sender ? sender->send() : socket->send(next); }
 };
@@ -120,7 +121,7 @@ class Ping {
          {std::tuple(plan_.beside_udp, Socket::udp, "udp"), std::tuple(plan_.beside_tcp, Socket::tcp, "tcp")})
       if (Result<void> met = wanted ? open_socket(kind, name) : Result<void>(); !met)
         return tl::unexpected(met.error());
-    // the number of samples of each lane
+    // The number of samples of each lane
     const double samples = std::max(1.0, std::round(plan_.for_s * plan_.rate_hz));
     double slices = std::max(1.0, std::round(plan_.for_s / slice_s));
     if (plan_.rate_hz > 0) slices = std::min(slices, samples);

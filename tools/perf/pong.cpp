@@ -17,7 +17,7 @@ using namespace std::chrono_literals;
 
 namespace {
 
-// the limit for the arrival of the message, and then for the first samples
+// The limit for the arrival of the message, and then for the first samples
 constexpr std::int64_t timeout_ns = 5'000'000'000;
 constexpr std::size_t streams_max = 8;
 constexpr std::size_t sessions_max = 16;
@@ -187,7 +187,7 @@ class Pong::Session {
   std::vector<std::unique_ptr<Echo>> echoes_;
   std::unique_ptr<FloorServer> udp_, tcp_;
   std::string error_;
-  /// the time of the offer, later the time of the beginning or of the error
+  /// The time of the offer, later the time of the beginning or of the error
   std::int64_t since_ns_ = now_ns();
   bool waits_ = true, was_there_ = false, ended_ = false;
   std::uint64_t shown_ = 0;

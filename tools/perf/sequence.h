@@ -39,7 +39,7 @@ class Tally {
   /// Returns false if the sample has come before.
   bool note(std::uint64_t number);
   std::uint64_t distinct() const { return distinct_; }
-  /// samples that arrived after a sample with a higher number
+  /// Samples that arrived after a sample with a higher number
   std::uint64_t reordered() const { return reordered_; }
   std::uint64_t twice() const { return twice_; }
 

@@ -175,7 +175,7 @@ class IdlReader {
   std::vector<std::string> words_;
   std::size_t at_ = 0;
   std::map<std::string, std::string> aliases_;
-  /// the lines of each message, by a name such as "my_msgs/Status"
+  /// The lines of each message, by a name such as "my_msgs/Status"
   std::map<std::string, std::string> messages_;
   std::string fault_;
 };

@@ -26,7 +26,7 @@ class McapReader final : public Recording {
     /// The limit for the messages of all chunks that overlap. The memory for the chunk that is being read
     /// is not included.
     std::uint64_t memory_bytes = std::uint64_t{1} << 28;
-    /// the limit for the bytes of all chunks that are read again
+    /// The limit for the bytes of all chunks that are read again
     std::uint64_t reread_bytes = std::uint64_t{1} << 36;
     /// The maximum size of a record with a schema, a channel or metadata. All definitions together have at
     /// most 16 times this size.

@@ -282,7 +282,7 @@ Result<void> McapWriter::write_attachment(std::span<const std::byte> content) {
 }
 
 Result<void> McapWriter::sync() const {
-  // the file is not on a disk
+  // The file is not on a disk
   if (fdatasync(descriptor_) == 0 || errno == EINVAL || errno == EROFS) return {};
   return fail(Errc::system, "'" + path_ + "' cannot be written: " + std::generic_category().message(errno));
 }

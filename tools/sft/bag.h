@@ -38,7 +38,7 @@ class RecordedTypes {
 
  private:
   const CommonOptions& common_;
-  /// the types by number of the recording and id of the schema
+  /// The types by number of the recording and id of the schema
   std::map<std::pair<std::size_t, std::uint16_t>, Result<DynamicType>> found_;
 };
 

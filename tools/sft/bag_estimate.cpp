@@ -57,7 +57,7 @@ class Estimate {
   RecordedTypes types_;
   std::vector<EstimatedTopic> topics_;
   std::map<std::uint16_t, std::size_t> of_channel_;
-  /// indices into topics_, by topic and hash of the type
+  /// Indices into topics_, by topic and hash of the type
   std::map<std::pair<std::string, std::uint64_t>, std::size_t> of_topic_;
   std::set<std::string> faults_;
 };

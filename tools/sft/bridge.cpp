@@ -35,7 +35,7 @@ constexpr std::size_t complaints_most = 1'000;
 /// The counts of one rule while the bridge runs.
 struct RuleAccount {
   BridgeFlow::Counts counts{};
-  /// the last time at which publishers and readers were seen
+  /// The last time at which publishers and readers were seen
   SteadyClock::time_point complete = SteadyClock::now();
 };
 

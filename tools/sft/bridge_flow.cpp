@@ -15,7 +15,7 @@ using namespace std::chrono_literals;
 using Verdict = BridgeRoutes::Verdict;
 
 constexpr std::uint32_t bridge_retained_most = 128;  // PublisherOptions::history_depth
-constexpr std::uint32_t retained_if_unknown = 16;    // for writers of DDS that do not announce a depth
+constexpr std::uint32_t retained_if_unknown = 16;    // used if a writer of DDS does not announce a depth
 constexpr std::uint32_t depth_of_bridge = 128;
 constexpr std::size_t early_most = 128;
 constexpr auto linger = 2s;  // samples of a publisher may arrive until this time after it was last seen
@@ -152,8 +152,9 @@ std::vector<BridgeFlow::Offer> BridgeFlow::wanted_offers() const {
   return wanted;
 }
 
-/// Returns true if no samples with this offer need to be carried at present, because the route or the
-/// readers of a publisher with this offer are known.
+/// Returns true if the subscription for this offer is not needed, unless wanted_offers() contains the
+/// offer. This is the case if a publisher with this offer has been discovered, and either its route must
+/// not be used, or the publisher of the bridge is old enough that its readers are known.
 bool BridgeFlow::is_unwanted(const Offer& offer, Time now) const {
   return std::ranges::any_of(sources_, [&](const auto& one) {
     const Source& source = one.second;

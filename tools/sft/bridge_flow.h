@@ -133,7 +133,7 @@ class BridgeFlow {
   int epoll_;
   Counts* counts_;
   std::list<Subscription> subscriptions_{};
-  std::map<std::uint64_t, Source> sources_{};  ///< by the id of the publisher
+  std::map<std::uint64_t, Source> sources_{};  ///< publishers of the topic by their ids
   Time had_sources_{};                         ///< the time of the last look at which there was a publisher
   std::size_t sample_bytes_ = 0;
   std::set<std::string> faults_{};

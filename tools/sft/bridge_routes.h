@@ -35,7 +35,7 @@ class BridgeRoutes {
   using Time = std::chrono::steady_clock::time_point;
   struct Route {
     std::uint64_t origin = 0;
-    /// the number of bridges that the samples have passed; 0: the origin is in this domain
+    /// The number of bridges that the samples have passed; 0: the origin is in this domain
     std::uint32_t bridges = 0;
     std::string topic{};          ///< the name of the topic in this domain
     std::uint64_t publisher = 0;  ///< the id of the bridge's publisher; 0: the route is not in use yet
@@ -65,7 +65,7 @@ class BridgeRoutes {
  private:
   struct Other {
     std::uint64_t bridge = 0;
-    /// the id of the node of its publisher; 0: the publisher has not been discovered yet
+    /// The id of the node of its publisher; 0: the publisher has not been discovered yet
     std::uint64_t node = 0;
     std::vector<Route> routes{};
     Time heard{};

@@ -20,7 +20,7 @@ namespace sft::tool {
 
 /// The options of a rule besides the topic and the direction.
 struct BridgeRuleOptions {
-  /// fields that are zero or empty on the other side if they are not selected; "*": all
+  /// Fields that are zero or empty on the other side if they are not selected; "*": all
   std::vector<std::string> defaults{};
   std::int8_t priority = 0;  ///< the value of PublisherOptions::priority
   bool reliable = false;     ///< true: offers reliability even if the original publisher does not

@@ -34,7 +34,7 @@ double since(Stamp stamp, const DynamicSample& sample) {
 /// Samples without a usable stamp since the last report. Counted on threads of the node.
 struct Unusable {
   std::atomic<std::uint64_t> not_set{0};
-  std::atomic<std::uint64_t> absent{0};  ///< the message has no such element
+  std::atomic<std::uint64_t> absent{0};  ///< samples without such an element
 };
 
 /// Returns the path in the form that selections use for a field of all elements:

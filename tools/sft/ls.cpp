@@ -28,7 +28,7 @@ struct NodeEntry {
 struct TopicEntry {
   std::set<std::string> types;
   std::size_t publishers = 0, subscribers = 0;
-  /// the number of these endpoints that belong to programs without SFT
+  /// The number of these endpoints that belong to programs without SFT
   std::size_t dds_publishers = 0, dds_subscribers = 0;
 };
 

@@ -40,7 +40,7 @@ constexpr double enough_of_rate = 0.98;  // a lower share is reported
 struct PlayedChannel {
   std::string topic;
   DynamicPublisher publisher;
-  /// the number of samples that the publisher retains for late readers; 0: it retains none
+  /// The number of samples that the publisher retains for late readers; 0: it retains none
   std::uint32_t retained;
   std::uint64_t samples = 0;
   /// Identifies the last retained samples that were published. In a recording of several files, each file
@@ -97,7 +97,7 @@ class Player {
   const std::vector<ReportedFile> reported_;
   std::vector<std::set<std::uint16_t>> only_;        ///< the channels that are played, one set for each file
   std::map<std::string, PlayedChannel> channels_{};  ///< the channels by topic, type, QoS and node
-  std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< by file and channel
+  std::map<std::pair<std::size_t, std::uint16_t>, PlayedChannel*> of_channel_{};  ///< channels by file and id
   std::optional<DynamicPublisher> clock_{};
   std::set<std::string> missing_{};
   Keys keys_{};

@@ -145,7 +145,7 @@ void RecordedTopic::take(Subscription& from, SampleWriter& writer, std::optional
     if (!sample) return;
     const SampleInfo& info = sample.info();
     auto source = sources_.find(info.writer);
-    // another subscription takes the sample
+    // Another subscription takes the sample
     if (source != sources_.end() && source->second.offer != from.offer) continue;
     if (source == sources_.end()) {
       // The publisher has not been discovered yet, or is already gone.

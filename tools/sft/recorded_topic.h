@@ -63,7 +63,7 @@ class RecordedTopic {
   struct Source {
     std::size_t channel;
     Offer offer;
-    /// true: a sample arrived before the publisher was discovered, and `offer` is that of the subscriber
+    /// True: a sample arrived before the publisher was discovered, and `offer` is that of the subscriber
     /// that received it
     bool is_guess = false;
     /// The numbers of the last samples that were taken while `is_guess` was true. Another subscriber may

@@ -167,7 +167,7 @@ void SampleWriter::take(const Shared& sample) {
 /// Removes samples from the window that are older than its length, or for which there is too little memory.
 void SampleWriter::shorten_window() {
   const auto window_ns = static_cast<std::uint64_t>(options_.window.count());
-  // new samples need memory, too
+  // New samples need memory, too
   const std::uint64_t most = options_.memory_bytes - options_.memory_bytes / 4;
   while (!state_.window.empty()) {
     const Shared& oldest = state_.window.front();

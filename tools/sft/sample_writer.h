@@ -27,7 +27,7 @@ namespace sft::tool {
 class SampleWriter {
  public:
   struct Options {
-    /// the path of the file; with a window or a split, each file has a number before its extension
+    /// The path of the file; with a window or a split, each file has a number before its extension
     std::string path{};
     recording::McapWriter::Options file{};
     /// The limit for all samples in memory: samples that are not written yet, the window, which may use

@@ -44,9 +44,9 @@ struct Error {
 
 }  // namespace sft
 
-/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know The
-/// exception that value() throws if there is an error. It is the exception of tl::expected with another
-/// what(): that of tl::expected returns the same text for all errors.
+/// @cond not in the reference: Doxygen takes no specialization of a class that it does not know.
+/// The exception that value() throws if there is an error. It is the exception of tl::expected with another
+/// what(), because that of tl::expected returns the same text for all errors.
 template <>
 class tl::bad_expected_access<sft::Error> : public std::exception {
  public:

@@ -88,7 +88,7 @@ inline constexpr std::optional<CloudMembers> cloud_members = cloud_members_of(Ty
 /// A channel that a program requests.
 struct WantedChannel {
   std::string_view name;
-  /// the number of the type in sensor_msgs/PointField; 0: any type is accepted, and find_points() sets the
+  /// The number of the type in sensor_msgs/PointField; 0: any type is accepted, and find_points() sets the
   /// type that it finds
   std::uint8_t type;
   // The following members are set by find_points().
