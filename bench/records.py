@@ -27,8 +27,8 @@ class Records:
 
 
 def options_for_files(name, free, folder):
-    """Returns the words that make a benchmark write its further files to `folder`. `free`: the options that it knows,
-    without those that it gets anyway."""
+    """Returns the arguments that make a benchmark write its further files to `folder`, if it has the option for that.
+    `free`: the options that the caller does not set itself."""
     option, file = benchmarks.FILES.get(name, (None, None))
     return [option, os.path.join(folder, file)] if option in free else []
 

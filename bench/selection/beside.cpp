@@ -51,7 +51,7 @@ struct Approach {
   std::shared_ptr<void> (*subscribe)(Node& node, std::size_t readers, const NoteRead& note);
 };
 
-/// Returns the number of points from one point that the reader needs to the next.
+/// Returns n if the reader needs every n-th point.
 std::size_t step_of(std::size_t reader) { return std::size_t{1} << reader; }
 
 template <class T>

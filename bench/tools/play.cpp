@@ -1,4 +1,4 @@
-// Measures by how much the distances of samples that `sft play` publishes differ from those of the recording.
+// Measures by how much the intervals between samples of `sft play` differ from those in the recording.
 #include <sft/sft.h>
 #include <chrono>
 #include <cmath>

@@ -162,8 +162,8 @@ class Node:
     def subscriber(self, topic, type=None, fields=None, callback=None, *, on_event=None, **options):
         """Opens a subscriber.
 
-        `fields` names what is needed: "height, data{x,y,z}[::2] @ at most 10 Hz", or "*" for all. Without it the
-        fields that the program reads are recorded, and the subscriber is soon sent only these. `callback(sample)` is
+        `fields` names what is needed: "height, data{x,y,z}[::2] @ at most 10 Hz", or "*" for all. Without `fields`, SFT
+        records the fields that the program reads, and soon sends the subscriber only these. `callback(sample)` is
         called by a thread of the subscriber; it may be a coroutine function if an event loop of asyncio runs now.
 
         Options: reliable, transient_local, depth, depth_bytes, max_rate_hz, max_held, deadline [s],
@@ -180,8 +180,8 @@ class Node:
         """Opens the server of a service: handler(request) returns the response, as a message or a mapping.
 
         `type` is the name of a type, "std_srvs/SetBool", or that of sft.find_service(). The handler runs on a thread of
-        the service, for one request at a time. Its exceptions are sent to the client. Exceptions
-        other than sft.Error are also printed here. Options are those of the publisher of replies.
+        the service, for one request at a time. Its exceptions are sent to the client. Exceptions other than sft.Error
+        are also printed here. Options are those of the publisher of replies.
         """
         from sft._service import Service
         return Service(self, name, self._service_type(name, type), handler, options)

@@ -32,8 +32,8 @@ constexpr seconds settling{5};
 constexpr seconds refresh{1};
 constexpr milliseconds poll_interval{20};
 
-/// One run: waits until all nodes have found each other and discovery is quiet, lets the lidar publish, and
-/// measures what that costs.
+/// One run: waits until all nodes have found each other and discovery is quiet, makes the lidar publish, and
+/// measures the bytes and the processor time.
 class Demo {
  public:
   Demo(const RunOptions& options, Stage& stage, tool::Stop& stop, Display& display)

@@ -69,7 +69,7 @@ void TrafficMeter::count_control() {
 }
 
 /// The interface counts a frame a moment before the packet socket receives it. So both are read again until
-/// no frame has come in between. If frames come all the time, one more or less does not matter.
+/// no frame has arrived in between. If frames arrive all the time, one more or less does not matter.
 std::int64_t TrafficMeter::data_bytes() {
   constexpr int tries_max = 20;
   constexpr std::chrono::milliseconds moment{1};

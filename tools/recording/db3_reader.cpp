@@ -38,7 +38,7 @@ void Db3Reader::Close::operator()(sqlite3* database) const { sqlite3_close_v2(da
 void Db3Reader::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
 
 Db3Reader::Db3Reader(sqlite3* database) : database_(database) {
-  // the steps of SQLite between two calls of stop(), which take some milliseconds
+  // The number of steps of SQLite between two calls of stop(). They take some milliseconds.
   constexpr int steps = 100'000;
   const auto stop = [](void* self) { return static_cast<Db3Reader*>(self)->is_stopped() ? 1 : 0; };
   sqlite3_progress_handler(database, steps, stop, this);

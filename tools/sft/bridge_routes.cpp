@@ -25,7 +25,7 @@ constexpr auto hearing_time = 5s;
 /// bridge does not announce its old routes again.
 constexpr auto memory_time = 1h;
 constexpr std::uint32_t bridges_most = 64;  // the maximum length of a chain of bridges
-// Limits of what other bridges announce, since any node may announce itself as one.
+// Limits of the routes that other bridges announce, since any node may announce itself as a bridge.
 constexpr std::size_t routes_most = 4'096, routes_bytes_most = 256 << 10;  // limits per bridge
 constexpr std::size_t routes_of_all_most = 16'384, others_most = 256;
 constexpr std::size_t topic_bytes_most = 255;

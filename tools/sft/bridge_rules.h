@@ -18,7 +18,7 @@
 
 namespace sft::tool {
 
-/// The options of a rule besides the topic and the direction.
+/// The options of a rule, without its topic and its direction.
 struct BridgeRuleOptions {
   /// Fields that are zero or empty on the other side if they are not selected; "*": all
   std::vector<std::string> defaults{};

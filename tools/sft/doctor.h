@@ -1,4 +1,4 @@
-// `sft doctor`: checks if this host is set up well for SFT, and says how to correct faults.
+// `sft doctor`: checks if this host is set up well for SFT, and prints how to correct faults.
 #pragma once
 
 #include "tools/sft/session.h"

@@ -17,7 +17,7 @@ namespace sft::detail {
 /// The difference between a sample with only some channels of its clouds and the published sample.
 struct ChannelsSent {
   Selection selection;  ///< its parts have the channels that were sent
-  FieldMask changed;    ///< the fields that differ: those with the points, and those that describe the points
+  FieldMask changed;    ///< fields whose values differ: the points, and the fields that describe them
 };
 
 /// The bits of 64 leaves that were read. There are two words, so that a getter needs only the bit in
