@@ -1,5 +1,5 @@
-// Measures bytes on the link. Interfaces cut trains into frames here, so that each frame is counted with its
-// headers.
+// Measures bytes on the link. The virtual interfaces of this benchmark cut trains of datagrams into frames,
+// so that each frame is counted with its headers.
 #include <algorithm>
 #include <cmath>
 #include <limits>

@@ -10,11 +10,10 @@ namespace sft::recording {
 
 namespace {
 
-constexpr std::uint64_t run_bytes =
-    std::uint64_t{1}  // the size of the pieces in which messages without a chunk are read
-    << 20;
+// The size of the pieces in which messages without a chunk are read
+constexpr std::uint64_t run_bytes = std::uint64_t{1} << 20;
 constexpr std::uint64_t texts_most = 16;  // the limit of all definitions, as a multiple of Limits::text_bytes
-// the part of a chunk before the name of its compression
+// The size of the part of a chunk before the name of its compression
 constexpr std::size_t chunk_head_bytes = 8 + 8 + 8 + 4 + 4;
 
 const char* name_of_kind(Opcode opcode) {
