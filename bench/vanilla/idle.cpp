@@ -19,7 +19,8 @@ namespace {
 using sensor_msgs::msg::PointCloud2;
 using VanillaDds = NodeOptions::VanillaDds;
 
-/// The limit of the ratio. A few datagrams and pages depend on chance.
+/// The maximum ratio of each figure to its reference. It is more than 1, because the numbers of datagrams and
+/// pages vary by chance.
 constexpr double idle_bound = 1.02;
 constexpr std::int64_t joined_us = 5'000'000;
 constexpr int nodes_of_host = 4;

@@ -1,9 +1,9 @@
 // Counts the bytes of samples that a host's interface receives, link layer included.
 //
 // The kernel counts all bytes of the interface. The bytes of control traffic are subtracted from that
-// number: a packet socket receives all frames that are not data, and they are counted (its filter drops the
-// data). A rate of control traffic that was measured earlier would not be exact enough, since a node
-// announces itself in bursts every few seconds, and small samples take fewer bytes than one burst.
+// number. To count them, a packet socket receives all frames except data, which its filter drops. A rate of
+// control traffic that was measured earlier would not be exact enough, since a node announces itself in
+// bursts every few seconds, and small samples take fewer bytes than one burst.
 #pragma once
 
 #include <cstdint>

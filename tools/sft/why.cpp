@@ -141,8 +141,8 @@ void print_pairs_json(const OneTopic& topic, const std::vector<Finding>& finding
                    {"out_of_reach", std::move(out_of_reach)}});
 }
 
-/// Returns true if all nodes of DDS have announced what they read and write, and all nodes of SFT that match
-/// endpoints of DDS on the topic have endpoints for them.
+/// Returns true if all nodes of DDS have announced their readers and writers, and all nodes of SFT have
+/// opened DDS endpoints for the endpoints of DDS that match on the topic.
 bool dds_has_answered(const DomainSnapshot& domain, const OneTopic& topic) {
   return all_dds_nodes_have_answered(domain) &&
          std::ranges::none_of(topic.pairs, [](const DomainSnapshot::Pair& pair) {
