@@ -1,4 +1,4 @@
-"""What the tests of the Python package share. Each file of tests runs on an isolated host."""
+"""Fixtures for all tests of the Python package. Each file of tests runs on an isolated host."""
 
 import time
 

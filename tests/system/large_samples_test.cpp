@@ -1,4 +1,4 @@
-// Samples of the sizes that are usual on robots, with default options.
+// Samples of sizes that are usual on robots, with default options.
 #include <fcntl.h>
 #include <unistd.h>
 

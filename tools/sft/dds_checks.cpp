@@ -26,7 +26,7 @@ std::string config_text(std::string uri) {
   return core::read_text_file(uri.starts_with(scheme) ? uri.substr(scheme.size()) : uri).value_or("");
 }
 
-/// Fast DDS has UDP with these transports only.
+/// Returns true if Fast DDS uses UDP with this value of FASTDDS_BUILTIN_TRANSPORTS.
 bool speaks_udp(std::string_view transports) {
   constexpr std::array<std::string_view, 5> with_udp{"", "DEFAULT", "DEFAULTv6", "UDPv4", "UDPv6"};
   return std::ranges::find(with_udp, transports) != with_udp.end();

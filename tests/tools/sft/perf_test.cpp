@@ -1,5 +1,4 @@
-// `sft perf` between two programs: in shared memory, by UDP, between hosts, and with everything that can be
-// wrong.
+// `sft perf` between two programs: in shared memory, by UDP, between hosts, and with all kinds of faults.
 #include <csignal>
 #include <filesystem>
 #include <fstream>

@@ -1,5 +1,6 @@
-// A link on which records are missing is made anew, with pauses that grow as long as this does not help. A
-// participant that is heard, but was not found, is asked to announce itself.
+// A link on which records are missing is made anew. The pauses between two attempts grow as long as records
+// are missing. A participant whose heartbeats arrive, but which discovery has not found, is asked to
+// announce itself.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
