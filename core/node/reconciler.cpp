@@ -1,6 +1,7 @@
 #include "core/node/reconciler.h"
 
 #include <algorithm>
+#include <iterator>
 #include <utility>
 
 namespace sft::core {
@@ -153,7 +154,12 @@ std::chrono::milliseconds Reconciler::tick(Time now) {
   for (auto& [id, reader] : ours_.readers) reader.forget_what_was_in_flight(now);
   dirty_ |= negotiation_.tick(now);
   const auto publishers_of = [this](const auto& type) { return discovery_.publishers_of(type); };
-  for (const auto& sentences : {misspelt_topics_.look(negotiation_.table(), publishers_of, now),
+  const auto all_publishers_of = [&](const auto& type) {
+    std::vector<Discovery::KnownPublisher> publishers = publishers_of(type);
+    std::ranges::move(vanilla_.publishers_of(type), std::back_inserter(publishers));
+    return publishers;
+  };
+  for (const auto& sentences : {misspelt_topics_.look(negotiation_.table(), all_publishers_of, now),
                                 second_servers_.look(negotiation_.table(), publishers_of, now)}) {
     for (const std::string& sentence : sentences) log_.write(LogLevel::warning, sentence);
   }

@@ -1,9 +1,11 @@
 #include "core/node/vanilla_access.h"
 
 #include <algorithm>
+#include <optional>
 #include <string>
 #include <utility>
 
+#include "core/control/names.h"
 #include "core/vanilla/dds_names.h"
 
 namespace sft::core {
@@ -39,6 +41,18 @@ bool VanillaAccess::look(const Discovery::Vanilla& heard, bool is_needed, Time n
 bool VanillaAccess::knows_writer(EndpointId id, const std::string& topic) const {
   return writers_ != nullptr && std::ranges::any_of(writers_->of(dds_topic(topic)),
                                                     [id](const auto& writer) { return writer.id == id; });
+}
+
+std::vector<Discovery::KnownPublisher> VanillaAccess::publishers_of(std::string_view type_name) const {
+  std::vector<Discovery::KnownPublisher> publishers;
+  if (writers_ == nullptr) return publishers;
+  const std::string type = dds_type(type_name);
+  for (const auto& [dds_name, writer] : writers_->all()) {
+    const std::optional<std::string> topic = topic_of_dds(dds_name);
+    if (writer.type_name == type && topic && fault_of_announced_topic(*topic).empty())
+      publishers.push_back({*topic, writer.node.empty() ? writer.participant : writer.node});
+  }
+  return publishers;
 }
 
 VanillaView VanillaAccess::view() const {

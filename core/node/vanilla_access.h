@@ -7,6 +7,7 @@
 #include <functional>
 #include <memory>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "core/discovery/discovery.h"
@@ -58,6 +59,8 @@ class VanillaAccess {
   }
   /// Returns true if this endpoint is an unmodified writer of the topic.
   bool knows_writer(EndpointId id, const std::string& topic) const;
+  /// Returns the unmodified writers of that type whose topics nodes of SFT can have.
+  std::vector<Discovery::KnownPublisher> publishers_of(std::string_view type_name) const;
   /// Returns the endpoints that the participant has discovered, or an empty view if there is no
   /// participant.
   VanillaView view() const;

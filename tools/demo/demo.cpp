@@ -12,6 +12,7 @@
 #include "tools/demo/display.h"
 #include "tools/demo/scene.h"
 #include "tools/demo/stage.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/stop.h"
 
 namespace sft::demo {
@@ -221,7 +222,7 @@ Result<void> run(const RunOptions& options, const std::string& json) {
   std::ofstream file(json);
   file << to_json(*figures).dump(2, ' ', false, nlohmann::json::error_handler_t::replace) << '\n';
   if (file.flush()) return {};
-  return fail(Errc::system, json + " could not be written");
+  return tl::unexpected(tool::cannot_be_written(json));
 }
 
 }  // namespace

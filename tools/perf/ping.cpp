@@ -15,6 +15,7 @@
 #include "tools/perf/floor.h"
 #include "tools/perf/protocol.h"
 #include "tools/perf/sequence.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/units.h"
 
 namespace sft::perf {
@@ -111,7 +112,7 @@ class Ping {
     prctl(PR_SET_TIMERSLACK, 1);  // makes waits exact to 1 ns instead of 50 us
     if (!plan_.raw_file.empty()) {
       raw_.open(plan_.raw_file);
-      if (!raw_) return fail(Errc::system, "'" + plan_.raw_file + "' cannot be written");
+      if (!raw_) return tl::unexpected(tool::cannot_be_written(plan_.raw_file));
       raw_ << "lane,sample,side,sent_ns,latency_ns\n";
     }
     if (Result<void> opened = open(); !opened) return tl::unexpected(opened.error());
@@ -405,7 +406,13 @@ class Ping {
     evaluate(track);
     track.lane.here = track.lane.here + (usage_now() - here);
     track.lane.far = track.lane.far + (far_usage() - far);
-    if (raw_.is_open()) raw_.flush();
+    flush_raw();
+  }
+
+  /// The reason is that of the first failure.
+  void flush_raw() {
+    if (raw_.is_open() && !raw_.flush() && run_.error.empty())
+      run_.error = tool::cannot_be_written(plan_.raw_file).message;
   }
 
   /// Sends by a schedule that begins now.
@@ -554,7 +561,7 @@ class Ping {
     const std::string settings = idle_settings();
     if (plan_.rate_hz > 0 && plan_.rate_hz < low_rate_hz && !settings.empty())
       run_.remarks.push_back("at this rate processors fall idle between samples: " + settings);
-    if (raw_.is_open() && !raw_.flush()) run_.error = "'" + plan_.raw_file + "' could not be written";
+    flush_raw();
     return std::move(run_);
   }
 

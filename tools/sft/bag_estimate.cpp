@@ -15,6 +15,7 @@
 #include "tools/sft/bag.h"
 #include "tools/sft/session.h"
 #include "tools/sft/topic_selection.h"
+#include "tools/terminal/file_error.h"
 #include "tools/terminal/units.h"
 
 namespace sft::tool {
@@ -256,7 +257,7 @@ ExitCode run_estimate(const BagOptions& options, const CommonOptions& common, re
     std::ofstream page(options.html);
     page << to_page(estimate, options.files.front());
     if (!page.flush()) {
-      complain(fmt::format("'{}' cannot be written.", options.html));
+      complain(cannot_be_written(options.html).message);
       return ExitCode::failed;
     }
   }

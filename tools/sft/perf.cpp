@@ -9,6 +9,7 @@
 
 #include "tools/perf/pong.h"
 #include "tools/sft/message_type.h"
+#include "tools/terminal/file_error.h"
 
 namespace sft::tool {
 
@@ -93,7 +94,7 @@ Result<void> draw(const perf::Outcome& run, const std::string& file) {
   std::ofstream out(file);
   out << perf::svg_of(run);
   if (out.flush()) return {};
-  return fail(Errc::system, "'" + file + "' cannot be written");
+  return tl::unexpected(cannot_be_written(file));
 }
 
 }  // namespace

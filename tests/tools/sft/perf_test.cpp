@@ -239,6 +239,14 @@ TEST_F(PerfTest, ThePictureAndTheTimesOfEachSampleAreWritten) {
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 101);
 }
 
+TEST_F(PerfTest, AFileThatCannotBeWrittenIsNamedWithTheReason) {
+  for (const char* option : {"--svg", "--raw"}) {
+    const Ended ended = measured({"ping", "--for", "1", option, "/dev/full"});
+    EXPECT_NE(ended.code, 0) << option;
+    EXPECT_THAT(ended.err, HasSubstr("'/dev/full' cannot be written: No space left on device")) << option;
+  }
+}
+
 TEST_F(PerfTest, WithoutAPartnerItSaysWhatToStart) {
   const auto begin = std::chrono::steady_clock::now();
   const Ended ended = run_tool({"perf", "ping", "--timeout", "1", "--json"});
