@@ -58,9 +58,8 @@ class ControlPlane::OfNode final : public Discovery {
   ~OfNode() override;
 
   Configuration configuration() const override { return plane_->configuration(); }
-  void take_events(DiscoveryListener& listener) override {
-    const auto take = [&](Directory& directory) { return directory.take_events(*node_); };
-    for (const DiscoveryEvent& event : plane_->ask(take)) event(listener);
+  std::vector<DiscoveryEvent> take_events() override {
+    return plane_->ask([&](Directory& directory) { return directory.take_events(*node_); });
   }
   void hear(Role role) override;
   std::vector<KnownPublisher> publishers_of(std::string_view type_name) const override {

@@ -59,7 +59,7 @@ class ControlPlane {
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
   Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
   void give_up() SFT_REQUIRES(mutex_);
-  using News = DiscoveryListener::News;
+  using News = DiscoveryNews::Kind;
   void log_news(News news, const std::string& text);
   void describe(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
 
