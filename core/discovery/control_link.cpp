@@ -147,28 +147,25 @@ Result<void> ControlLink::open() {
 Result<void> ControlLink::use(Topic& topic, bool reads, bool writes) {
   if (reads == (topic.reader != 0) && writes == (topic.writer != 0)) return {};
   const DdsQos qos = qos_of(topic.is_reliable);
-  const auto set = [&](dds_entity_t& entity, bool wanted, auto create) -> Result<void> {
-    if (wanted == (entity != 0)) return {};
-    if (!wanted) return dds_delete(std::exchange(entity, 0)), Result<void>();
-    const dds_entity_t created = create();
-    if (created < 0) return refused((std::string("control topic ") + topic.name).c_str(), created);
-    entity = created;
-    return {};
-  };
-  return set(topic.topic, true,
-             [&] { return dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr); })
-      .and_then([&] {
-        return set(topic.writer, writes,
-                   [&] { return dds_create_writer(participant_, topic.topic, qos.get(), nullptr); });
-      })
-      .and_then([&] {
-        return set(topic.reader, reads, [&] {
-          const DdsListener listener(dds_create_listener(this));
-          dds_lset_data_available(listener.get(), topic.take);
-          dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
-          return dds_create_reader(participant_, topic.topic, qos.get(), listener.get());
-        });
-      });
+  if (!writes && topic.writer != 0) dds_delete(std::exchange(topic.writer, 0));
+  if (!reads && topic.reader != 0) dds_delete(std::exchange(topic.reader, 0));
+  if (topic.topic == 0)
+    topic.topic = dds_create_topic(participant_, topic.type, topic.name, qos.get(), nullptr);
+  if (writes && topic.writer == 0)
+    topic.writer = dds_create_writer(participant_, topic.topic, qos.get(), nullptr);
+  if (reads && topic.reader == 0) {
+    const DdsListener listener(dds_create_listener(this));
+    dds_lset_data_available(listener.get(), topic.take);
+    dds_qset_ignorelocal(qos.get(), DDS_IGNORELOCAL_PARTICIPANT);
+    topic.reader = dds_create_reader(participant_, topic.topic, qos.get(), listener.get());
+  }
+  Result<void> result;
+  for (dds_entity_t* const made : {&topic.topic, &topic.writer, &topic.reader}) {
+    if (*made >= 0) continue;
+    const dds_return_t status = std::exchange(*made, 0);
+    if (result) result = refused((std::string("control topic ") + topic.name).c_str(), status);
+  }
+  return result;
 }
 
 Result<void> ControlLink::follow(const LinkUse& wanted) {

@@ -54,7 +54,8 @@ class ControlPlane {
   void give_heartbeats(Time now) SFT_REQUIRES(mutex_);
   Time look(Time now) SFT_REQUIRES(mutex_);
   void try_again(Time now) SFT_REQUIRES(mutex_);
-  void act(const PeerAction& action, Time now) SFT_REQUIRES(mutex_);
+  void act(const LinkAction& action, Time now) SFT_REQUIRES(mutex_);
+  void renew_link(const LinkAction& action, Time now) SFT_REQUIRES(mutex_);
   void look_at_interfaces(Time now) SFT_REQUIRES(mutex_);
   Time look_at_peers_by_name(Time now) SFT_REQUIRES(mutex_);
   Result<void> use_interfaces(const DesiredLinks& desired) SFT_REQUIRES(mutex_);
