@@ -2,8 +2,8 @@
 // environment.
 #include <cstdlib>
 
-#include "core/control/remapping.h"
 #include "core/discovery/dds_config.h"
+#include "core/names/remapping.h"
 #include "core/node/node_core.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/vanilla_choice.h"

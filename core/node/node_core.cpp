@@ -4,8 +4,8 @@
 #include <iterator>
 #include <utility>
 
-#include "core/control/names.h"
-#include "core/control/qos.h"
+#include "core/names/names.h"
+#include "core/names/qos.h"
 #include "core/node/simulated_clock.h"
 #include "core/node/topics.h"
 #include "core/platform/clock.h"
@@ -255,7 +255,7 @@ Result<detail::untyped::Subscriber> NodeCore::open_subscriber(const std::shared_
 }
 
 void NodeCore::take_events() {
-  discovery_->take_events(*reconciler_);
+  for (const DiscoveryEvent& event : discovery_->take_events()) reconciler_->take(event);
   endpoints_changed_.raise();
 }
 

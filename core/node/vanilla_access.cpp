@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/vanilla/dds_names.h"
 
 namespace sft::core {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/node/vanilla_access.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"

@@ -8,8 +8,8 @@
 #include <tuple>
 #include <utility>
 
-#include "core/control/names.h"
-#include "core/control/qos.h"
+#include "core/names/names.h"
+#include "core/names/qos.h"
 #include "core/vanilla/dds_names.h"
 #include "core/vanilla/type_hash.h"
 #include "core/vanilla/vanilla_matching.h"

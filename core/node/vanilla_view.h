@@ -5,7 +5,7 @@
 #include <set>
 #include <vector>
 
-#include "core/node/account_table.h"
+#include "core/control/control.h"
 #include "core/vanilla/vanilla_domain.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/domain.h"

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <charconv>
 
-#include "core/control/qos.h"
 #include "core/discovery/participant_data.h"
+#include "core/names/qos.h"
 #include "core/platform/quotes.h"
 
 namespace sft::core {
