@@ -118,9 +118,9 @@ Result<void> ControlPlane::open() {
   const Lock lock(mutex_);
   std::optional<std::vector<HostInterface>> listed = interfaces_that_count(config_);
   if (!listed) {
-    return fail(Errc::unavailable, std::string("the system does not list its network interfaces (") +
-                                       std::strerror(errno) +
-                                       "): allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)");
+    return fail(Errc::unavailable,
+                std::string("the system does not list its network interfaces (") + std::strerror(errno) +
+                    "): allow sockets of AF_NETLINK (RestrictAddressFamilies= of a service)");
   }
   interfaces_ = std::move(*listed);
   const DesiredLinks desired = desired_links(interfaces_, config_.rules(), {});

@@ -178,8 +178,8 @@ NodeOptions::LogSink NodeCore::posted(const NodeOptions::LogSink& sink) {
 }
 
 /// Destroys the node. The last handle may be released within a callback of this node or of another one. The
-/// destructor waits for the thread of this node's callbacks, which may wait for the callback that releases the
-/// handle. In this case another thread destroys the node.
+/// destructor waits for the thread of this node's callbacks, which may wait for the callback that releases
+/// the handle. In this case another thread destroys the node.
 void NodeCore::dispose(NodeCore* node) {
   // The threads of the node do not exist here, and its sockets and files belong to the parent.
   if (is_forked_copy()) return;

@@ -277,15 +277,18 @@ TEST_P(CallbackRulesTest, EventsOfTwoNodesDestroyEachOthersNodesAtTheSameTime) {
   std::atomic<int> ended{0};
   std::barrier both(2);
   for (std::size_t i = 0; i < nodes.size(); ++i) {
-    publishers[i] = nodes[i]->publisher<PointCloud2>("points_" + std::to_string(i),
-                                                     {.on_event = [&, i](const Event&) {
-                                                       if (is_called[i].exchange(true)) return;
-                                                       both.arrive_and_wait();
-                                                       publishers[1 - i].reset();
-                                                       nodes[1 - i].reset();
-                                                       ++ended;
-                                                     }})
-                        .value();
+    publishers[i] =
+        nodes[i]
+            ->publisher<PointCloud2>("points_" + std::to_string(i), {.on_event =
+                                                                         [&, i](const Event&) {
+                                                                           if (is_called[i].exchange(true))
+                                                                             return;
+                                                                           both.arrive_and_wait();
+                                                                           publishers[1 - i].reset();
+                                                                           nodes[1 - i].reset();
+                                                                           ++ended;
+                                                                         }})
+            .value();
   }
   Node other = open("other");
   const auto of_first = other.subscriber<PointCloud2>("points_0").value();

@@ -38,7 +38,8 @@ TEST_F(TextFileTest, WhatIsNoTextFileIsRefusedByName) {
   EXPECT_EQ(refusal("/tmp"), "the file '/tmp' cannot be read: it is a directory");
   EXPECT_EQ(refusal("/dev/zero"), "the file '/dev/zero' cannot be read: it is not a regular file");
   ASSERT_EQ(mkfifo(path("fifo").c_str(), 0600), 0);
-  EXPECT_EQ(refusal(path("fifo")), "the file '" + path("fifo") + "' cannot be read: it is not a regular file");
+  EXPECT_EQ(refusal(path("fifo")),
+            "the file '" + path("fifo") + "' cannot be read: it is not a regular file");
 }
 
 TEST_F(TextFileTest, ATextOfMoreThanAMebibyteIsRefused) {
