@@ -5,7 +5,7 @@
 #include <string>
 #include <utility>
 
-#include "core/control/names.h"
+#include "core/names/names.h"
 #include "core/vanilla/dds_names.h"
 
 namespace sft::core {
@@ -78,7 +78,8 @@ bool VanillaAccess::is_wanted(const Discovery::Vanilla& heard, Time now) {
   return may_serve(heard);
 }
 
-/// A program may begin to speak DDS at any time. Then its own participant is one more that comes.
+/// Returns true unless the program itself uses DDS. The program may begin to use DDS at any time. This is
+/// checked whenever a participant appears, because the program's own participant then appears, too.
 bool VanillaAccess::may_serve(const Discovery::Vanilla& heard) {
   if (std::exchange(came_, heard.came) == heard.came) return !program_speaks_dds_;
   const bool speaks = setup_.program_speaks(setup_.plan.domain);

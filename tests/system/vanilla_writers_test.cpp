@@ -1,4 +1,5 @@
-// Subscribers hear writers of plain DDS, which know nothing of SFT, on this host and on another one.
+// Subscribers receive from writers of plain DDS, which know nothing of SFT, on this host and on another
+// host.
 #include <dds/dds.h>
 #include <gmock/gmock.h>
 #include <malloc.h>

@@ -43,7 +43,7 @@ struct Parsed {
   std::string host;
   struct {
     bool csv = false, yaml = false;
-  } forms{};  ///< of samples, for echo
+  } forms{};  ///< the forms of samples, for echo
 };
 
 NodeOptions::VanillaDds dds_choice(const std::string& name) {

@@ -57,7 +57,8 @@ Result<Message> message_of(const PerfOptions& options, Session& session) {
       });
 }
 
-/// Ends with the code of the error. With --json the standard output has JSON in every end.
+/// Prints the error and returns its exit code. With --json, the error is also written to the standard
+/// output, which then always contains JSON.
 ExitCode give_up(const Error& error, const CommonOptions& common, Session& session) {
   if (common.json)
     session.output().document({{"error", error.message}, {"lanes", nlohmann::ordered_json::array()}});

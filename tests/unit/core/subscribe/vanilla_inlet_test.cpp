@@ -1,4 +1,4 @@
-// Samples of DDS writers wait for their subscriber, as far as it asks for them.
+// Samples of DDS writers are queued for their subscriber, up to the limits that the subscriber requests.
 #include "core/subscribe/vanilla_inlet.h"
 
 #include <gmock/gmock.h>
