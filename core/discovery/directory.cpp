@@ -66,7 +66,10 @@ void Directory::notify(const Entry& entry, const DiscoveryEvent& event) {
 
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
   if (node->hears_all[role]) return;
-  notify_of_all(node, [&](const Endpoint& one) { return one.role == role && !concerns(*node, one); });
+  for (const auto& [id, entry] : entries_) {
+    const Endpoint& one = entry.endpoint;
+    if (entry.node != node && one.role == role && !concerns(*node, one)) give(node, seen(one));
+  }
   node->hears_all[role] = true;
 }
 
@@ -75,13 +78,13 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
   Entry& entry = place->second;
   if (entry.endpoint.request.sequence > endpoint.request.sequence) endpoint.request = entry.endpoint.request;
   entry.node = node;
-  entry.endpoint = std::move(endpoint);
+  set(entry, std::move(endpoint));
   notify(entry, seen(entry.endpoint));
   if (!is_new) return;
   const Endpoint& own = entry.endpoint;
-  notify_of_all(node, [&](const Endpoint& one) {
-    return one.role == other(own.role) && one.topic == own.topic && !concerns(*node, one);
-  });
+  for (const Entry* const one : on_topic(other(own.role), own.topic)) {
+    if (one->node != node && !concerns(*node, one->endpoint)) give(node, seen(one->endpoint));
+  }
   ++node->topics[own.role][own.topic];
 }
 
@@ -105,10 +108,8 @@ std::optional<Role> Directory::withdrawn(EndpointId id) {
   end(id, departed(id));
   if (--topic->second > 0) return role;
   const std::string name = topics.extract(topic).key();
-  for (const auto& [other_id, entry] : entries_) {
-    const Endpoint& one = entry.endpoint;
-    const bool was_told = one.role == other(role) && one.topic == name;
-    if (was_told && entry.node != node && !concerns(*node, one)) give(node, departed(other_id));
+  for (const Entry* const one : on_topic(other(role), name)) {
+    if (one->node != node && !concerns(*node, one->endpoint)) give(node, departed(one->endpoint.id));
   }
   return role;
 }
@@ -204,7 +205,7 @@ void Directory::show(const Place& place) {
   leave_out_what_is_cut(std::get<ProcessId>(place), shown.addresses);
   Entry& entry = entries_[shown.id];
   entry.place = place;
-  entry.endpoint = std::move(shown);
+  set(entry, std::move(shown));
   notify(entry, seen(entry.endpoint));
 }
 
@@ -220,6 +221,7 @@ void Directory::give_back_share(const Entry& entry) {
 void Directory::end(EndpointId id, const DiscoveryEvent& event) {
   const auto ended = entries_.extract(id);
   if (!ended) return;
+  forget_topic(ended.mapped().endpoint);
   give_back_share(ended.mapped());
   notify(ended.mapped(), event);
   const auto has_id = [&](const auto& item) {
@@ -316,11 +318,26 @@ Discovery::Inquiries Directory::inquiries() const {
   return inquiries;
 }
 
-template <class Which>
-void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
-  for (const auto& [id, entry] : entries_) {
-    if (entry.node != node && which(entry.endpoint)) give(node, seen(entry.endpoint));
-  }
+/// Gives an entry its endpoint, under whose topic on_topic() finds the entry from then on.
+void Directory::set(Entry& entry, Endpoint endpoint) {
+  forget_topic(entry.endpoint);
+  entry.endpoint = std::move(endpoint);
+  topics_[{entry.endpoint.role, entry.endpoint.topic}].insert(entry.endpoint.id);
+}
+
+void Directory::forget_topic(const Endpoint& endpoint) {
+  const auto topic = topics_.find({endpoint.role, endpoint.topic});
+  if (topic == topics_.end()) return;
+  topic->second.erase(endpoint.id);
+  if (topic->second.empty()) topics_.erase(topic);
+}
+
+std::vector<const Directory::Entry*> Directory::on_topic(Role role, const std::string& topic) const {
+  std::vector<const Entry*> found;
+  const auto known = topics_.find({role, topic});
+  if (known == topics_.end()) return found;
+  for (const EndpointId id : known->second) found.push_back(&entries_.at(id));
+  return found;
 }
 
 void Directory::log_news(News news, const std::string& text) {

@@ -125,13 +125,16 @@ class Directory {
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
-  template <class Which>
-  void notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which);
+  void set(Entry& entry, Endpoint endpoint);
+  void forget_topic(const Endpoint& endpoint);
+  std::vector<const Entry*> on_topic(Role role, const std::string& topic) const;
 
   const LeadsTo leads_to_;
   std::vector<std::shared_ptr<ListeningNode>> nodes_, woken_;
   std::map<Place, Slot> slots_;
   std::map<EndpointId, Entry> entries_;
+  std::map<std::pair<Role, std::string>, std::set<EndpointId>> topics_;  ///< the ids of entries_, by role and
+                                                                         ///< topic
   /// The number of entries of each other process, by role and topic.
   std::map<std::tuple<ProcessId, Role, std::string>, std::size_t> shares_;
   std::map<Place, Inquiry> inquiries_;  ///< the inquiries of other processes
