@@ -180,8 +180,9 @@ class Node:
         """Opens the server of a service: handler(request) returns the response, as a message or a mapping.
 
         `type` is the name of a type, "std_srvs/SetBool", or that of sft.find_service(). The handler runs on a thread of
-        the service, for one request at a time. Clients are told what it raises; other exceptions than an sft.Error are
-        shown here, too. Options are those of the publisher of replies.
+        the service, for one request at a time; it may be a coroutine function if an event loop of asyncio runs now.
+        Clients are told what it raises; other exceptions than an sft.Error are shown here, too. Options are those of
+        the publisher of replies.
         """
         from sft._service import Service
         return Service(self, name, self._service_type(name, type), handler, options)
@@ -481,17 +482,24 @@ class Subscriber(_Endpoint):
         finally:
             os.close(fd)
 
-    async def _readable(self, loop, fd):
-        """Waits until the file descriptor is readable, or the subscriber is closed."""
+    async def _readable(self, loop, fd, timeout=None):
+        """Waits until the file descriptor is readable, the subscriber is closed, or the time [s] is over."""
         readable = loop.create_future()
+
+        def end():
+            readable.done() or readable.set_result(None)
+
         self._readers.add(readable)
         if self._opened.is_over():  # another thread may have closed it before `readable` was added
-            readable.set_result(None)
-        loop.add_reader(fd, lambda: readable.done() or readable.set_result(None))
+            end()
+        loop.add_reader(fd, end)
+        timer = None if timeout is None else loop.call_later(timeout, end)
         try:
             await readable
         finally:
             loop.remove_reader(fd)
+            if timer:
+                timer.cancel()
             self._readers.discard(readable)
 
     def _call_back(self):
