@@ -31,29 +31,36 @@ struct LockedPublisher {
   std::mutex mutex;  ///< no thread waits for it while it holds the GIL
 };
 
-/// A message that is filled in its memory.
+/// A message that is filled in its memory, or a struct of it.
 class PyLoan {
  public:
   /// REQUIRES: `loan` has the bytes of the plan.
   PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan, std::vector<Plan::Place> places);
 
-  /// Returns a number, a writable array, or None for a struct. Throws a KeyError if there is no such field.
-  py::object get(const std::string& path);
-  void set(const std::string& path, const py::handle& value);
-  /// Publishes it. If an array over it is still alive, a copy is published, and was_copied() becomes true.
+  /// Returns a number, a writable array, or a PyLoan for a struct. Throws `missing` if there is no such
+  /// field.
+  py::object get(const std::string& path, PyObject* missing) const;
+  void set(const std::string& path, const py::handle& value, PyObject* missing);
+  /// Publishes it. If an array over it is still alive, a copy is published, and a warning says so.
   bool publish();
-  void discard() { memory_.reset(); }
-  bool is_over() const { return memory_ == nullptr; }
-  bool was_copied() const { return was_copied_; }
+  void discard() { lent_->memory.reset(); }
+  /// Publishes it at the end of a block, or gives it back after an exception.
+  void end(bool failed);
 
  private:
-  const Plan::Place* find(const std::string& path) const;
-  std::byte* at(const Plan::Place& place) const { return memory_->body().data() + place.offset; }
+  struct Lent {
+    Shared<LockedPublisher> publisher;
+    std::shared_ptr<DynamicPublisher::Loan> memory;  ///< arrays keep it, too; null after the end
+    std::vector<Plan::Place> places;
+  };
 
-  Shared<LockedPublisher> publisher_;
-  std::shared_ptr<DynamicPublisher::Loan> memory_;  ///< arrays keep it, too; null after the end
-  std::vector<Plan::Place> places_;
-  bool was_copied_ = false;
+  PyLoan(std::shared_ptr<Lent> lent, std::string prefix)
+      : lent_(std::move(lent)), prefix_(std::move(prefix)) {}
+  const Plan::Place* find(const std::string& path, PyObject* missing) const;
+  std::byte* at(const Plan::Place& place) const { return lent_->memory->body().data() + place.offset; }
+
+  std::shared_ptr<Lent> lent_;
+  std::string prefix_{};  ///< of paths: "header.stamp."
 };
 
 class PyPublisher {
@@ -65,7 +72,7 @@ class PyPublisher {
   bool publish(const py::handle& message);
   bool publish_cdr(const py::buffer& payload);
   /// `values` may have numbers of elements in place of sequences.
-  PyLoan loan(const py::dict& values, bool zeroed);
+  PyLoan loan(bool for_overwrite, const py::kwargs& values);
   bool wait_for_subscribers(std::size_t count, std::optional<double> timeout_s);
   void assert_liveliness() { opened()->publisher.assert_liveliness(); }
   py::dict status() const;

@@ -14,7 +14,6 @@ import sys
 import threading
 import time
 import traceback
-import warnings
 import weakref
 
 from sft import _sft
@@ -270,6 +269,10 @@ class _Endpoint:
 class Publisher(_Endpoint):
     """Publishes messages on a topic. Any thread may publish."""
 
+    def __init__(self, node, opened, topic, events_to):
+        super().__init__(node, opened, topic, events_to)
+        self.loan = opened.loan  # one call less for each loan
+
     def publish(self, message=None, /, **fields):
         """publish(message) or publish(width=3, header={"frame_id": "lidar"}). Fields that are not given are zero or
         empty; a stamp may be "now", and a header "auto". A message is an sft.Message, a mapping, a sample, or an
@@ -290,7 +293,6 @@ class Publisher(_Endpoint):
         `for_overwrite` whatever the memory contained: write them all. The end of the `with` block publishes it; an
         exception gives it back. Other lists and texts are as given.
         """
-        return Loan(self._opened.loan(fields, not for_overwrite), "")
 
     def wait_for_subscribers(self, count=1, timeout=None):
         """Waits until this many subscribers are served. Returns False when the time [s] is over, or after
@@ -304,61 +306,6 @@ class Publisher(_Endpoint):
     def status(self):
         """Returns the counts, and each reader (sft/status.h)."""
         return self._opened.status()
-
-
-class Loan:
-    """A message in the memory from which readers will read it. Numbers and arrays of numbers are attributes: arrays
-    are writable, and `loan.data[:] = pixels` fills one. loan["header.stamp.sec"] takes a path.
-
-    If a name still refers to such an array when the loan is published, a copy is published, since what the name can
-    write must not change a sample; a RuntimeWarning says so.
-    """
-
-    __slots__ = ("_loan", "_prefix")
-
-    def __init__(self, loan, prefix):
-        object.__setattr__(self, "_loan", loan)
-        object.__setattr__(self, "_prefix", prefix)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, *_):
-        if kind is not None:
-            self._loan.discard()
-        elif not self._loan.is_over:
-            self.publish()
-
-    def publish(self):
-        """Publishes it, and returns False if a reader misses the sample."""
-        sent = self._loan.publish()
-        if self._loan.was_copied:
-            warnings.warn("a copy of the loan was published, since a name refers to one of its arrays: write "
-                          "loan.data[:] = ..., or delete the name first", RuntimeWarning, stacklevel=3)
-        return sent
-
-    def discard(self):
-        """Gives the memory back."""
-        self._loan.discard()
-
-    def __getitem__(self, path):
-        value = self._loan.get(self._prefix + path)
-        return Loan(self._loan, f"{self._prefix}{path}.") if value is None else value
-
-    def __setitem__(self, path, value):
-        self._loan.set(self._prefix + path, value)
-
-    def __getattr__(self, name):
-        try:
-            return self[name]
-        except KeyError as error:
-            raise AttributeError(error.args[0]) from None
-
-    def __setattr__(self, name, value):
-        try:
-            self[name] = value
-        except KeyError as error:
-            raise AttributeError(error.args[0]) from None
 
 
 class Subscriber(_Endpoint):
