@@ -17,6 +17,7 @@
 #include "bench/common/statistics.h"
 #include "bench/tools/programs.h"
 #include "bench/tools/tools.h"
+#include "tests/support/isolated_host.h"
 #include "tests/support/temporary_directory.h"
 
 namespace sft::bench {
@@ -34,6 +35,8 @@ constexpr double loan_bound = 1.1;      // the limit relative to a loan in C++
 constexpr double private_bound = 0.01;  // the limit relative to the bytes of the samples that Python holds
 constexpr std::int64_t period_us = 2000;
 constexpr std::uint32_t rows = 128;  // a cloud with this number of rows has 6.3 MB
+
+std::string beside_program(const char* path) { return test::program_directory() + '/' + path; }
 
 double us_since(std::int64_t begin) { return static_cast<double>(now_ns() - begin) / 1000; }
 
@@ -91,7 +94,7 @@ class Course {
   json in_python(const std::string& step, std::uint32_t cloud_rows) const {
     const auto start = [&] {
       return start_program(1,
-                           {SFT_PYTHON, "-B", SFT_PYTHON_SIDE, step, std::to_string(count_),
+                           {SFT_PYTHON, "-B", beside_program("python_side.py"), step, std::to_string(count_),
                             std::to_string(cloud_rows * sent_cloud_bytes / rows)},
                            output_);
     };
@@ -134,11 +137,12 @@ void add(Rounds& to, const json& result, const char* name = "times") {
 }  // namespace
 
 std::vector<Figure> python(const Scale& scale) {
-  if (!std::filesystem::exists(SFT_PYTHON_PACKAGE "/sft")) {
+  const std::string package = beside_program("../python");
+  if (!std::filesystem::exists(package + "/sft/__init__.py")) {
     fmt::print(stderr, "python is left out: there is no Python package; pybind11-dev is missing\n");
     return {};
   }
-  setenv("PYTHONPATH", SFT_PYTHON_PACKAGE, 1);
+  setenv("PYTHONPATH", package.c_str(), 1);
   const Course course(static_cast<std::uint64_t>(scale.seconds * 1e6 / period_us / 2));
   Rounds take, take_cpp, points, points_small, columns, columns_small, loan, loan_cpp;
   std::vector<double> copied, grown, held;

@@ -49,7 +49,11 @@ void Directory::notify(const Entry& entry, const DiscoveryEvent& event) {
 
 void Directory::hear_all(const std::shared_ptr<ListeningNode>& node, Role role) {
   if (node->hears_all[role]) return;
-  notify_of_all(node, [&](const Endpoint& one) { return one.role == role && !concerns(*node, one); });
+  for (const auto& [id, place] : owners_) {
+    const Entry& entry = entries_.at(place);
+    if (entry.node != node && entry.endpoint->role == role && !concerns(*node, *entry.endpoint))
+      give(node, seen(place, entry));
+  }
   node->hears_all[role] = true;
 }
 
@@ -79,11 +83,12 @@ void Directory::announced(const std::shared_ptr<ListeningNode>& node, Endpoint e
     endpoint.request = entry->endpoint->request;
   }
   const Endpoint& ours = entry->endpoint.emplace(std::move(endpoint));
-  notify(*entry, seen(owners_.at(ours.id), *entry));
+  const Place& ours_at = owners_.at(ours.id);
+  notify(*entry, seen(ours_at, *entry));
   if (!is_new) return;
-  notify_of_all(node, [&](const Endpoint& one) {
-    return one.role == other(ours.role) && one.topic == ours.topic && !concerns(*node, one);
-  });
+  topics_[{ours.role, ours.topic}].emplace(ours.id, ours_at);
+  for (const auto& [id, place] : not_heard(node, other(ours.role), ours.topic))
+    give(node, seen(place, entries_.at(place)));
   ++node->topics[ours.role][ours.topic];
 }
 
@@ -106,12 +111,8 @@ std::optional<Role> Directory::withdrawn(EndpointId id) {
   const auto topic = topics.find(endpoint->topic);
   if (--topic->second > 0) return endpoint->role;
   topics.erase(topic);
-  for (const auto& [other_id, place] : owners_) {
-    const Entry& entry = entries_.at(place);
-    const Endpoint& one = *entry.endpoint;
-    const bool was_told = one.role == other(endpoint->role) && one.topic == endpoint->topic;
-    if (was_told && entry.node != node && !concerns(*node, one)) give(node, EndpointDeparted{other_id});
-  }
+  for (const auto& [other_id, place] : not_heard(node, other(endpoint->role), endpoint->topic))
+    give(node, EndpointDeparted{other_id});
   return endpoint->role;
 }
 
@@ -199,6 +200,7 @@ void Directory::show(const Place& place) {
     return log_news(News::too_much, "endpoints of a process that has as many on one topic as it may");
   }
   share += is_new ? 1 : 0;
+  if (is_new) topics_[{endpoint->role, endpoint->topic}].emplace(endpoint->id, place);
   if (has_request) endpoint->request = *request;
   notify(found->second, seen(place, found->second));
 }
@@ -214,13 +216,18 @@ EndpointSeen Directory::seen(const Place& place, const Entry& entry) const {
 void Directory::end(const Place& place, const Entry& entry, const DiscoveryEvent& event) {
   const Endpoint& endpoint = *entry.endpoint;
   owners_.erase(endpoint.id);
+  const auto topic = topics_.find({endpoint.role, endpoint.topic});
+  if (topic != topics_.end() && topic->second.erase(endpoint.id) > 0 && topic->second.empty())
+    topics_.erase(topic);
   const auto share = shares_.find({std::get<ProcessId>(place), endpoint.role, endpoint.topic});
   if (share != shares_.end() && --share->second == 0) shares_.erase(share);
   notify(entry, event);
   const auto has_id = [&](const auto& item) {
     return item.second.endpoint && item.second.endpoint->id == endpoint.id;
   };
-  if (const auto next = std::ranges::find_if(entries_, has_id); next != entries_.end()) show(next->first);
+  const auto of_others = entries_.lower_bound(Place{1, Role::writer, 0});
+  if (const auto next = std::find_if(of_others, entries_.end(), has_id); next != entries_.end())
+    show(next->first);
 }
 
 void Directory::peer_lost(ProcessId process) {
@@ -302,12 +309,17 @@ Discovery::Inquiries Directory::inquiries() const {
   return inquiries;
 }
 
-template <class Which>
-void Directory::notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which) {
-  for (const auto& [id, place] : owners_) {
-    const Entry& entry = entries_.at(place);
-    if (entry.node != node && which(*entry.endpoint)) give(node, seen(place, entry));
-  }
+/// Returns the endpoints on a topic that the node has not, and that it is not notified of.
+std::map<EndpointId, Directory::Place> Directory::not_heard(const std::shared_ptr<ListeningNode>& node,
+                                                            Role role, const std::string& topic) const {
+  const auto known = topics_.find({role, topic});
+  if (known == topics_.end()) return {};
+  std::map<EndpointId, Place> found = known->second;
+  std::erase_if(found, [&](const auto& item) {
+    const Entry& entry = entries_.at(item.second);
+    return entry.node == node || concerns(*node, *entry.endpoint);
+  });
+  return found;
 }
 
 void Directory::log_news(News news, const std::string& text) {

@@ -119,8 +119,8 @@ class Directory {
   void leave_out_what_is_cut(ProcessId process, std::vector<UdpAddress>& addresses) const;
   template <class IsOf>
   void notify_report(NodeReport report, const std::shared_ptr<ListeningNode>& by, IsOf is_of);
-  template <class Which>
-  void notify_of_all(const std::shared_ptr<ListeningNode>& node, Which which);
+  std::map<EndpointId, Place> not_heard(const std::shared_ptr<ListeningNode>& node, Role role,
+                                        const std::string& topic) const;
 
   const LeadsTo leads_to_;
   std::vector<std::shared_ptr<ListeningNode>> nodes_, woken_;
@@ -128,6 +128,8 @@ class Directory {
   std::uint32_t own_slots_made_ = 0;
   /// The entry that each endpoint id belongs to. Nodes are notified of these entries only.
   std::map<EndpointId, Place> owners_;
+  /// The same by role and topic.
+  std::map<std::pair<Role, std::string>, std::map<EndpointId, Place>> topics_;
   /// The number of these entries of each process, by role and topic.
   std::map<std::tuple<ProcessId, Role, std::string>, std::size_t> shares_;
   std::map<Place, Inquiry> inquiries_;  ///< the inquiries of other processes

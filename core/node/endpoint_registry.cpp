@@ -68,6 +68,11 @@ void EndpointRegistry::strike_off(const SubscriberCore& subscriber) {
   std::erase(subscribers_, &subscriber);
 }
 
+std::size_t EndpointRegistry::size() {
+  const Lock lock(mutex_);
+  return publishers_.size() + subscribers_.size();
+}
+
 void EndpointRegistry::describe(NodeSnapshot& snapshot) {
   const Lock lock(mutex_);
   for (const PublisherCore* publisher : publishers_) snapshot.publishers.push_back(snapshot_of(*publisher));

@@ -2,6 +2,7 @@
 // thread may use it.
 #pragma once
 
+#include <cstddef>
 #include <vector>
 
 #include "core/publish/publisher_core.h"
@@ -21,6 +22,7 @@ class EndpointRegistry {
   void strike_off(const PublisherCore& publisher);
   void strike_off(const SubscriberCore& subscriber);
 
+  std::size_t size();
   /// Adds the status of all endpoints to the snapshot, in the order in which they were entered.
   void describe(NodeSnapshot& snapshot);
 

@@ -201,7 +201,7 @@ Result<detail::untyped::Publisher> NodeCore::open_publisher(const std::shared_pt
                                                             std::string_view topic, const TypeSupport& type,
                                                             const PublisherOptions& options) {
   if (is_forked_copy()) return fail(Errc::unavailable, refuses_forked_copies);
-  if (agent_.is_behind()) ask_agent([] {});
+  if (agent_.is_behind(registry_.size())) ask_agent([] {});
   Result<EndpointOpening::Writer> writer = opening_->open_writer(topic, type, options);
   if (!writer) return tl::unexpected(writer.error());
   const std::shared_ptr<PublisherCore> core = writer->core;

@@ -28,9 +28,9 @@ void Agent::post(Task task) {
   posted_.notify_one();
 }
 
-bool Agent::is_behind() {
+bool Agent::is_behind(std::size_t endpoints) {
   const Lock lock(mutex_);
-  return tasks_.size() >= behind_from;
+  return tasks_.size() >= std::max(behind_from, endpoints / 2);
 }
 
 void Agent::run() {

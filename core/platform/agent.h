@@ -39,9 +39,10 @@ class Agent {
   /// Posts a task, and returns at once. Tasks run in the order in which they were posted. Any thread may
   /// call this, even before start().
   void post(Task task);
-  /// Returns true if at least `behind_from` tasks are queued. Threads that post very many tasks should then
-  /// wait for the agent.
-  bool is_behind();
+  /// Returns true if at least `behind_from` tasks are queued, and at least half as many as there are
+  /// `endpoints`. Threads that post very many tasks should then wait for the agent. After each batch of
+  /// tasks the agent looks at all endpoints, so that small batches would make very many endpoints slow.
+  bool is_behind(std::size_t endpoints = 0);
   static constexpr std::size_t behind_from = 256;
   /// Runs the tasks that were posted before, and then ends the thread. Tasks that are posted later are not
   /// run.

@@ -31,31 +31,36 @@ struct LockedPublisher {
   std::mutex mutex;  ///< a thread must not wait for it while it holds the GIL
 };
 
-/// A loaned message, which the program fills in place.
+/// A loaned message, which the program fills in place, or a struct of it.
 class PyLoan {
  public:
   /// REQUIRES: the body of `loan` has as many bytes as the plan.
   PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan, std::vector<Plan::Place> places);
 
-  /// Returns the value of the field: a number, a writable array, or None for a struct. Throws a KeyError if
-  /// there is no such field.
-  py::object get(const std::string& path);
-  void set(const std::string& path, const py::handle& value);
-  /// Publishes the message. If an array over its memory is still alive, publishes a copy instead, and
-  /// was_copied() returns true from then on.
+  /// Returns the value of the field: a number, a writable array, or a PyLoan for a struct. Throws `missing`
+  /// if there is no such field.
+  py::object get(const std::string& path, PyObject* missing) const;
+  void set(const std::string& path, const py::handle& value, PyObject* missing);
+  /// Publishes the message. If an array over its memory is still alive, publishes a copy instead, and warns.
   bool publish();
-  void discard() { memory_.reset(); }
-  bool is_over() const { return memory_ == nullptr; }
-  bool was_copied() const { return was_copied_; }
+  void discard() { lent_->memory.reset(); }
+  /// Publishes it at the end of a block, or gives it back after an exception.
+  void end(bool failed);
 
  private:
-  const Plan::Place* find(const std::string& path) const;
-  std::byte* at(const Plan::Place& place) const { return memory_->body().data() + place.offset; }
+  struct Lent {
+    Shared<LockedPublisher> publisher;
+    std::shared_ptr<DynamicPublisher::Loan> memory;  ///< arrays keep it, too; null after the end
+    std::vector<Plan::Place> places;
+  };
 
-  Shared<LockedPublisher> publisher_;
-  std::shared_ptr<DynamicPublisher::Loan> memory_;  ///< arrays share it; null after the end of the loan
-  std::vector<Plan::Place> places_;
-  bool was_copied_ = false;
+  PyLoan(std::shared_ptr<Lent> lent, std::string prefix)
+      : lent_(std::move(lent)), prefix_(std::move(prefix)) {}
+  const Plan::Place* find(const std::string& path, PyObject* missing) const;
+  std::byte* at(const Plan::Place& place) const { return lent_->memory->body().data() + place.offset; }
+
+  std::shared_ptr<Lent> lent_;
+  std::string prefix_{};  ///< of paths: "header.stamp."
 };
 
 class PyPublisher {
@@ -67,8 +72,8 @@ class PyPublisher {
   bool publish(const py::handle& message);
   bool publish_cdr(const py::buffer& payload);
   /// Lends memory for a message. In `values`, a sequence of numbers may be given by its number of elements.
-  /// If `zeroed` is true, such sequences are filled with zeros.
-  PyLoan loan(const py::dict& values, bool zeroed);
+  /// Unless `for_overwrite` is true, such sequences are filled with zeros.
+  PyLoan loan(bool for_overwrite, const py::kwargs& values);
   bool wait_for_subscribers(std::size_t count, std::optional<double> timeout_s);
   void assert_liveliness() { opened()->publisher.assert_liveliness(); }
   py::dict status() const;

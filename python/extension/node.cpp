@@ -199,17 +199,29 @@ py::list PyNode::topics() const {
 }
 
 void define_endpoints(py::module_& module) {
-  py::class_<PyLoan>(module, "Loan")
-      .def("get", &PyLoan::get)
-      .def("set", &PyLoan::set)
-      .def("publish", &PyLoan::publish)
-      .def("discard", &PyLoan::discard)
-      .def_property_readonly("is_over", &PyLoan::is_over)
-      .def_property_readonly("was_copied", &PyLoan::was_copied);
+  py::class_<PyLoan>(
+      module, "Loan",
+      "A message in the memory from which readers will read it. Numbers and arrays of numbers are "
+      "attributes: arrays\nare writable, and `loan.data[:] = pixels` fills one. loan[\"header.stamp.sec\"] "
+      "takes a path.\n\nIf a name still refers to such an array when the loan is published, a copy is "
+      "published, since what the name can\nwrite must not change a sample; a RuntimeWarning says so.")
+      .def("__enter__", [](py::object self) { return self; })
+      .def("__exit__", [](PyLoan& loan, const py::object& kind, const py::object&,
+                          const py::object&) { loan.end(!kind.is_none()); })
+      .def("__getitem__",
+           [](const PyLoan& loan, const std::string& path) { return loan.get(path, PyExc_KeyError); })
+      .def("__setitem__", [](PyLoan& loan, const std::string& path,
+                             const py::handle& value) { loan.set(path, value, PyExc_KeyError); })
+      .def("__getattr__",
+           [](const PyLoan& loan, const std::string& name) { return loan.get(name, PyExc_AttributeError); })
+      .def("__setattr__", [](PyLoan& loan, const std::string& name,
+                             const py::handle& value) { loan.set(name, value, PyExc_AttributeError); })
+      .def("publish", &PyLoan::publish, "Publishes it, and returns False if a reader misses the sample.")
+      .def("discard", &PyLoan::discard, "Gives the memory back.");
   py::class_<PyPublisher>(module, "Publisher")
       .def("publish", &PyPublisher::publish)
       .def("publish_cdr", &PyPublisher::publish_cdr)
-      .def("loan", &PyPublisher::loan)
+      .def("loan", &PyPublisher::loan, py::kw_only(), py::arg("for_overwrite") = false)
       .def("wait_for_subscribers", &PyPublisher::wait_for_subscribers)
       .def("assert_liveliness", &PyPublisher::assert_liveliness)
       .def("status", &PyPublisher::status)

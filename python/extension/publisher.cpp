@@ -58,47 +58,52 @@ std::span<const std::byte> encoded(const py::handle& message, const DynamicType&
 
 PyLoan::PyLoan(Shared<LockedPublisher> publisher, DynamicPublisher::Loan loan,
                std::vector<Plan::Place> places)
-    : publisher_(std::move(publisher)),
-      memory_(std::make_shared<DynamicPublisher::Loan>(std::move(loan))),
-      places_(std::move(places)) {}
+    : lent_(std::make_shared<Lent>(Lent{std::move(publisher),
+                                        std::make_shared<DynamicPublisher::Loan>(std::move(loan)),
+                                        std::move(places)})) {}
 
-const Plan::Place* PyLoan::find(const std::string& path) const {
-  if (memory_ == nullptr)
+/// Returns null for a struct.
+const Plan::Place* PyLoan::find(const std::string& path, PyObject* missing) const {
+  if (lent_->memory == nullptr)
     throw Failure({Errc::unavailable, "the loan is over: it was published or given back"});
-  const auto found = std::ranges::find(places_, path, &Plan::Place::path);
-  if (found != places_.end()) return &*found;
+  const auto found = std::ranges::find(lent_->places, path, &Plan::Place::path);
+  if (found != lent_->places.end()) return &*found;
   const auto is_below = [&](const Plan::Place& place) { return place.path.starts_with(path + "."); };
-  if (std::ranges::any_of(places_, is_below)) return nullptr;
-  throw py::key_error("'" + path + "' is no number or array of numbers of this loan");
+  if (std::ranges::any_of(lent_->places, is_below)) return nullptr;
+  PyErr_SetString(missing, ("'" + path + "' is no number or array of numbers of this loan").c_str());
+  throw py::error_already_set();
 }
 
-py::object PyLoan::get(const std::string& path) {
-  const Plan::Place* const place = find(path);
-  if (place == nullptr) return py::none();
+py::object PyLoan::get(const std::string& path, PyObject* missing) const {
+  const std::string whole = prefix_ + path;
+  const Plan::Place* const place = find(whole, missing);
+  if (place == nullptr) return py::cast(PyLoan(lent_, whole + "."));
   const bool is_single = place->member->shape == Shape::single;
   const py::ssize_t count = static_cast<py::ssize_t>(place->count);
   const py::array array =
       array_over(at(*place), py::dtype(dtype_text(place->member->kind)), {count},
-                 {static_cast<py::ssize_t>(bytes_of(place->member->kind))}, keep(memory_), true);
+                 {static_cast<py::ssize_t>(bytes_of(place->member->kind))}, keep(lent_->memory), true);
   return is_single ? array.attr("item")(0) : py::object(array);
 }
 
-void PyLoan::set(const std::string& path, const py::handle& value) {
-  const Plan::Place* const place = find(path);
-  if (place == nullptr) throw py::type_error("'" + path + "' is a struct: set its members");
+void PyLoan::set(const std::string& path, const py::handle& value, PyObject* missing) {
+  const std::string whole = prefix_ + path;
+  const Plan::Place* const place = find(whole, missing);
+  if (place == nullptr) throw py::type_error("'" + whole + "' is a struct: set its members");
   // The conversion may run Python code that ends the loan. So the memory is accessed only after it.
   if (place->member->shape == Shape::single) {
-    const Plan plan = Encoder().member(*place->member, value, path);
-    plan.write({at(*find(path)), plan.bytes()}, false);
+    const Plan plan = Encoder().member(*place->member, value, whole);
+    plan.write({at(*find(whole, missing)), plan.bytes()}, false);
   } else {
-    const py::array fitting = py::module_::import("sft._fit")
-                                  .attr("fit_array")(value, py::dtype(dtype_text(place->member->kind)), path);
+    const py::array fitting =
+        py::module_::import("sft._fit")
+            .attr("fit_array")(value, py::dtype(dtype_text(place->member->kind)), whole);
     const auto count = static_cast<std::size_t>(fitting.size());
     if (count != place->count)
-      throw py::value_error("'" + path + "' has " + std::to_string(place->count) + " elements; " +
+      throw py::value_error("'" + whole + "' has " + std::to_string(place->count) + " elements; " +
                             std::to_string(count) + " were given");
-    std::byte* const to = at(*find(path));
-    const auto kept = memory_;  // another thread may end the loan during this call
+    std::byte* const to = at(*find(whole, missing));
+    const auto kept = lent_->memory;  // another thread may end the loan during this call
     const auto bytes = static_cast<std::size_t>(fitting.nbytes());
     const WithoutGil without(bytes > large_bytes);
     std::memmove(to, fitting.data(), bytes);
@@ -106,17 +111,27 @@ void PyLoan::set(const std::string& path, const py::handle& value) {
 }
 
 bool PyLoan::publish() {
-  if (memory_ == nullptr) throw Failure({Errc::unavailable, to_string(PublishStatus::no_loan)});
-  const std::shared_ptr<DynamicPublisher::Loan> memory = std::exchange(memory_, nullptr);
-  was_copied_ = memory.use_count() > 1;
-  if (!was_copied_) return send(*publisher_, std::move(*memory));
+  if (lent_->memory == nullptr) throw Failure({Errc::unavailable, to_string(PublishStatus::no_loan)});
+  const std::shared_ptr<DynamicPublisher::Loan> memory = std::exchange(lent_->memory, nullptr);
+  if (memory.use_count() == 1) return send(*lent_->publisher, std::move(*memory));
   // A Python array can still write to the memory of this loan. So a copy is published.
-  DynamicPublisher::Loan copy = lend(*publisher_, memory->body().size());
+  DynamicPublisher::Loan copy = lend(*lent_->publisher, memory->body().size());
   {
     const WithoutGil without(copy.body().size() > large_bytes);
     std::memcpy(copy.body().data(), memory->body().data(), copy.body().size());
   }
-  return send(*publisher_, std::move(copy));
+  const bool is_sent = send(*lent_->publisher, std::move(copy));
+  if (PyErr_WarnEx(PyExc_RuntimeWarning,
+                   "a copy of the loan was published, since a name refers to one of its arrays: write "
+                   "loan.data[:] = ..., or delete the name first",
+                   1) != 0)
+    throw py::error_already_set();
+  return is_sent;
+}
+
+void PyLoan::end(bool failed) {
+  if (failed) return discard();
+  if (lent_->memory != nullptr) (void)publish();
 }
 
 // ---- publishers ----
@@ -146,12 +161,12 @@ bool PyPublisher::publish_cdr(const py::buffer& payload) {
   return was_sent(alone(*publisher, [&](DynamicPublisher& p) { return p.publish_cdr(bytes); }));
 }
 
-PyLoan PyPublisher::loan(const py::dict& values, bool zeroed) {
+PyLoan PyPublisher::loan(bool for_overwrite, const py::kwargs& values) {
   const Shared<LockedPublisher> publisher = opened();
   const DynamicType type = publisher->publisher.type();
   Plan plan = Encoder(true).message(type.type(), values);
   DynamicPublisher::Loan loan = lend(*publisher, plan.bytes());
-  write(plan, loan, zeroed);
+  write(plan, loan, !for_overwrite);
   return PyLoan(publisher, std::move(loan), plan.take_places());
 }
 

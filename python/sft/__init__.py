@@ -30,9 +30,9 @@ if not _sft.knows_numpy_2 and int(_numpy.__version__.partition(".")[0]) >= 2:
 from sft._absent import Absent
 from sft._errors import AbsentError, Error
 from sft._message import Message, cells, copy, image
-from sft._node import Event, Loan, Node, Publisher, Subscriber
+from sft._node import Event, Node, Publisher, Subscriber
 from sft._service import Client, Service, ServiceType
-from sft._sft import Sample, SampleInfo, Type, View
+from sft._sft import Loan, Sample, SampleInfo, Type, View
 
 __version__ = _sft.version
 __all__ = ["Absent", "AbsentError", "Client", "Error", "Event", "Loan", "Message", "Node", "Publisher", "Sample",

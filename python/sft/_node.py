@@ -14,7 +14,6 @@ import sys
 import threading
 import time
 import traceback
-import warnings
 import weakref
 
 from sft import _sft
@@ -180,8 +179,9 @@ class Node:
         """Opens the server of a service: handler(request) returns the response, as a message or a mapping.
 
         `type` is the name of a type, "std_srvs/SetBool", or that of sft.find_service(). The handler runs on a thread of
-        the service, for one request at a time. Its exceptions are sent to the client. Exceptions other than sft.Error
-        are also printed here. Options are those of the publisher of replies.
+        the service, for one request at a time. It may be a coroutine function if an event loop of asyncio runs now. Its
+        exceptions are sent to the client. Exceptions other than sft.Error are also printed here. Options are those of
+        the publisher of replies.
         """
         from sft._service import Service
         return Service(self, name, self._service_type(name, type), handler, options)
@@ -269,6 +269,10 @@ class _Endpoint:
 class Publisher(_Endpoint):
     """Publishes messages on a topic. Any thread may publish."""
 
+    def __init__(self, node, opened, topic, events_to):
+        super().__init__(node, opened, topic, events_to)
+        self.loan = opened.loan  # one call less for each loan
+
     def publish(self, message=None, /, **fields):
         """publish(message) or publish(width=3, header={"frame_id": "lidar"}). Fields that are not given are zero or
         empty; a stamp may be "now", and a header "auto". A message is an sft.Message, a mapping, a sample, or an
@@ -289,7 +293,6 @@ class Publisher(_Endpoint):
         `for_overwrite` whatever the memory contained: write them all. The end of the `with` block publishes it; an
         exception gives it back. Other lists and texts are as given.
         """
-        return Loan(self._opened.loan(fields, not for_overwrite), "")
 
     def wait_for_subscribers(self, count=1, timeout=None):
         """Waits until this many subscribers are served. Returns False when the time [s] is over, or after
@@ -303,61 +306,6 @@ class Publisher(_Endpoint):
     def status(self):
         """Returns the counts, and each reader (sft/status.h)."""
         return self._opened.status()
-
-
-class Loan:
-    """A message in the memory from which readers will read it. Numbers and arrays of numbers are attributes: arrays
-    are writable, and `loan.data[:] = pixels` fills one. loan["header.stamp.sec"] takes a path.
-
-    If a name still refers to such an array when the loan is published, a copy is published, because the program
-    could otherwise change the sample through the name. In this case there is a RuntimeWarning.
-    """
-
-    __slots__ = ("_loan", "_prefix")
-
-    def __init__(self, loan, prefix):
-        object.__setattr__(self, "_loan", loan)
-        object.__setattr__(self, "_prefix", prefix)
-
-    def __enter__(self):
-        return self
-
-    def __exit__(self, kind, *_):
-        if kind is not None:
-            self._loan.discard()
-        elif not self._loan.is_over:
-            self.publish()
-
-    def publish(self):
-        """Publishes the message. Returns False if a reader misses the sample."""
-        sent = self._loan.publish()
-        if self._loan.was_copied:
-            warnings.warn("a copy of the loan was published, since a name refers to one of its arrays: write "
-                          "loan.data[:] = ..., or delete the name first", RuntimeWarning, stacklevel=3)
-        return sent
-
-    def discard(self):
-        """Releases the memory without publishing the message."""
-        self._loan.discard()
-
-    def __getitem__(self, path):
-        value = self._loan.get(self._prefix + path)
-        return Loan(self._loan, f"{self._prefix}{path}.") if value is None else value
-
-    def __setitem__(self, path, value):
-        self._loan.set(self._prefix + path, value)
-
-    def __getattr__(self, name):
-        try:
-            return self[name]
-        except KeyError as error:
-            raise AttributeError(error.args[0]) from None
-
-    def __setattr__(self, name, value):
-        try:
-            self[name] = value
-        except KeyError as error:
-            raise AttributeError(error.args[0]) from None
 
 
 class Subscriber(_Endpoint):
@@ -483,17 +431,24 @@ class Subscriber(_Endpoint):
         finally:
             os.close(fd)
 
-    async def _readable(self, loop, fd):
-        """Waits until the file descriptor is readable, or the subscriber is closed."""
+    async def _readable(self, loop, fd, timeout=None):
+        """Waits until the file descriptor is readable, the subscriber is closed, or the time [s] is over."""
         readable = loop.create_future()
+
+        def end():
+            readable.done() or readable.set_result(None)
+
         self._readers.add(readable)
         if self._opened.is_over():  # another thread may have closed it before `readable` was added
-            readable.set_result(None)
-        loop.add_reader(fd, lambda: readable.done() or readable.set_result(None))
+            end()
+        loop.add_reader(fd, end)
+        timer = None if timeout is None else loop.call_later(timeout, end)
         try:
             await readable
         finally:
             loop.remove_reader(fd)
+            if timer:
+                timer.cancel()
             self._readers.discard(readable)
 
     def _call_back(self):

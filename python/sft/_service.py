@@ -1,6 +1,10 @@
 """Services: a client sends a request, and the one server of that name answers it."""
 
+import asyncio
 import collections
+import contextlib
+import inspect
+import os
 import threading
 
 from sft import _sft
@@ -44,35 +48,45 @@ class Service(_Ends):
         self.name = name
         self.type = type
         self._handler = handler
+        self._is_async = inspect.iscoroutinefunction(handler)
         self._served = _sft.ServedCalls()
         self._publisher = node.publisher(f"{name}/reply", type.reply, **options, reliable=True)
         self._id = self._publisher.status()["id"]
-        self._subscriber = node.subscriber(f"{name}/call", type.call, "*", self._hear, reliable=True,
+        self._subscriber = node.subscriber(f"{name}/call", type.call, "*",
+                                           self._hear if self._is_async else self._hear_at_once, reliable=True,
                                            transport=options.get("transport", "automatic"))
 
-    def _hear(self, call):
+    def _hear_at_once(self, call):
+        """Runs _hear(), which waits for nothing if the handler is a plain function."""
+        with contextlib.suppress(StopIteration):
+            self._hear(call).send(None)
+
+    async def _hear(self, call):
         if call.server not in (0, self._id):
             return
         is_new = self._served.is_new(call.client, call.number)
         try:
             if is_new:
-                self._served.answered(call.client, self._answer(call), call.timeout_ms)
+                self._served.answered(call.client, await self._answer(call), call.timeout_ms)
             elif is_new is not None:
                 self._publisher.publish_cdr(self._served.reply(call.client))
         except Error:
             if not self._publisher._opened.is_over():  # the node may close the publisher before the subscriber
                 raise
 
-    def _answer(self, call):
+    async def _answer(self, call):
         """Runs the handler, sends the reply, and returns it encoded."""
         head = dict(client=call.client, number=call.number, server=self._id)
         try:
             response = self._handler(call.request)
+            if self._is_async:
+                response = await response
             return self._send(dict(head, response={} if response is None else response))
         except BaseException as error:  # SystemExit, too: the client must not wait in vain
-            if not isinstance(error, Error):
+            if not isinstance(error, (Error, asyncio.CancelledError)):  # closing the service cancels the handler
                 _show_failure(repr(self))
-            reason = f"the server refuses: {error}".encode(errors="replace").decode().replace("\0", " ")
+            why = str(error) or type(error).__name__
+            reason = f"the server refuses: {why}".encode(errors="replace").decode().replace("\0", " ")
             return self._send(dict(head, error=reason))
 
     def _send(self, reply):
@@ -82,7 +96,7 @@ class Service(_Ends):
 
 
 class Client(_Ends):
-    """A client of a service. It must be used by only one thread at a time. See Node.client()."""
+    """A client of a service. It must be used by only one thread or task at a time. See Node.client()."""
 
     def __init__(self, node, name, type, options):
         self.name = name
@@ -106,22 +120,50 @@ class Client(_Ends):
         Raises an sft.Error that says why if there is no response within the timeout [s], if the server departs
         meanwhile, or if its handler refuses. After an error it is unknown whether the handler has run.
         """
+        with self._call(fields if request is None else request, timeout) as step:
+            while True:
+                response, wait_s = step()
+                if response is not None:
+                    return response
+                self._subscriber.wait(wait_s)
+
+    async def call_async(self, request=None, /, *, timeout=10.0, **fields):
+        """Does what call() does, in an event loop of asyncio, which goes on meanwhile."""
+        with self._call(fields if request is None else request, timeout) as step:
+            loop = asyncio.get_running_loop()
+            fd = os.dup(self._subscriber.fileno())  # it stays open if the client is closed meanwhile
+            try:
+                while True:
+                    response, wait_s = step()
+                    if response is not None:
+                        return response
+                    await self._subscriber._readable(loop, fd, wait_s)
+            finally:
+                os.close(fd)
+
+    @contextlib.contextmanager
+    def _call(self, request, timeout):
+        """Gives a function that returns the response, or None and for how long to wait for a reply [s]."""
         if not self._calling.acquire(blocking=False):
-            raise _end_of(self.name, "two threads call with one client at the same time: give each thread a client")
+            raise _end_of(self.name, "it is called again while a call goes on: give each thread and task a client")
         try:
             call = _sft.ClientCall(self.name, timeout)
             self._number += 1
-            message = dict(client=self._id, number=self._number, timeout_ms=call.timeout_ms(),
-                           request=fields if request is None else request)
-            while True:
-                for reply in iter(self._subscriber.take, None):
-                    if (reply.client, reply.number) == (self._id, self._number):
-                        return self._response(reply)
-                server, wait = call.next(self._publisher._opened, self._subscriber._opened)
-                if server:
+            message = dict(client=self._id, number=self._number, timeout_ms=call.timeout_ms(), request=request)
+
+            def step():
+                while True:
+                    for reply in iter(self._subscriber.take, None):
+                        if (reply.client, reply.number) == (self._id, self._number):
+                            return self._response(reply), 0
+                    server, wait_s = call.next(self._publisher._opened, self._subscriber._opened)
+                    if self._node.is_interrupted:
+                        raise _end_of(self.name, "waiting for the response was interrupted")
+                    if not server:
+                        return None, wait_s
                     self._publisher.publish(dict(message, server=server))
-                elif not self._subscriber.wait(wait) and self._node.is_interrupted:
-                    raise _end_of(self.name, "waiting for the response was interrupted")
+
+            yield step
         finally:
             self._calling.release()
 

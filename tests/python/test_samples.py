@@ -2,6 +2,7 @@
 
 import gc
 import time
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -70,10 +71,17 @@ def test_points_record_their_channels_only(pair):
     assert eventually(narrowed)
 
 
+def is_in_shared_memory(array):
+    address, maps = array.ctypes.data, Path("/proc/self/maps").read_text().splitlines()
+    ends = [[int(end, 16) for end in line.split()[0].split("-")] for line in maps if "/dev/shm/" in line]
+    return any(first <= address < last for first, last in ends)
+
+
 def test_arrays_are_read_only_and_not_copied(pair):
     sample = pair.send(dict(cloud(XYZI), data=np.zeros(6_291_456, np.uint8)))
     data = sample.data
     assert data.ctypes.data == sample.data.ctypes.data and data.dtype == np.uint8 and len(data) == 6_291_456
+    assert is_in_shared_memory(data) == (pair.transport == "shm")
     for write in (lambda: data.__setitem__(0, 1), lambda: data.setflags(write=True), lambda: data[3:5].fill(1),
                   lambda: data.reshape(2, -1).setflags(write=True), lambda: data.view("u4").__setitem__(0, 1),
                   lambda: memoryview(data).__setitem__(0, 1), lambda: np.frombuffer(data, np.uint8).fill(1),
@@ -115,6 +123,37 @@ def test_samples_that_a_program_keeps_harm_nobody_else(pair):
         assert subscriber.held == 4 == len(kept) and subscriber.status()["held_too_many"] > 0
     kept.clear()
     assert subscriber.take() is not None or pair.transport == "udp"
+
+
+def test_samples_in_closures_tracebacks_and_cycles_are_held_until_these_are_gone(pair):
+    publisher, subscriber = pair.open()
+
+    def taken():
+        publisher.publish(cloud(XYZI))
+        return subscriber.wait_for_sample(HANG_S)
+
+    def in_closure():
+        sample = taken()
+        return lambda: sample.width
+
+    def in_traceback():
+        sample = taken()
+        try:
+            raise RuntimeError(sample.width)
+        except RuntimeError as error:
+            return error
+
+    def in_cycle():
+        cycle = [taken().data]
+        cycle.append(cycle)
+        return cycle
+
+    for keep in (in_closure, in_traceback, in_cycle, lambda: {"cell": taken().fields}):
+        kept = keep()
+        assert subscriber.held == 1
+        del kept
+        gc.collect()
+        assert subscriber.held == 0
 
 
 def test_samples_outlive_their_subscriber_and_node():
@@ -165,7 +204,8 @@ def test_every_layout_of_clouds_is_read_as_plain_numpy_does(pair, name):
     if points.size and not given["row_step"] - width * step:
         again = sample.copy()
         again.data = np.frombuffer(points.tobytes(), np.uint8) if points.dtype.itemsize == step else given["data"]
-        assert pair.send(again, topic="again").point_step == step
+        came = pair.send(again, topic="again")
+        assert came.point_step == step and came.points().tobytes() == points.tobytes()
 
 
 def test_windows_and_parts_are_strides_over_the_whole_cloud(pair):

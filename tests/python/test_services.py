@@ -1,5 +1,6 @@
 """Services: each call ends with its response or with the reason, and is carried out once."""
 
+import asyncio
 import threading
 
 import pytest
@@ -101,7 +102,7 @@ def test_two_threads_cannot_call_with_one_client(pair):
         calling = threading.Thread(target=lights.call, args=({"data": True},), kwargs={"timeout": HANG_S})
         calling.start()
         assert entered.wait(HANG_S)
-        with pytest.raises(sft.Error, match="give each thread a client"):
+        with pytest.raises(sft.Error, match="give each thread and task a client"):
             lights.call(data=True)
         may_end.set()
         calling.join()
@@ -131,3 +132,92 @@ def test_a_repeated_call_is_carried_out_once_and_answered_again(pair):
         calls.publish(dict(call, number=2, server=1))
         calls.publish(dict(call, number=3))
         assert eventually(lambda: seen == [True, True]), "a call to another server is not carried out"
+
+
+def in_loop(main):
+    """Runs a coroutine, which hangs if it takes longer than HANG_S."""
+    return asyncio.run(asyncio.wait_for(main(), HANG_S))
+
+
+def test_coroutines_call_and_serve_in_one_event_loop(pair):
+    async def handler(request):
+        await asyncio.sleep(0)
+        if request.data:
+            return switched(request)
+        raise sft.Error("no such lamp")
+
+    async def main():
+        with pair.nodes[1].service("lights", SET_BOOL, handler), \
+                pair.nodes[0].client("lights", SET_BOOL) as one, pair.nodes[0].client("lights", SET_BOOL) as other:
+            response, refused = await asyncio.gather(one.call_async(data=True), other.call_async({"data": False}),
+                                                     return_exceptions=True)
+            assert response.message == "on"
+            assert str(refused) == "service 'lights': the server refuses: no such lamp"
+
+    in_loop(main)
+
+
+def test_the_response_of_a_cancelled_call_belongs_to_no_later_call(pair):
+    async def main():
+        entered, may_end = asyncio.Event(), asyncio.Event()
+
+        async def handler(request):
+            entered.set()
+            await may_end.wait()
+            return switched(request)
+
+        with pair.nodes[1].service("lights", SET_BOOL, handler), pair.nodes[0].client("lights", SET_BOOL) as lights:
+            cancelled = asyncio.create_task(lights.call_async(data=True))
+            await entered.wait()
+            with pytest.raises(sft.Error, match="give each thread and task a client"):
+                await lights.call_async(data=True)
+            cancelled.cancel()
+            with pytest.raises(asyncio.CancelledError):
+                await cancelled
+            may_end.set()
+            assert (await lights.call_async(data=False)).message == "off"
+
+    in_loop(main)
+
+
+def test_closing_a_service_cancels_its_coroutine_and_ends_the_call(pair, capfd):
+    async def main():
+        entered, ended = asyncio.Event(), asyncio.Event()
+
+        async def handler(_):
+            entered.set()
+            try:
+                await asyncio.Event().wait()
+            finally:
+                ended.set()
+
+        service = pair.nodes[1].service("lights", SET_BOOL, handler)
+        with pair.nodes[0].client("lights", SET_BOOL) as lights:
+            calling = asyncio.create_task(lights.call_async(data=True))
+            await entered.wait()
+            service.close()
+            await ended.wait()
+            with pytest.raises(sft.Error, match="service 'lights': its server, on node 'b', has gone"):
+                await calling
+
+    in_loop(main)
+    assert "Traceback" not in capfd.readouterr().err
+
+
+def test_a_coroutine_that_calls_ends_with_the_time_the_node_or_the_client(node):
+    async def main():
+        lights = node.client("lights", SET_BOOL)
+        with pytest.raises(sft.Error, match="no server"):
+            await lights.call_async(data=True, timeout=0.2)
+        calling = asyncio.create_task(lights.call_async(data=True))
+        while not lights._subscriber._readers:
+            await asyncio.sleep(0)
+        lights.close()
+        with pytest.raises(sft.Error, match="closed"):
+            await calling
+        others = node.client("others", SET_BOOL)
+        node.interrupt()
+        with pytest.raises(sft.Error, match="interrupted"):
+            await others.call_async(data=True)
+
+    in_loop(main)

@@ -1,4 +1,7 @@
-"""Waits, loops, callbacks, threads, signals, fork and the end of the interpreter."""
+"""Waits, loops, callbacks, threads, signals, fork and the end of the interpreter.
+
+Threads that open and close, and ends of the interpreter, are tried SFT_TEST_TIMES times as often; ./run soak sets it.
+"""
 
 import asyncio
 import os
@@ -16,6 +19,7 @@ import sft
 from conftest import HANG_S, eventually
 
 CLOCK = "builtin_interfaces/Time"
+TIMES = int(os.environ.get("SFT_TEST_TIMES", "1"))
 
 
 def run(program, timeout=120):
@@ -115,6 +119,25 @@ except KeyboardInterrupt:
     assert out == "interrupted\n" and child.returncode == 0 and time.monotonic() - before < 5
 
 
+def test_ctrl_c_ends_a_program_that_publishes():
+    child = subprocess.Popen([sys.executable, "-c", """
+import sft
+node = sft.Node("child", transport="udp")
+publisher = node.publisher("t", "sensor_msgs/Image")
+print("ready", flush=True)
+try:
+    while True:
+        publisher.publish(data=bytes(1_000_000))
+except KeyboardInterrupt:
+    publisher.publish(width=1)
+    print("interrupted")
+"""], stdout=subprocess.PIPE, text=True)
+    assert child.stdout.readline() == "ready\n"
+    child.send_signal(signal.SIGINT)
+    out, _ = child.communicate(timeout=60)
+    assert out == "interrupted\n" and child.returncode == 0
+
+
 def test_other_threads_run_while_one_waits(node):
     subscriber = node.subscriber("t", CLOCK)
     waiting = threading.Thread(target=subscriber.wait, args=(0.5,))
@@ -138,9 +161,10 @@ def test_async_for_gets_all_samples_and_idles_without_processor_time(pair):
     async def main():
         reading = asyncio.create_task(read())
         await asyncio.wait_for(has_reader(subscriber), HANG_S)
-        before = resource.getrusage(resource.RUSAGE_SELF)
+        before, before_s = resource.getrusage(resource.RUSAGE_SELF), time.thread_time()
         assert not (await asyncio.wait({reading}, timeout=2))[0], "there is no sample yet"
-        after = resource.getrusage(resource.RUSAGE_SELF)
+        after, after_s = resource.getrusage(resource.RUSAGE_SELF), time.thread_time()
+        assert after_s - before_s < 0.01, "the thread of the loop sleeps"
         idle_s = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
         for i in range(20):
             publisher.publish(sec=i)
@@ -275,7 +299,7 @@ def test_a_callback_for_events_is_forgotten_with_its_endpoint(node):
 
 
 def test_threads_open_take_and_close_with_a_log_of_python():
-    failures, end = [], time.monotonic() + 5
+    failures, end = [], time.monotonic() + 5 * TIMES
 
     def work(number):
         try:
@@ -292,7 +316,7 @@ def test_threads_open_take_and_close_with_a_log_of_python():
     for thread in threads:
         thread.start()
     for thread in threads:
-        thread.join(60)
+        thread.join(60 + 5 * TIMES)
     assert not failures and not any(thread.is_alive() for thread in threads)
 
 
@@ -369,7 +393,7 @@ threading.Thread(target=publish, daemon=True).start()
 @pytest.mark.parametrize("last", ["", "del node", "del subscriber, publisher", "node.close()", "sys.exit(0)",
                                   "loan = publisher.loan()", "raise SystemExit"])
 def test_the_interpreter_ends_in_any_order(last):
-    for _ in range(2):
+    for _ in range(2 * TIMES):
         done = run(EXIT + last)
         # The thread that publishes may be told that its publisher is closed.
         assert done.returncode == 0 and "terminate" not in done.stderr, done.stderr

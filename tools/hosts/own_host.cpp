@@ -58,14 +58,15 @@ Result<void> mount_own_shm(unsigned mebibytes) { return mount_memory("/dev/shm",
 
 Result<void> mount_own_tmp() {
   const fs::path& programs = program_directory();
-  const core::FileDescriptor opened(open(programs.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
+  const fs::path kept = "/tmp" / *programs.lexically_relative("/tmp").begin();
+  const core::FileDescriptor opened(open(kept.c_str(), O_PATH | O_DIRECTORY | O_CLOEXEC));
   if (Result<void> mounted = mount_memory("/tmp", tmp_mebibytes); !mounted) return mounted;
   std::error_code error;
   if (fs::exists(programs, error)) return {};
-  fs::create_directories(programs, error);
+  fs::create_directories(kept, error);
   const std::string source = fmt::format("/proc/self/fd/{}", opened.get());
-  return checked(mount(source.c_str(), programs.c_str(), nullptr, MS_BIND, nullptr) == 0,
-                 fmt::format("{} cannot be mounted", programs.native()));
+  return checked(mount(source.c_str(), kept.c_str(), nullptr, MS_BIND | MS_REC, nullptr) == 0,
+                 fmt::format("{} cannot be mounted", kept.native()));
 }
 
 Result<void> mount_own_proc() {

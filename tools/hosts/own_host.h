@@ -21,7 +21,9 @@ const std::filesystem::path& program_directory();
 /// Must be called first, because the mounts of the next functions would otherwise be visible outside.
 Result<void> make_mounts_private();
 Result<void> mount_own_shm(unsigned mebibytes);
-Result<void> mount_own_tmp();  ///< the project's programs stay visible, even if they were built in /tmp
+/// If the project was built in /tmp, the folder in /tmp that has it stays visible: programs find messages and
+/// other files of the tree by paths relative to their own.
+Result<void> mount_own_tmp();
 Result<void> mount_own_proc();
 
 }  // namespace sft::hosts

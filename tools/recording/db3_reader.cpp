@@ -36,6 +36,7 @@ std::string text_at(sqlite3_stmt* row, int column) {
 
 void Db3Reader::Close::operator()(sqlite3* database) const { sqlite3_close_v2(database); }
 void Db3Reader::Close::operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
+void Db3Reader::Close::operator()(sqlite3_blob* blob) const { sqlite3_blob_close(blob); }
 
 Db3Reader::Db3Reader(sqlite3* database) : database_(database) {
   // The number of steps of SQLite between two calls of stop(). They take some milliseconds.
@@ -144,7 +145,12 @@ const Overview& Db3Reader::overview() {
 }
 
 void Db3Reader::rewind(std::uint64_t from_ns, const std::set<std::uint16_t>* only) {
-  std::string sql = "SELECT topic_id, timestamp, data FROM messages WHERE timestamp >= " +
+  messages_.reset();
+  blob_.reset();
+  const Statement size = prepare("SELECT page_count * page_size FROM pragma_page_count, pragma_page_size");
+  database_bytes_ = step(size) ? sqlite3_column_int64(size.get(), 0) : 0;
+  // Rows with data would be copied several times, and be sorted with their data where there is no index.
+  std::string sql = "SELECT rowid, topic_id, timestamp FROM messages WHERE timestamp >= " +
                     std::to_string(static_cast<std::int64_t>(from_ns));
   if (only != nullptr) {
     std::string ids;
@@ -153,22 +159,42 @@ void Db3Reader::rewind(std::uint64_t from_ns, const std::set<std::uint16_t>* onl
     }
     sql += " AND topic_id IN (" + ids + ")";
   }
-  messages_ = prepare(sql + " ORDER BY timestamp, id");
+  messages_ = prepare(sql + " ORDER BY timestamp, rowid");
+}
+
+/// Reads the data of a message into memory. False: they cannot be read.
+bool Db3Reader::read_data(std::int64_t id) {
+  int code = SQLITE_ERROR;
+  if (blob_ != nullptr) code = sqlite3_blob_reopen(blob_.get(), id);
+  if (code != SQLITE_OK) {  // one that has failed stays closed
+    sqlite3_blob* opened = nullptr;
+    code = sqlite3_blob_open(database_.get(), "main", "messages", "data", id, 0, &opened);
+    blob_.reset(opened);
+  }
+  const int bytes = code == SQLITE_OK ? sqlite3_blob_bytes(blob_.get()) : 0;
+  if (bytes > database_bytes_) {
+    add_fault("message " + std::to_string(id) + " is left out: it would be longer than the file");
+    return false;
+  }
+  data_.resize(static_cast<std::size_t>(bytes));
+  if (code == SQLITE_OK) code = sqlite3_blob_read(blob_.get(), data_.data(), bytes, 0);
+  if (code != SQLITE_OK)
+    add_fault("message " + std::to_string(id) + " is left out: SQLite: " + sqlite3_errmsg(database_.get()));
+  return code == SQLITE_OK;
 }
 
 std::optional<Message> Db3Reader::next() {
   while (step(messages_)) {
-    const std::int64_t topic = sqlite3_column_int64(messages_.get(), 0);
+    const std::int64_t topic = sqlite3_column_int64(messages_.get(), 1);
     const auto channel = channel_of_.find(topic);
     if (channel == channel_of_.end()) {
       add_fault("topic " + std::to_string(topic) +
                 " has messages, but no row in 'topics'; they are left out");
       continue;
     }
-    const auto time = static_cast<std::uint64_t>(sqlite3_column_int64(messages_.get(), 1));
-    const auto* const data = static_cast<const std::byte*>(sqlite3_column_blob(messages_.get(), 2));
-    const auto bytes = static_cast<std::size_t>(sqlite3_column_bytes(messages_.get(), 2));
-    return Message{.channel = channel->second, .log_ns = time, .publish_ns = time, .data = {data, bytes}};
+    if (!read_data(sqlite3_column_int64(messages_.get(), 0))) continue;
+    const auto time = static_cast<std::uint64_t>(sqlite3_column_int64(messages_.get(), 2));
+    return Message{.channel = channel->second, .log_ns = time, .publish_ns = time, .data = data_};
   }
   return std::nullopt;
 }

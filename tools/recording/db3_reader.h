@@ -9,6 +9,7 @@
 #include "tools/recording/recording.h"
 
 struct sqlite3;
+struct sqlite3_blob;
 struct sqlite3_stmt;
 
 namespace sft::recording {
@@ -28,6 +29,7 @@ class Db3Reader final : public Recording {
   struct Close {
     void operator()(sqlite3* database) const;
     void operator()(sqlite3_stmt* statement) const;
+    void operator()(sqlite3_blob* blob) const;
   };
   using Statement = std::unique_ptr<sqlite3_stmt, Close>;
 
@@ -35,11 +37,15 @@ class Db3Reader final : public Recording {
   Statement prepare(const std::string& sql);
   bool step(const Statement& statement);
   bool has_table(const char* name);
+  bool read_data(std::int64_t id);
   void read_topics();
   void read_definitions();
 
   std::unique_ptr<sqlite3, Close> database_;
-  Statement messages_{};
+  Statement messages_{};                                ///< without their data
+  std::unique_ptr<sqlite3_blob, Close> blob_{};         ///< the data of the message that was read last
+  Bytes data_{};                                        ///< the same in memory
+  std::int64_t database_bytes_ = 0;                     ///< no message is longer
   std::map<std::int64_t, std::uint16_t> channel_of_{};  ///< channels by the ids of their topics
   Overview overview_{};
   bool is_counted_ = false;

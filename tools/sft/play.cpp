@@ -383,9 +383,9 @@ void Player::report() {
     complain(fmt::format(
         "It was late by {:.2f} s in all, and played at {:.2f} times the recorded speed instead of {:g}.",
         behind_s, reached, options_.rate));
-  nlohmann::ordered_json topics = nlohmann::ordered_json::object();
+  std::map<std::string, std::uint64_t> topics;
   for (const auto& [key, channel] : channels_) {
-    topics[channel.topic] = topics.value(channel.topic, std::uint64_t{0}) + channel.samples;
+    topics[channel.topic] += channel.samples;
     if (!common_.json)
       output.line(printable(fmt::format("{}: {} of {}", channel.topic, count_text(channel.samples, "sample"),
                                         ros_name(channel.publisher.type().name()))));
@@ -396,10 +396,7 @@ void Player::report() {
     }
   }
   if (common_.json)
-    output.record({{"published", published_},
-                   {"rate", reached},
-                   {"behind_s", behind_s},
-                   {"topics", std::move(topics)}});
+    output.record({{"published", published_}, {"rate", reached}, {"behind_s", behind_s}, {"topics", topics}});
 }
 
 }  // namespace

@@ -1,7 +1,10 @@
 // Reading the SQLite files of rosbag2, valid, damaged and hostile ones.
 #include <sqlite3.h>
 
+#include <random>
+
 #include "tests/support/recorded_data.h"
+#include "tests/support/test_seed.h"
 #include "tests/tools/recording/recorded_file.h"
 
 namespace sft::recording {
@@ -15,12 +18,23 @@ class Db3Test : public ::testing::Test {
  protected:
   std::string path() const { return (folder_.path() / "a%20?b.db3").string(); }
 
-  void run(const char* sql) const {
+  void run(const std::string& sql) const {
     sqlite3* database = nullptr;
     ASSERT_EQ(sqlite3_open(path().c_str(), &database), SQLITE_OK);
     char* fault = nullptr;
-    EXPECT_EQ(sqlite3_exec(database, sql, nullptr, nullptr, &fault), SQLITE_OK) << fault;
+    EXPECT_EQ(sqlite3_exec(database, sql.c_str(), nullptr, nullptr, &fault), SQLITE_OK) << fault;
     sqlite3_close(database);
+  }
+
+  std::string content() const {
+    std::ifstream file(path(), std::ios::binary);
+    return {std::istreambuf_iterator(file), {}};
+  }
+
+  /// A number of three bytes as files of SQLite have it.
+  static std::string in_sqlite(std::uint32_t number) {
+    return {static_cast<char>(0x80 | number >> 14), static_cast<char>(0x80 | (number >> 7 & 0x7f)),
+            static_cast<char>(number & 0x7f)};
   }
 
   static constexpr const char* tables =
@@ -76,19 +90,77 @@ TEST_F(Db3Test, OfVeryManyTopicsThoseThatFitAreReadWithTheirDefinitionsAndTheRes
   for (const auto& [id, schema] : (*bag)->schemas()) ASSERT_EQ(schema.data, "int8 a") << schema.name;
 }
 
+TEST_F(Db3Test, SqliteTakesNoMemoryForALargeMessage) {
+  constexpr std::size_t bytes = 20'000'000;
+  run(tables);
+  run("INSERT INTO messages VALUES(5, 4, 25, zeroblob(" + std::to_string(bytes) + "))");
+  sqlite3_memory_highwater(1);
+  const auto bag = open_recording(path());
+  ASSERT_TRUE(bag) << bag.error().message;
+  const std::vector<Kept> found = all_of(**bag);
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_EQ(found[2].data.size(), bytes);
+  (*bag)->check();
+  EXPECT_LT(sqlite3_memory_highwater(0), static_cast<std::int64_t>(bytes / 4));
+}
+
+TEST_F(Db3Test, MessagesWhoseDataCannotBeReadAreNamedAndTheOthersAreRead) {
+  run(tables);
+  run("INSERT INTO messages VALUES(5, 4, 11, NULL), (6, 4, 12, 1.5), (7, 4, 13, 'text')");
+  const auto bag = open_recording(path());
+  ASSERT_TRUE(bag) << bag.error().message;
+  EXPECT_EQ(all_of(**bag).size(), 4U);
+  EXPECT_THAT((*bag)->faults(), Contains("message 5 is left out: SQLite: cannot open value of type null"));
+  EXPECT_THAT((*bag)->faults(), Contains("message 6 is left out: SQLite: cannot open value of type real"));
+}
+
+TEST_F(Db3Test, AMessageThatClaimsToBeLongerThanTheFileTakesNoMemory) {
+  constexpr std::uint32_t bytes = 300'000, claimed = 1'040'000, head = 9;
+  run(tables);
+  run("INSERT INTO messages VALUES(5, 4, 25, zeroblob(" + std::to_string(bytes) + "))");
+  std::string changed = content();
+  const auto replace = [&](const std::string& number, const std::string& by) {
+    changed.replace(changed.find(number), number.size(), by);
+  };
+  replace(in_sqlite(2 * bytes + 12), in_sqlite(2 * claimed + 12));  // the type of the blob says its length
+  replace(in_sqlite(bytes + head), in_sqlite(claimed + head));
+  std::ofstream(path(), std::ios::binary) << changed;
+  const auto bag = open_recording(path());
+  ASSERT_TRUE(bag) << bag.error().message;
+  EXPECT_EQ(all_of(**bag).size(), 3U);
+  EXPECT_THAT((*bag)->faults(), Contains("message 5 is left out: it would be longer than the file"));
+}
+
 TEST_F(Db3Test, ADamagedFileIsReadAsFarAsItGoes) {
   run(tables);
-  std::string content;
-  {
-    std::ifstream file(path(), std::ios::binary);
-    content.assign(std::istreambuf_iterator(file), {});
-  }
-  std::ofstream(path(), std::ios::binary) << content.substr(0, content.size() - 4096);
+  const std::string whole = content();
+  std::ofstream(path(), std::ios::binary) << whole.substr(0, whole.size() - 4096);
   const auto bag = open_recording(path());
   if (!bag) return;
   (void)all_of(**bag);
   (*bag)->check();
   EXPECT_THAT((*bag)->faults(), Contains(HasSubstr("SQLite: ")));
+}
+
+/// Cyclic trees of pages, and rows that name other pages, are what damage makes of a file.
+TEST_F(Db3Test, RandomDamageNeitherCrashesNorHangsAReader) {
+  run(tables);
+  run("WITH RECURSIVE n(i) AS (SELECT 10 UNION ALL SELECT i + 1 FROM n WHERE i < 200) "
+      "INSERT INTO messages SELECT i, 4, i, zeroblob(100 * (i % 90)) FROM n;");
+  const std::string whole = content();
+  std::mt19937_64 random(test::test_seed());
+  for (int round = 0; round < 200; ++round) {
+    std::string damaged = whole;
+    constexpr std::size_t head = 100;  // without it, nothing is opened
+    for (unsigned i = 0; i < 1 + random() % 30; ++i)
+      damaged[head + random() % (damaged.size() - head)] = static_cast<char>(random());
+    std::ofstream(path(), std::ios::binary) << damaged;
+    const auto bag = open_recording(path());
+    if (!bag) continue;
+    EXPECT_LE(all_of(**bag).size(), 10'000U);
+    (*bag)->check();
+    (void)(*bag)->overview();
+  }
 }
 
 struct RecordedDb3 {

@@ -7,6 +7,7 @@
 #include <fstream>
 #include <memory>
 #include <numeric>
+#include <rosgraph_msgs/msg/Clock.hpp>
 #include <std_msgs/msg/UInt32.hpp>
 
 #include "sft/json.h"
@@ -170,6 +171,7 @@ TEST_F(PlayTest, ALoopBeginsAnewAndTheClockGoesBackOnce) {
   auto numbers = listen("numbers", {.depth = 1000});
   Node follower =
       Node::open({.name = "follower", .use_sim_time = true, .transport = TransportChoice::udp}).value();
+  auto clock = robot.subscriber<rosgraph_msgs::msg::Clock>("clock", {.depth = 1000}).value();
   ToolProcess process({"play", file, "-w", "--loop", "--clock", "100"});
   Heard heard;
   hear(numbers, 7, heard);
@@ -181,6 +183,16 @@ TEST_F(PlayTest, ALoopBeginsAnewAndTheClockGoesBackOnce) {
   }));
   process.send(SIGINT);
   EXPECT_EQ(process.end().code, 0);
+  while (const auto sample = numbers.take()) heard.numbers.push_back(sample->data());
+  std::int64_t back = 0, before = 0;
+  while (const auto sample = clock.take()) {
+    const std::int64_t now = sample->clock().sec() * std::int64_t{1'000'000'000} + sample->clock().nanosec();
+    back += now < before ? 1 : 0;
+    before = now;
+  }
+  const std::int64_t loops = std::ranges::count(heard.numbers, 1U);
+  EXPECT_GE(back, loops - 1);
+  EXPECT_LE(back, loops) << "it may have been stopped between the clock and the first number";
 }
 
 TEST_F(PlayTest, ALoopOfASingleMomentIsNotPublishedWithoutAPause) {

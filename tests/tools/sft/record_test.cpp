@@ -311,6 +311,44 @@ TEST_F(RecordTest, AWindowIsWrittenWhenAConditionOpens) {
   EXPECT_EQ(messages.size(), 12U) << "the sample that fulfils the condition is there, too";
 }
 
+TEST_F(RecordTest, EachWindowBeginsWithWhatIsRetained) {
+  auto battery = robot.publisher<BatteryState>("battery", {.reliability = reliable}).value();
+  auto map = robot.publisher<UInt32>("map", {.reliability = reliable, .durability = transient_local}).value();
+  publish(map, 7, 8);
+  auto process = record({"numbers", "map", "battery", "--last", "0.2", "--on", "voltage < 11"}, numbers, map);
+  ASSERT_TRUE(battery.wait_for_subscribers(2, hang_timeout));
+  const Ticker ticking(10ms, [this](std::uint32_t i) { numbers.publish({.data = i}); });
+  for (const std::string file : {"run_0.mcap", "run_1.mcap"}) {
+    // The window goes on long after the retained sample has come, and after the file before has ended.
+    const auto begin = std::chrono::steady_clock::now();
+    ASSERT_TRUE(eventually([&] { return std::chrono::steady_clock::now() - begin > 2s; }));
+    EXPECT_EQ(battery.publish({.voltage = 10}), PublishStatus::ok);
+    ASSERT_TRUE(eventually([&] { return std::filesystem::exists(path(file)); }));
+  }
+  process->send(SIGINT);
+  EXPECT_EQ(process->end().code, 0);
+  for (const std::string file : {"run_0.mcap", "run_1.mcap"}) {
+    const Messages messages = read(path(file));
+    ASSERT_GT(messages.size(), 2U) << file;
+    EXPECT_EQ(messages.front()["topic"], "/map") << file;
+    EXPECT_EQ(numbers_of(messages, "/map"), std::vector<std::uint32_t>{7}) << file;
+  }
+}
+
+TEST_F(RecordTest, EachSignalThatEndsARecordingLeavesAWholeFile) {
+  for (const int signal : {SIGINT, SIGTERM, SIGHUP}) {
+    SCOPED_TRACE(signal);
+    std::filesystem::remove(path());
+    auto process = record({"numbers"}, numbers);
+    publish(numbers, 0, 50);
+    ASSERT_TRUE(process->prints("\"samples\":50,"));
+    process->send(signal);
+    EXPECT_EQ(process->end().code, 0);
+    EXPECT_EQ(read(path()).size(), 50U);
+    EXPECT_EQ(run_tool({"bag", "check", path()}).code, 0);
+  }
+}
+
 TEST_F(RecordTest, ATopicThatCannotBeRecordedSpoilsNoOther) {
   auto process = record({"numbers", "nobody", "--for", "7"}, numbers);
   publish(numbers, 0, 5);
@@ -375,6 +413,7 @@ TEST_F(RecordTest, WhatWasLostOfADepartedPublisherIsStillCounted) {
   const Ended ended = process->end();
   const Json summary = Json::parse(ended.out.substr(ended.out.rfind("{\"files\"")));
   EXPECT_GT(summary["lost"], 0);
+  EXPECT_EQ(summary["written"].get<int>() + summary["lost"].get<int>(), 20'003) << "all that were published";
 }
 
 TEST_F(RecordTest, TopicsThatComeLaterAreRecordedFromTheirFirstSample) {

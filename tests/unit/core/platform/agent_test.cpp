@@ -42,6 +42,7 @@ TEST(AgentTest, IsBehindWhileTooManyTasksWait) {
   EXPECT_FALSE(agent.is_behind());
   agent.post([] {});
   EXPECT_TRUE(agent.is_behind());
+  EXPECT_FALSE(agent.is_behind(2 * Agent::behind_from + 2)) << "a batch is half as large as the node";
   ASSERT_TRUE(agent.start("test", no_duties()));
   agent.stop();
   EXPECT_FALSE(agent.is_behind());
