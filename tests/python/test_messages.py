@@ -76,6 +76,8 @@ def test_what_python_people_write_arrives(pair, every, field, value, expected):
     ({"triple": (1, 2)}, ValueError, "'triple' has 2 elements; 3 were expected"),
     ({"few": [1, 2, 3, 4]}, ValueError, "'few' has 4 elements; it may have 3"),
     ({"few": [1, 40000]}, ValueError, r"'few\[1\]' is 40000; an integer from -32768 to 32767"),
+    ({"few": [1, -40000]}, ValueError, r"'few\[1\]' is -40000"),
+    ({"bytes": [1, -1]}, ValueError, r"'bytes\[1\]' is -1"),
     ({"bytes": "abc"}, TypeError, "'bytes' is 'abc'"), ({"bytes": [1, 256]}, ValueError, r"'bytes\[1\]' is 256"),
     ({"bytes": [1.5]}, TypeError, "'bytes' has elements of float64"), ({"bytes": [None]}, TypeError, "'bytes'"),
     ({"bytes": 5}, TypeError, "'bytes' is 5"), ({"floats": [1e300]}, ValueError, r"'floats\[0\]' is 1e\+300"),

@@ -21,14 +21,17 @@ Heartbeat addressed(Heartbeat heartbeat, std::uint16_t port) {
 }
 }  // namespace
 
+/// Returns true if no reader needs what is posted from now on. So nobody waits for room.
+bool Channel::has_ended() const { return life_.has_ended() || went_wrong(); }
+
 /// Returns true if the window can keep the job without giving up older samples, or if the channel has ended.
 bool Channel::has_room_for(const Job& job) const {
-  return life_.has_ended() || window_.can_keep(job.samples(), job.held_bytes_in_all());
+  return has_ended() || window_.can_keep(job.samples(), job.held_bytes_in_all());
 }
 
 bool Channel::runs_ahead_with(const Job& job) const {
   if (!has_room_for(job)) return true;
-  if (life_.has_ended() || window_.kept() < cached_samples_min) return false;
+  if (has_ended() || window_.kept() < cached_samples_min) return false;
   return window_.kept_bytes() + job.held_bytes_in_all() > cached_bytes_max;
 }
 
@@ -165,7 +168,7 @@ void Channel::close() {
 
 bool Channel::closed() {
   const core::Lock lock(mutex_);
-  return life_.has_ended() || went_wrong();
+  return has_ended();
 }
 
 std::optional<Channel::Piece> Channel::next(ResendWindow::Size size) {

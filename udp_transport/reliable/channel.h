@@ -116,6 +116,7 @@ class Channel {
   Care look_after();
 
  private:
+  bool has_ended() const SFT_REQUIRES(mutex_);
   bool has_room_for(const Job& job) const SFT_REQUIRES(mutex_);
   bool runs_ahead_with(const Job& job) const SFT_REQUIRES(mutex_);
   bool wait_for_room(const Job& job, std::chrono::nanoseconds& timeout, core::Lock& lock)

@@ -140,6 +140,58 @@ TEST_F(BridgeTest, PartsOfAMessageAreAWholeMessageOnTheOtherSideWithTheTimeOfThe
   EXPECT_THAT(ended.out, HasSubstr("1 sample carried"));
 }
 
+TEST_F(BridgeTest, SamplesThatWereLostOnTheWayToTheBridgeAreCounted) {
+  NodeOptions options{.name = "robot", .domain = 41, .transport = TransportChoice::udp};
+  options.udp.memory_limit_bytes = 4 << 20;
+  Node here = Node::open(options).value(), there = open(42);
+  auto publisher = here.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  auto subscriber = there.subscriber<PointCloud2>("points", {.reliability = reliable}).value();
+  const Bridge work = bridge(41, 42, {"points"});
+  ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout));
+  PointCloud2 too_large;
+  too_large.data.resize(8'000'000);
+  for (const std::int32_t number : {1, 2}) {
+    publisher.publish(xyz_cloud(static_cast<std::uint32_t>(number)));
+    ASSERT_TRUE(subscriber.wait(hang_timeout));
+    const auto sample = subscriber.take();
+    EXPECT_EQ(sample->header().stamp().sec(), number);
+    EXPECT_EQ(publisher.publish(too_large), PublishStatus::no_memory);
+  }
+  const std::string summary = end(work).out;
+  EXPECT_THAT(summary, HasSubstr(": 2 samples carried, "));
+  EXPECT_THAT(summary, HasSubstr(", 1 lost, 0 refused"));
+}
+
+/// A new publisher is carried a second after its samples come by a subscription that is there already.
+TEST_F(BridgeTest, OfSamplesThatComeBeforeTheirPublisherIsCarriedTheLastOnesAreKept) {
+  Node here = open(41), there = open(42);
+  auto first = here.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  const Bridge work = bridge(41, 42, {"points"});
+  std::mutex mutex;
+  std::set<std::int32_t> came;
+  const auto hear = [&](const auto& sample) {
+    const std::lock_guard lock(mutex);
+    came.insert(sample->header().stamp().sec());
+  };
+  const auto subscriber =
+      there.subscriber<PointCloud2>("points", hear, {.reliability = reliable, .depth = 1000}).value();
+  ASSERT_TRUE(first.wait_for_subscribers(1, hang_timeout));
+  auto second = here.publisher<PointCloud2>("points", {.reliability = reliable}).value();
+  ASSERT_TRUE(second.wait_for_subscribers(1, hang_timeout));
+  constexpr std::int32_t clouds = 150, surely_kept = 40;  // 64 kB each, and 4 MiB are kept
+  Pace pace(3ms);
+  for (std::int32_t number = 1; number <= clouds; ++number) {
+    second.publish(xyz_cloud(static_cast<std::uint32_t>(number)));
+    pace.await_turn();
+  }
+  EXPECT_TRUE(eventually([&] {
+    const std::lock_guard lock(mutex);
+    return came.contains(clouds);
+  }));
+  const std::lock_guard lock(mutex);
+  EXPECT_EQ(std::distance(came.upper_bound(clouds - surely_kept), came.end()), surely_kept);
+}
+
 TEST_F(BridgeTest, LateReadersGetWhatEachPublisherRetains) {
   Node here = open(41), there = open(42);
   const auto latched = [&](std::uint32_t depth) {
@@ -391,13 +443,17 @@ TEST_F(BridgeTest, APatternCarriesSixtyFourTopics) {
 /// A node that announces itself as a bridge, with the routes that the test gives it.
 class FalseBridge {
  public:
-  FalseBridge()
-      : node_(Node::open({.name = "sft_bridge_1", .domain = 42, .transport = TransportChoice::udp}).value()) {
-  }
+  explicit FalseBridge(std::uint32_t domain)
+      : node_(Node::open({.name = "sft_bridge_1", .domain = domain, .transport = TransportChoice::udp})
+                  .value()) {}
   /// The route is the one that `publisher` holds: as far from the origin as the bridge that is there, and
   /// older.
   void announce_itself(std::uint64_t origin) {
     announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", 1}}});
+  }
+  /// The route says that `publisher` brings samples of `origin`. It is announced to bridges that come later.
+  void claim(std::uint64_t publisher, std::uint64_t origin) {
+    announce({{{"origin", origin}, {"bridges", 1}, {"topic", "chatter"}, {"publisher", publisher}}}, false);
   }
   void announce_many(std::size_t routes, std::size_t topic_bytes) {
     Json list = Json::array();
@@ -408,7 +464,7 @@ class FalseBridge {
   }
 
  private:
-  void announce(const Json& routes) {
+  void announce(const Json& routes, bool waits_for_bridge = true) {
     const DynamicType type =
         from_msg("sft_bridge/Routes",
                  "uint64 bridge\nsft_bridge/Route[] routes\n===\nMSG: sft_bridge/Route\nuint64 origin\n"
@@ -419,13 +475,26 @@ class FalseBridge {
             .publisher("sft_bridges", type,
                        {.reliability = reliable, .durability = transient_local, .max_sample_bytes = 16 << 20})
             .value());
-    EXPECT_TRUE(publishers_.back().wait_for_subscribers(1, hang_timeout));
+    EXPECT_TRUE(!waits_for_bridge || publishers_.back().wait_for_subscribers(1, hang_timeout));
     EXPECT_TRUE(publishers_.back().publish_json(Json{{"bridge", 1}, {"routes", routes}}.dump()));
   }
 
   Node node_;
   std::vector<DynamicPublisher> publishers_;
 };
+
+TEST_F(BridgeTest, NobodyHasRoutesForThePublishersOfOthers) {
+  Node here = open(41), there = open(42);
+  auto publisher = here.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  auto other = there.publisher<UInt32>("chatter", {.reliability = reliable}).value();
+  Listener heard(there, "chatter", {.reliability = reliable});
+  FalseBridge attacker(41);
+  attacker.claim(publisher.status().id, other.status().id);
+  const Bridge work = bridge(41, 42, {"chatter"});
+  ASSERT_TRUE(publisher.wait_for_subscribers(1, hang_timeout)) << "it does not belong to the other side";
+  publisher.publish({.data = 7});
+  EXPECT_TRUE(heard.has(7));
+}
 
 TEST_F(BridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAreThere) {
   Node here = open(41), there = open(42);
@@ -440,7 +509,7 @@ TEST_F(BridgeTest, FalseRoutesCostLittleMemoryAndCountOnlyWhileTheirPublishersAr
   ASSERT_TRUE(heard.hears_more_than(0));
   const std::size_t before = anonymous_bytes(*work);
   {
-    FalseBridge attacker;
+    FalseBridge attacker(42);
     attacker.announce_many(100'000, 1);
     for (int i = 0; i < 40; ++i) attacker.announce_many(900, 200);
     attacker.announce_itself(publisher.status().id);

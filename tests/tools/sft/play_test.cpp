@@ -195,6 +195,20 @@ TEST_F(PlayTest, ALoopBeginsAnewAndTheClockGoesBackOnce) {
   EXPECT_LE(back, loops) << "it may have been stopped between the clock and the first number";
 }
 
+TEST_F(PlayTest, ALoopPlaysRetainedSamplesEachTime) {
+  const std::string file =
+      write_map("run.mcap", {{{.sequence = 1}, {.sequence = 2, .log_ms = 50, .publish_ms = 50}}});
+  auto map = listen("map", {.reliability = reliable, .durability = transient_local, .depth = 1000});
+  ToolProcess process({"play", file, "-w", "--loop"});
+  Heard heard;
+  hear(map, 4, heard);
+  ASSERT_GE(heard.numbers.size(), 4U);
+  EXPECT_EQ(std::vector(heard.numbers.begin(), heard.numbers.begin() + 4),
+            (std::vector<std::uint32_t>{1, 2, 1, 2}));
+  process.send(SIGINT);
+  EXPECT_EQ(process.end().code, 0);
+}
+
 TEST_F(PlayTest, ALoopOfASingleMomentIsNotPublishedWithoutAPause) {
   const std::string file = write({{0, 1}});
   auto numbers = listen("numbers", {.depth = 1000});

@@ -8,6 +8,7 @@
 #include <csignal>
 #include <thread>
 
+#include "tests/support/eventually.h"
 #include "tests/support/temporary_directory.h"
 #include "tools/recording/open_recording.h"
 
@@ -85,6 +86,15 @@ TEST_F(SampleWriterTest, TheSampleThatHasCausedATriggerIsWrittenAlsoIfItComesAft
   writer.trigger(110 * second);
   EXPECT_TRUE(put(writer, channel, 110 * second));
   EXPECT_EQ(end(writer).samples, 2U);
+}
+
+TEST_F(SampleWriterTest, SamplesThatWereWrittenTakeNoMemoryAnyMore) {
+  SampleWriter writer({.path = path(), .memory_bytes = 100'000});
+  const std::size_t channel = add_channel(writer);
+  for (std::uint64_t i = 1; i <= 100; ++i)
+    ASSERT_TRUE(test::eventually([&] { return put(writer, channel, i, 10'000); })) << i;
+  EXPECT_EQ(end(writer).samples, 100U);
+  EXPECT_EQ(writer.lost(channel), 0U);
 }
 
 TEST_F(SampleWriterTest, RetainedSamplesCountAsMemory) {

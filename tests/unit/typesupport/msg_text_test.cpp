@@ -130,6 +130,16 @@ TEST(MsgTextTest, MessagesAreNestedOverALimitedNumberOfLevels) {
   EXPECT_EQ(nested(257), "messages are nested over more than 256 levels");
 }
 
+TEST(MsgTextTest, AnyNumberOfMessagesMayStandBesideEachOther) {
+  std::string fields, definitions;
+  for (int i = 0; i < 300; ++i) {
+    const std::string number = std::to_string(i);
+    fields += "Beside" + number + " field" + number + "\n";
+    definitions += separator + "MSG: my_msgs/Beside" + number + "\nint32 x\n";
+  }
+  EXPECT_EQ(fault(fields + definitions), "");
+}
+
 TEST(MsgTextTest, AUnitThatACommentWouldTellOtherwiseIsLeftOut) {
   const auto text_with = [](std::string_view unit) {
     const Member member{.name = "x", .kind = Kind::int32, .unit = unit};

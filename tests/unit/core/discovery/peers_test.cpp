@@ -131,6 +131,17 @@ TEST_F(PeersTest, MakesNoLinkAnewUnlessAHeartbeatFollowsTheTwoThatDisagree) {
   EXPECT_THAT(renewed, ElementsAre(cable));
 }
 
+TEST_F(PeersTest, LetsRecordsTakeTheirTimeOnALinkThatWasCutAndWorksAgain) {
+  meet_on_both_links();
+  goes_on(timing.late, {wlan});
+  writes(1, "b", {wlan});
+  goes_on(timing.lease - timing.late - 1s, {wlan});
+  goes_on(500ms, {cable, wlan});
+  peers.record_came(on(cable), Role::writer, {1, {}}, *own.find({1, {}}), now);
+  goes_on(30s, {cable, wlan});
+  EXPECT_THAT(renewed, IsEmpty());
+}
+
 TEST_F(PeersTest, MakesNoLinkAnewWhileRecordsOfAParticipantThatIsBehindGoOnComing) {
   found(cable);
   writes(0, "a", {cable});

@@ -51,10 +51,12 @@ class MemoryQueue final : public QueueOf<IdleBorrowingReader> {
     return sample;
   }
 
+  void notify_room() noexcept override { ++told_of_room; }
   std::uint64_t held_too_many() const noexcept override { return at_limit; }
 
   std::uint64_t at_limit = 0;  ///< how often take() returned nothing because the limit was reached
   bool is_at_limit = false;    ///< true: the subscriber holds the maximum number of samples
+  int told_of_room = 0;        ///< how often publishers that wait were told that samples were taken
 };
 
 /// A port to which one thread may add samples while another thread takes samples from it.

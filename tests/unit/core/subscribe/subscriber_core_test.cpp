@@ -289,6 +289,23 @@ TEST_F(SubscriberCoreTest, TheLatestSampleCarriesTheLossesOfThosePassedOver) {
   EXPECT_FALSE(subscriber->take_latest());
 }
 
+TEST_F(SubscriberCoreTest, APublisherThatWaitsIsToldOfRoomHoweverSamplesAreTaken) {
+  Hearing waiting;
+  waiting.memory = true;
+  waiting.source = {.writer = 9, .reliable = true, .waits = true};
+  subscriber->ports().hears({waiting});
+  arrives(*memory, 1);
+  EXPECT_TRUE(subscriber->take());
+  EXPECT_EQ(memory->told_of_room, 1);
+  arrives(*memory, 2);
+  EXPECT_TRUE(subscriber->take_latest());
+  EXPECT_EQ(memory->told_of_room, 2);
+  waiting.source.waits = false;
+  subscriber->ports().hears({waiting});
+  EXPECT_FALSE(subscriber->take());
+  EXPECT_EQ(memory->told_of_room, 2) << "nobody waits any more";
+}
+
 TEST_F(SubscriberCoreTest, WaitReturnsAtOnceIfThereIsASampleAndAtTheDeadlineIfNot) {
   EXPECT_FALSE(subscriber->wait(std::chrono::milliseconds(5)));
   arrives(*memory, 1);

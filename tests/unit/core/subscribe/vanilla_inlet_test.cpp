@@ -101,6 +101,14 @@ TEST_F(VanillaInletBytesTest, TheBytesThatWaitAreLimitedButTheNewestSampleStays)
   EXPECT_THAT(taken(), ElementsAre(4));
 }
 
+TEST_F(VanillaInletBytesTest, WhatWasTakenIsRoomForOthers) {
+  for (std::uint64_t i = 1; i < 10; i += 2) {
+    inlet.put({.writer = 1, .sequence = i, .sample = whole(1, 1000)});
+    inlet.put({.writer = 1, .sequence = i + 1, .sample = whole(1, 1000)});
+    EXPECT_THAT(taken(), ElementsAre(i, i + 1));
+  }
+}
+
 TEST_F(VanillaInletBytesTest, TheBytesOfAllWritersThatHaveGoneAreLimitedTogether) {
   for (EndpointId writer = 1; writer <= 5; ++writer)
     inlet.put({.writer = writer, .sequence = writer, .sample = whole(1, 1000)});

@@ -2,9 +2,12 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <memory>
+#include <thread>
 #include <vector>
 
+#include "tests/support/eventually.h"
 #include "tests/unit/udp/connections.h"
 #include "tests/unit/udp/jobs.h"
 #include "udp_transport/flow/destination_directory.h"
@@ -28,6 +31,10 @@ class ChannelTest : public testing::Test {
   Channel::Posted post(std::size_t bytes) {
     const JobHandle posted = job(bytes);
     return channel.post(posted, posted->first, false, &hang_timeout);
+  }
+  void post_at_once(std::size_t bytes) {
+    const JobHandle posted = job(bytes);
+    static_cast<void>(channel.post(posted, posted->first, false));
   }
   void ack(std::uint64_t next) {
     while (const auto piece = channel.next(ResendWindow::Size::large))
@@ -81,6 +88,24 @@ TEST_F(ChannelTest, UsesUpTheTimeoutBeforeSamplesAreLost) {
   }
   EXPECT_TRUE(lost);
   EXPECT_EQ(hang_timeout, 0ns);
+}
+
+TEST_F(ChannelTest, HoldsUpNobodyAnyMoreOnceAcksAreOfWhatWasNeverSent) {
+  while (channel.await_room(*job(beyond_caches), nullptr)) post_at_once(beyond_caches);
+  const Ack impossible{.writer = 7, .channel = 3, .next = 1'000};
+  static_cast<void>(channel.hear(impossible));
+  EXPECT_FALSE(channel.went_wrong()) << "one may be forged";
+  std::atomic<bool> waits = false;
+  std::jthread publisher([&] {
+    waits = true;
+    post(beyond_caches);
+  });
+  const auto a_while = std::chrono::steady_clock::now() + 50ms;
+  ASSERT_TRUE(sft::test::eventually([&] { return waits && std::chrono::steady_clock::now() > a_while; }));
+  static_cast<void>(channel.hear(impossible));
+  EXPECT_TRUE(channel.went_wrong());
+  publisher.join();
+  EXPECT_GT(hang_timeout, 30s);
 }
 
 class ChannelHeartbeatTest : public testing::Test {
