@@ -1,4 +1,4 @@
-// The names that topics and types of ROS 2 have in DDS. Pure.
+// The names in DDS of topics and types of ROS 2. Pure functions.
 #pragma once
 
 #include <optional>
@@ -7,15 +7,16 @@
 
 namespace sft::core {
 
-/// "rt/left/points" of "left/points".
+/// Returns "rt/left/points" for "left/points".
 std::string dds_topic(std::string_view topic);
-/// "sensor_msgs::msg::dds_::Imu_" of "sensor_msgs::msg::Imu".
+/// Returns "sensor_msgs::msg::dds_::Imu_" for "sensor_msgs::msg::Imu".
 std::string dds_type(std::string_view type);
-/// "left/points" of "rt/left/points"; nothing for names of another form.
+/// Returns "left/points" for "rt/left/points", and nothing for names of another form.
 std::optional<std::string> topic_of_dds(std::string_view topic);
-/// "sensor_msgs::msg::Imu" of "sensor_msgs::msg::dds_::Imu_". Names of another form are returned as they are.
+/// Returns "sensor_msgs::msg::Imu" for "sensor_msgs::msg::dds_::Imu_". Names of another form are returned
+/// as they are.
 std::string type_of_dds(std::string_view type);
-/// "sensor_msgs/msg/Imu" of "sensor_msgs::msg::Imu".
+/// Returns "sensor_msgs/msg/Imu" for "sensor_msgs::msg::Imu".
 std::string ros_type_name(std::string_view type);
 
 }  // namespace sft::core
