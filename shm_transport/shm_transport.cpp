@@ -9,7 +9,7 @@
 #include "shm_transport/host/statistics.h"
 #include "shm_transport/ports/reader_port.h"
 #include "shm_transport/ports/writer_port.h"
-#include "shm_transport/wake/doorbells.h"
+#include "shm_transport/wake/doorbell_pages.h"
 
 namespace sft::shm {
 
@@ -87,7 +87,7 @@ class ShmTransport final : public core::SharedMemory {
 
   bool may_write() const override { return session_ == nullptr || session_->can_write(); }
 
-  Result<std::unique_ptr<core::LendingWriter>> open_writer(const core::WriterSpec& spec) override {
+  Result<std::shared_ptr<core::LendingWriter>> open_writer(const core::WriterSpec& spec) override {
     if (session_ == nullptr) return not_ready();
     const RoudiChannel::Timeouts timeouts{options_.port_wait, options_.port_deadline};
     // The first port is kept while the daemon has not answered for the second one.
@@ -105,9 +105,8 @@ class ShmTransport final : public core::SharedMemory {
         FirstPorts::give_back(publisher);
       return tl::unexpected(keeper.error());
     }
-    auto chunks = ChunkLender::make(session_, *publisher, **keeper, spec, options_.held_limit);
-    return std::make_unique<ShmWriterPort>(std::move(chunks), pages_, statistics_, spec.max_blocking,
-                                           session_->reader_accounts());
+    return ShmWriterPort::make(session_, *publisher, **keeper, spec, options_.held_limit, pages_,
+                               statistics_);
   }
 
   Result<std::unique_ptr<core::BorrowingReader>> open_reader(const core::ReaderSpec& spec) override {

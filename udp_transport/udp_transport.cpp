@@ -1,7 +1,9 @@
 #include "udp_transport/udp_transport.h"
 
+#include <array>
 #include <optional>
 #include <random>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -12,7 +14,6 @@
 #include "udp_transport/io/udp_socket.h"
 #include "udp_transport/io/uring_io.h"
 #include "udp_transport/receive/receive_loop.h"
-#include "udp_transport/send/answer_sender.h"
 #include "udp_transport/send/answers.h"
 #include "udp_transport/udp_reader.h"
 #include "udp_transport/udp_writer.h"
@@ -205,7 +206,6 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
   ReassemblyLimits limits = options.reassembly;
   limits.sample_bytes = options.max_sample_bytes;
   limits.channel.seed = std::random_device()();
-  const auto answer_sender = std::make_shared<AnswerSender>(send_side);
   ReceiveLoop::SendingHalf half;
   half.hear_answer = [send_side](const Answer& answer, const SocketAddress& from,
                                  std::chrono::steady_clock::time_point now) {
@@ -215,13 +215,16 @@ std::shared_ptr<ReceiveLoop> make_receiver(const UdpOptions& options,
       send_side->sender.wake(hear_answer(*send_side, answer, from, now));
     }
   };
-  half.send_ack = [answer_sender](const SocketAddress& to, const Ack& ack) { answer_sender->send(to, ack); };
-  half.send_report = [answer_sender](const SocketAddress& to, const FlowReport& report) {
-    answer_sender->send(to, report);
+  // Answers leave through the receiving socket, so that a sender that requests many of them uses up neither
+  // descriptors nor memory. An answer that cannot be sent at once is dropped; a later one replaces it.
+  const auto send = [send_side](const SocketAddress& to, const auto& answer) {
+    std::array<std::byte, datagram_bytes_min> bytes;
+    encode(answer, bytes.data());
+    send_side->sender.send_to(to, std::span(bytes).first(answer.bytes()));
   };
-  half.send_group_report = [answer_sender](const SocketAddress& to, const GroupReport& report) {
-    answer_sender->send(to, report);
-  };
+  half.send_ack = send;
+  half.send_report = send;
+  half.send_group_report = send;
   return std::make_shared<ReceiveLoop>(std::move(io), limits, socket->receive_buffer_bytes, std::move(pool),
                                        std::move(half), std::make_shared<GroupJoins>(socket));
 }

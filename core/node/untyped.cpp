@@ -8,7 +8,7 @@
 #include "core/platform/forked.h"
 #include "core/publish/publisher_core.h"
 #include "core/seam/sample_buffer.h"
-#include "core/subscribe/part_reader.h"
+#include "core/subscribe/remote_copy.h"
 #include "core/subscribe/recorder.h"
 #include "core/subscribe/subscriber_core.h"
 #include "sft/dynamic_view.h"

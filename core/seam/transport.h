@@ -74,8 +74,9 @@ class Transport {
 class SharedMemory : public Transport {
  public:
   /// Opens a port. May send a request to a daemon, and wait a moment for the answer. Fails with
-  /// Errc::unavailable if the daemon has not answered within this moment.
-  virtual Result<std::unique_ptr<LendingWriter>> open_writer(const WriterSpec& spec) = 0;
+  /// Errc::unavailable if the daemon has not answered within this moment. The samples of a writer may
+  /// share its ownership.
+  virtual Result<std::shared_ptr<LendingWriter>> open_writer(const WriterSpec& spec) = 0;
   virtual Result<std::unique_ptr<BorrowingReader>> open_reader(const ReaderSpec& spec) = 0;
 
   /// Returns the identity of the memory, which is valid while the transport is ready. Processes with the same

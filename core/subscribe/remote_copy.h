@@ -3,23 +3,65 @@
 // the whole sample.
 #pragma once
 
+#include <cstddef>
 #include <memory>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
 #include "core/seam/buffer_pool.h"
 #include "core/seam/sample_buffer.h"
 #include "core/subscribe/asked.h"
-#include "core/subscribe/part_reader.h"
 #include "core/sync/lock_order.h"
 #include "core/sync/mutex.h"
+#include "sft/detail/parts_in_place.h"
 #include "sft/detail/project.h"
 #include "sft/type_support.h"
 
 namespace sft::core {
 
+class RemoteCopy;
+
+/// Reads the parts of a sample in place, in the whole sample in shared memory, which the object holds. At
+/// first only the small fields around the parts are copied. A part that is not contiguous is copied when its
+/// bytes are requested, and the whole sample when its encoded form is requested.
+class PartReader final : public detail::PartsInPlace {
+ public:
+  /// Begins to read the requested parts of `source`, whose positions are in `cuts`. `owner` provides memory
+  /// and copies.
+  void begin(std::shared_ptr<RemoteCopy> owner, SampleHandle source, std::shared_ptr<const Asked> asked,
+             std::span<const detail::Cut> cuts);
+  std::optional<detail::PartInPlace> find(std::size_t leaf) noexcept override;
+  std::optional<std::span<const std::byte>> bytes_of(std::size_t leaf) noexcept override;
+  const detail::SampleState& put_together() noexcept override;
+
+  /// Returns the reader to its owner. Called when the sample is no longer read.
+  static void end(PartReader* reader) noexcept;
+
+ private:
+  std::optional<std::size_t> number_of(std::size_t leaf) const;
+  detail::PartInPlace place(std::size_t part) const;
+  std::span<const std::byte> gathered(std::size_t part) noexcept SFT_EXCLUDES(mutex_);
+
+  // The following members do not change while the reader is in use.
+  std::shared_ptr<RemoteCopy> owner_;
+  std::shared_ptr<const Asked> asked_;
+  SampleHandle source_;
+  detail::SampleState source_state_;
+  std::vector<detail::Cut> cuts_;  ///< the positions of the parts
+
+  /// Held while the bytes of a part are copied, since several threads may read the same sample.
+  Mutex mutex_;
+  std::vector<SampleHandle> copies_ SFT_GUARDED_BY(mutex_);  ///< the copied parts
+  SampleHandle together_ SFT_GUARDED_BY(mutex_);
+  /// The state of `together_`; written once, before was_put_together_ is set.
+  detail::SampleState together_state_;
+  bool was_put_together_ SFT_GUARDED_BY(mutex_) = false;
+};
+
 /// Any thread may call any function. Samples may outlive their subscriber, and keep this object alive.
-class RemoteCopy final : public PartReader::Owner, public std::enable_shared_from_this<RemoteCopy> {
+class RemoteCopy final : public std::enable_shared_from_this<RemoteCopy> {
  public:
   /// `type` must outlive the object. Copies lie in memory of `pool`.
   static std::shared_ptr<RemoteCopy> make(const TypeSupport& type, std::shared_ptr<BufferPool> pool) {
@@ -29,7 +71,7 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   /// Returns a copy that has only the requested fields and parts. Returns the sample itself if it has no more
   /// than that, or if it has parts of an earlier request. The handle is empty if there is no memory, or if
   /// the bytes are malformed. In these cases a reader on another host would miss the sample, too.
-  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) override SFT_EXCLUDES(mutex_);
+  SampleHandle of(SampleHandle sample, const detail::ProjectionPlan& asked) SFT_EXCLUDES(mutex_);
 
   struct InPlace {
     SampleHandle sample{};
@@ -38,11 +80,13 @@ class RemoteCopy final : public PartReader::Owner, public std::enable_shared_fro
   /// Does the same as of(), but leaves parts of fields in the whole sample if possible.
   InPlace in_place(SampleHandle sample, std::shared_ptr<const Asked> asked) SFT_EXCLUDES(mutex_);
 
-  SampleHandle memory(std::size_t bytes) noexcept override { return pool_->take(bytes); }
-  detail::SampleState state(const SampleBuffer& sample) const override {
+  // The following functions are for PartReader.
+
+  SampleHandle memory(std::size_t bytes) noexcept { return pool_->take(bytes); }
+  detail::SampleState state(const SampleBuffer& sample) const {
     return state_of(sample, type_.index_slots());
   }
-  void take_back(PartReader& reader) noexcept override SFT_EXCLUDES(readers_mutex_);
+  void take_back(PartReader& reader) noexcept SFT_EXCLUDES(readers_mutex_);
 
  private:
   RemoteCopy(const TypeSupport& type, std::shared_ptr<BufferPool> pool)

@@ -30,7 +30,7 @@ inline constexpr Border facts SFT_ACQUIRED_AFTER(queues){};
 /// The level of the pool to which jobs return, and of the budget for unproven sockets: JobPool,
 /// UnprovenBudget.
 inline constexpr Border jobs SFT_ACQUIRED_AFTER(facts){};
-// The level after `jobs` has the owners of the memory of samples: BufferPool, ChunkLender, ChunkQueue. The
+// The level after `jobs` has the owners of the memory of samples: BufferPool, ShmWriterPort, ChunkQueue. The
 // thread that releases the last handle of a sample locks their mutexes. While it holds them, it may take
 // locks of iceoryx.
 

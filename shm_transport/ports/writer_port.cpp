@@ -37,38 +37,44 @@ constexpr std::chrono::milliseconds room_sleep_longest{10};
 
 }  // namespace
 
-std::shared_ptr<ChunkLender> ChunkLender::make(std::shared_ptr<Session> session,
-                                               iox::popo::PublisherPortData& publisher,
-                                               iox::popo::SubscriberPortData& keeper,
-                                               const core::WriterSpec& spec, std::uint32_t held_limit) {
-  std::shared_ptr<ChunkLender> lender(new ChunkLender(session, publisher, keeper, spec, held_limit));
-  session->enlist(lender);
-  return lender;
+std::shared_ptr<ShmWriterPort> ShmWriterPort::make(std::shared_ptr<Session> session,
+                                                   iox::popo::PublisherPortData& publisher,
+                                                   iox::popo::SubscriberPortData& keeper,
+                                                   const core::WriterSpec& spec, std::uint32_t held_limit,
+                                                   std::shared_ptr<DoorbellPages> pages,
+                                                   std::shared_ptr<Statistics> statistics) {
+  std::shared_ptr<ShmWriterPort> port(new ShmWriterPort(session, publisher, keeper, spec, held_limit,
+                                                        std::move(pages), std::move(statistics)));
+  session->enlist(port);
+  return port;
 }
 
-ChunkLender::ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
-                         iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec,
-                         std::uint32_t held_limit)
-    : full_mask_(spec.type->full()),
-      largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
+ShmWriterPort::ShmWriterPort(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
+                             iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec,
+                             std::uint32_t held_limit, std::shared_ptr<DoorbellPages> pages,
+                             std::shared_ptr<Statistics> statistics)
+    : largest_bytes_(session->pools(*publisher.m_chunkSenderData.m_memoryMgr).largest_bytes()),
       retains_(spec.retains),
-      waits_(spec.max_blocking.count() > 0),
+      max_blocking_(spec.max_blocking),
+      pages_(std::move(pages)),
+      statistics_(std::move(statistics)),
+      reader_accounts_(session->reader_accounts()),
       session_(std::move(session)),
       publisher_(publisher),
       port_(&publisher),
       keeper_(keeper),
       pools_(session_->pools(*publisher.m_chunkSenderData.m_memoryMgr)),
-      slots_(held_limit, full_mask_) {}
+      slots_(held_limit, spec.type->full()) {}
 
 /// Runs only after all samples were given back. Marking the ports only writes to mapped memory, so it is
 /// allowed even if the daemon is gone.
-ChunkLender::~ChunkLender() {
+ShmWriterPort::~ShmWriterPort() {
   if (session_ == nullptr) return;
   port_.destroy();
   keeper_.m_toBeDestroyed.store(true, std::memory_order_release);
 }
 
-SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
+SampleHandle ShmWriterPort::lend(std::size_t bytes) noexcept {
   if (bytes < sizeof(detail::SampleHeader) || bytes > largest_sample_bytes) return {};
   ChunkSlot* slot = nullptr;
   ChunkPools* pools = nullptr;  // the pools of the session, which stays alive as long as the slot is in use
@@ -91,13 +97,12 @@ SampleHandle ChunkLender::lend(std::size_t bytes) noexcept {
   buffer.data = static_cast<std::byte*>(slot->chunk->userPayload());
   // The size in the chunk's header is not used, because every client can overwrite it.
   buffer.capacity = bytes;
-  buffer.mask = full_mask_;
   buffer.owner = shared_from_this();
   new (buffer.data) detail::SampleHeader{};
   return SampleHandle(buffer);
 }
 
-ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
+ChunkHeader* ShmWriterPort::allocate(std::size_t bytes) noexcept {
   // If no other process holds the last chunk of a publisher, iceoryx lends that chunk again, even if all
   // pools are empty.
   auto& last = publisher_.m_chunkSenderData.m_lastChunkUnmanaged;
@@ -120,7 +125,7 @@ ChunkHeader* ChunkLender::allocate(std::size_t bytes) noexcept {
 }
 
 /// Moves the chunk from iceoryx's own list of loans to the keeper's list of held chunks.
-void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
+void ShmWriterPort::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
   SharedChunk lent;
   publisher_.m_chunkSenderData.m_chunksInUse.remove(&chunk, lent);
   ShmSafeUnmanagedChunk name(std::move(lent));
@@ -130,7 +135,10 @@ void ChunkLender::hold(ChunkSlot& slot, ChunkHeader& chunk) noexcept {
   slot.sent = false;
 }
 
-ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
+/// Delivers a lent sample to all readers that are served and want it, or to no reader if `to_readers` is
+/// false. The daemon holds the lock of the port for microseconds, unless it was stopped or killed meanwhile.
+ShmWriterPort::Commit ShmWriterPort::commit_at_once(ChunkSlot& slot, bool to_readers,
+                                                    bool may_wait) noexcept {
   const core::Lock lock(mutex_);
   if (lost_) return Commit::lost;
   bool full = false;
@@ -141,7 +149,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
     auto& port = publisher_.m_chunkSenderData;
     if (!port.tryLock()) return Commit::busy;
     attached_.look(port.m_queues, *session_);
-    full = waits_ && attached_.without_room(slot.buffer.capacity) != nullptr;
+    full = max_blocking_.count() > 0 && attached_.without_room(slot.buffer.capacity) != nullptr;
     const bool waits = full && may_wait;
     if (!waits) deliver(slot);
     port.unlock();
@@ -151,7 +159,7 @@ ChunkLender::Commit ChunkLender::commit(ChunkSlot& slot, bool to_readers, bool m
   return full ? Commit::displaced : Commit::done;
 }
 
-void ChunkLender::deliver(ChunkSlot& slot) noexcept {
+void ShmWriterPort::deliver(ChunkSlot& slot) noexcept {
   auto& port = publisher_.m_chunkSenderData;
   const ChunkInHand hand(publisher_);
   if (attached_.all_want_all()) {
@@ -170,7 +178,7 @@ void ChunkLender::deliver(ChunkSlot& slot) noexcept {
   }
 }
 
-std::optional<ChunkLender::FullQueue> ChunkLender::full_queue(std::uint64_t bytes) noexcept {
+std::optional<ShmWriterPort::FullQueue> ShmWriterPort::full_queue(std::uint64_t bytes) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !port.tryLock()) return std::nullopt;
@@ -181,9 +189,10 @@ std::optional<ChunkLender::FullQueue> ChunkLender::full_queue(std::uint64_t byte
   return FullQueue{full->places, full->bytes.beside(bytes), session_};
 }
 
+/// Sleeps until the reader without room has taken a sample, but at most until `until`. May return earlier.
 /// Waits without a lock. If the reader is removed meanwhile, the memory of its port stays mapped, and only
 /// words in that memory are read and written.
-void ChunkLender::await_room(const ChunkSlot& slot, Clock::time_point until) noexcept {
+void ShmWriterPort::await_room(const ChunkSlot& slot, Clock::time_point until) noexcept {
   std::optional<FullQueue> full = full_queue(slot.buffer.capacity);
   if (!full) return;
   const auto has_room = [&] { return full->places.has_room(full->beside); };
@@ -196,17 +205,7 @@ void ChunkLender::await_room(const ChunkSlot& slot, Clock::time_point until) noe
   room.end_waiting();
 }
 
-void ChunkLender::wait_for(std::set<core::EndpointId> readers) noexcept {
-  const core::Lock lock(mutex_);
-  attached_.wait_for(std::move(readers));
-}
-
-void ChunkLender::serve(AttachedQueues::Served readers) noexcept {
-  const core::Lock lock(mutex_);
-  attached_.serve(std::move(readers));
-}
-
-std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noexcept {
+std::optional<std::uint64_t> ShmWriterPort::held_back(core::EndpointId reader) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || !retains_ || !port.tryLock()) return std::nullopt;
@@ -216,8 +215,8 @@ std::optional<std::uint64_t> ChunkLender::held_back(core::EndpointId reader) noe
   return attached_.held_back();
 }
 
-bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
-                        std::uint64_t held_back) noexcept {
+bool ShmWriterPort::begin(core::EndpointId reader, const std::vector<SampleHandle>& retained,
+                          std::uint64_t held_back) noexcept {
   const core::Lock lock(mutex_);
   auto& port = publisher_.m_chunkSenderData;
   if (lost_ || held_back != attached_.held_back() || !port.tryLock()) return false;
@@ -234,12 +233,7 @@ bool ChunkLender::begin(core::EndpointId reader, const std::vector<SampleHandle>
   return true;
 }
 
-void ChunkLender::owe_nothing(std::set<core::EndpointId> readers) noexcept {
-  const core::Lock lock(mutex_);
-  attached_.owe_nothing(std::move(readers));
-}
-
-void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
+void ShmWriterPort::recycle(SampleBuffer& buffer) noexcept {
   before_chunk_leaves();
   ChunkSlot& slot = ChunkSlot::of(buffer);
   // `gone` may be the last reference to the session. The destructor of the session unmaps memory, so it
@@ -255,7 +249,7 @@ void ChunkLender::recycle(SampleBuffer& buffer) noexcept {
   gone = let_go();
 }
 
-void ChunkLender::lose(Loss) noexcept {
+void ShmWriterPort::lose(Loss) noexcept {
   std::shared_ptr<Session> gone;
   const core::Lock lock(mutex_);
   lost_ = true;
@@ -263,17 +257,17 @@ void ChunkLender::lose(Loss) noexcept {
 }
 
 /// Returns the session if this writer does not need the session's memory any more.
-std::shared_ptr<Session> ChunkLender::let_go() noexcept {
+std::shared_ptr<Session> ShmWriterPort::let_go() noexcept {
   return lost_ && slots_.all_back() ? std::move(session_) : nullptr;
 }
 
-bool ChunkLender::has_lent(const SampleBuffer& sample) const noexcept {
-  // The flag needs no lock: the same thread calls this function and commit(), which sets the flag.
+bool ShmWriterPort::can_send(const SampleBuffer& sample) const noexcept {
+  // The flag needs no lock: the same thread calls this function and send(), which sets the flag.
   return sample.owner.get() == this && !static_cast<const ChunkSlot*>(sample.owner_data)->sent;
 }
 
 SampleHandle ShmWriterPort::loan(std::size_t bytes) noexcept {
-  SampleHandle handle = chunks_->lend(bytes);
+  SampleHandle handle = lend(bytes);
   if (!handle) statistics_->over_limit.fetch_add(1, std::memory_order_relaxed);
   return handle;
 }
@@ -286,41 +280,41 @@ SendStatus ShmWriterPort::send(const SampleHandle& sample) noexcept {
   ChunkSlot& slot = ChunkSlot::of(*sample);
   timeout_ = std::min(max_blocking_, timeout_max_);
   auto committed = commit(slot, wanted, timeout_.count() > 0);
-  if (committed == ChunkLender::Commit::full) [[unlikely]]
+  if (committed == Commit::full) [[unlikely]]
     committed = commit_once_there_is_room(slot);
-  if (committed == ChunkLender::Commit::lost) return SendStatus::lost_port;
-  if (committed == ChunkLender::Commit::busy) return drop();
-  if (wanted) ring();
-  return committed == ChunkLender::Commit::displaced ? SendStatus::displaced : SendStatus::sent;
+  if (committed == Commit::lost) return SendStatus::lost_port;
+  if (committed == Commit::busy) return drop();
+  if (wanted) ring_for_sample();
+  return committed == Commit::displaced ? SendStatus::displaced : SendStatus::sent;
 }
 
 /// Rings the doorbells of the list that send() has loaded. If set_routes() has made a new list since then,
 /// also rings the doorbells of the new list: the readers may have changed their conditions, and may have
 /// received the sample by their new conditions. set_routes() ensures that one of the two lists has the gate
 /// that let the sample into a queue. A reader that is woken twice finds no sample the second time.
-void ShmWriterPort::ring() noexcept {
+void ShmWriterPort::ring_for_sample() noexcept {
   const Doorbells* before = doorbells_.loaded().get();
-  pages_->ring(doorbells_.loaded());
+  ring(doorbells_.loaded(), pages_->waker());
   const Doorbells* now = doorbells_.load();
-  if (now != before && now != nullptr) pages_->ring(doorbells_.loaded());
+  if (now != before && now != nullptr) ring(doorbells_.loaded(), pages_->waker());
 }
 
-ChunkLender::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
-  auto committed = chunks_->commit(slot, to_readers, may_wait);
-  for (int i = 0; i < lock_attempts && committed == ChunkLender::Commit::busy; ++i) {
+ShmWriterPort::Commit ShmWriterPort::commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept {
+  auto committed = commit_at_once(slot, to_readers, may_wait);
+  for (int i = 0; i < lock_attempts && committed == Commit::busy; ++i) {
     std::this_thread::sleep_for(lock_pause);
-    committed = chunks_->commit(slot, to_readers, may_wait);
+    committed = commit_at_once(slot, to_readers, may_wait);
   }
   return committed;
 }
 
 /// Waits until all readers for which this writer waits have room in their queues. If the timeout ends
 /// first, the readers without room lose their oldest sample.
-ChunkLender::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
+ShmWriterPort::Commit ShmWriterPort::commit_once_there_is_room(ChunkSlot& slot) noexcept {
   const Clock::time_point until = Clock::now() + timeout_;
-  auto committed = ChunkLender::Commit::full;
-  while (committed == ChunkLender::Commit::full) {
-    chunks_->await_room(slot, until);
+  auto committed = Commit::full;
+  while (committed == Commit::full) {
+    await_room(slot, until);
     committed = commit(slot, true, Clock::now() < until);
   }
   timeout_ = std::max<std::chrono::nanoseconds>(until - Clock::now(), {});
@@ -334,11 +328,11 @@ SendStatus ShmWriterPort::drop() noexcept {
 
 bool ShmWriterPort::begin_with(const core::Route& to, const std::vector<SampleHandle>& retained,
                                std::uint64_t held_back) {
-  if (!chunks_->begin(to.reader, retained, held_back)) return false;
+  if (!begin(to.reader, retained, held_back)) return false;
   core::Route whatever_its_rate = to;
   whatever_its_rate.gate = nullptr;
   const auto bell = pages_->doorbells_of({whatever_its_rate}, reader_accounts_);
-  if (bell->announce() != 0) bell->run();
+  if (bell->announce() != 0) bell->wake();
   return true;
 }
 
@@ -360,7 +354,10 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
     if (route.history == 0) owed_nothing.insert(route.reader);
     if (route.reliable) awaited.insert(route.reader);
   }
-  chunks_->wait_for(std::move(awaited));
+  {
+    const core::Lock lock(mutex_);
+    attached_.wait_for(std::move(awaited));
+  }
   const auto leaves = [&served](const core::Route& route) { return !served.contains(route.reader); };
   const bool ring_for_both = std::ranges::any_of(routes, &core::Route::has_conditions) ||
                              std::ranges::any_of(routes_, &core::Route::has_conditions) ||
@@ -370,8 +367,11 @@ void ShmWriterPort::set_routes(std::vector<core::Route> routes) {
     doorbells_.replace(readers.empty() ? nullptr : pages_->doorbells_of(readers, reader_accounts_));
   };
   ring_for(ring_for_both ? routes_ : routes);
-  chunks_->serve(std::move(served));
-  chunks_->owe_nothing(std::move(owed_nothing));
+  {
+    const core::Lock lock(mutex_);
+    attached_.serve(std::move(served));
+    attached_.owe_nothing(std::move(owed_nothing));
+  }
   if (ring_for_both) ring_for(routes);
   routes_ = std::move(routes);
   reached_.clear();

@@ -32,67 +32,64 @@
 #include "shm_transport/host/session.h"
 #include "shm_transport/host/statistics.h"
 #include "shm_transport/ports/attached_queues.h"
-#include "shm_transport/wake/doorbells.h"
+#include "shm_transport/wake/doorbell_pages.h"
 
 namespace sft::shm {
 
-/// The memory of one writer. The object outlives the port for as long as any of its samples is held. After
-/// the session is lost and all samples were given back, the object releases the session's memory at once,
-/// because a publisher that publishes nothing may keep its port for long.
-class ChunkLender final : public core::BufferOwner,
-                          public SessionMember,
-                          public std::enable_shared_from_this<ChunkLender> {
+/// The object outlives its last user for as long as any of its samples is held. After the session is lost and
+/// all samples were given back, the object releases the session's memory at once, because a publisher that
+/// publishes nothing may keep its port for long.
+class ShmWriterPort final : public core::LendingWriter,
+                            public core::BufferOwner,
+                            public SessionMember,
+                            public std::enable_shared_from_this<ShmWriterPort> {
  public:
-  static std::shared_ptr<ChunkLender> make(std::shared_ptr<Session> session,
-                                           iox::popo::PublisherPortData& publisher,
-                                           iox::popo::SubscriberPortData& keeper,
-                                           const core::WriterSpec& spec, std::uint32_t held_limit);
-  ~ChunkLender() override;
+  static std::shared_ptr<ShmWriterPort> make(std::shared_ptr<Session> session,
+                                             iox::popo::PublisherPortData& publisher,
+                                             iox::popo::SubscriberPortData& keeper,
+                                             const core::WriterSpec& spec, std::uint32_t held_limit,
+                                             std::shared_ptr<DoorbellPages> pages,
+                                             std::shared_ptr<Statistics> statistics);
+  ~ShmWriterPort() override;
 
-  /// Returns a chunk with a new header; empty if no chunk is free, or no chunk is large enough for `bytes`.
   /// Any thread may call this.
-  core::SampleHandle lend(std::size_t bytes) noexcept;
-  /// Returns the number of bytes that the largest chunk holds. Any thread may call this.
-  std::size_t largest_bytes() const noexcept { return largest_bytes_; }
-
-  enum class Commit { done, displaced, busy, full, lost };
-  /// Delivers a lent sample to all readers that are served and want it, or to no reader if `to_readers` is
-  /// false. `busy`: the daemon holds the lock of the port. The daemon holds it for microseconds, unless it
-  /// was stopped or killed meanwhile. `full`: `may_wait` is true, and the queue of a reader for which the
-  /// writer waits has no room. `displaced`: `may_wait` is false, and such a reader has lost its oldest
-  /// sample.
-  Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  /// Called after commit() has returned `full`. Sleeps until the reader without room has taken a sample,
-  /// but at most until `until`. May return earlier. The caller then tries commit() again.
-  void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
-
-  /// Returns whether this object has lent the sample, and the sample is not yet committed. Only such a
-  /// sample can be committed.
-  bool has_lent(const core::SampleBuffer& sample) const noexcept;
-  /// Returns whether the sample was lent here.
-  bool owns(const core::SampleBuffer& sample) const noexcept { return sample.owner.get() == this; }
-
-  // The following functions are for late readers, which wait for retained samples (attached_queues.h).
-  // These functions do not wait for the daemon: if the daemon holds the lock of the port, the result is the
+  core::SampleHandle loan(std::size_t bytes) noexcept override;
+  std::size_t largest_loan_bytes() const noexcept override { return largest_bytes_; }
+  core::SendStatus send(const core::SampleHandle& sample) noexcept override;
+  bool can_send(const core::SampleBuffer& sample) const noexcept override;
+  std::string why_unreachable(const core::Route& to) override;
+  void set_routes(std::vector<core::Route> routes) override;
+  bool owns(const core::SampleBuffer& sample) const noexcept override { return sample.owner.get() == this; }
+  // If the daemon holds the lock of the port, these two functions do not wait for it. The result is then the
   // same as if no reader waited.
-  std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept;
-  bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
-             std::uint64_t held_back) noexcept;
-  void owe_nothing(std::set<core::EndpointId> readers) noexcept;
-  /// Sets the readers for which commit() waits, if they request it.
-  void wait_for(std::set<core::EndpointId> readers) noexcept;
-  /// Sets the readers that get samples (attached_queues.h).
-  void serve(AttachedQueues::Served readers) noexcept;
+  std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override;
+  bool begin_with(const core::Route& to, const std::vector<core::SampleHandle>& retained,
+                  std::uint64_t held_back) override;
+  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout_max_ = at_most; }
+  std::chrono::nanoseconds time_left() const noexcept override { return timeout_; }
 
   void recycle(core::SampleBuffer& buffer) noexcept override;
   void lose(Loss loss) noexcept override;
   bool sends() const noexcept override { return true; }
 
  private:
-  ChunkLender(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
-              iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec, std::uint32_t held_limit);
+  ShmWriterPort(std::shared_ptr<Session> session, iox::popo::PublisherPortData& publisher,
+                iox::popo::SubscriberPortData& keeper, const core::WriterSpec& spec, std::uint32_t held_limit,
+                std::shared_ptr<DoorbellPages> pages, std::shared_ptr<Statistics> statistics);
+  core::SampleHandle lend(std::size_t bytes) noexcept;
   iox::mepoo::ChunkHeader* allocate(std::size_t bytes) noexcept SFT_REQUIRES(mutex_);
   void hold(ChunkSlot& slot, iox::mepoo::ChunkHeader& chunk) noexcept SFT_REQUIRES(mutex_);
+
+  enum class Commit : std::uint8_t {
+    done,
+    displaced,  ///< `may_wait` is false, and a reader for which the writer waits has lost its oldest sample
+    busy,       ///< the daemon holds the lock of the port
+    full,       ///< `may_wait` is true, and the queue of a reader for which the writer waits has no room
+    lost,
+  };
+  Commit commit_at_once(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
+  Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
+  Commit commit_once_there_is_room(ChunkSlot& slot) noexcept;
   void deliver(ChunkSlot& slot) noexcept SFT_REQUIRES(mutex_);
   struct FullQueue {
     QueuePlaces places;
@@ -101,12 +98,28 @@ class ChunkLender final : public core::BufferOwner,
     std::shared_ptr<Session> session;  ///< keeps the memory of the queue mapped
   };
   std::optional<FullQueue> full_queue(std::uint64_t bytes) noexcept;
+  void await_room(const ChunkSlot& slot, Clock::time_point until) noexcept;
+  bool begin(core::EndpointId reader, const std::vector<core::SampleHandle>& retained,
+             std::uint64_t held_back) noexcept;
+  core::SendStatus drop() noexcept;
+  void ring_for_sample() noexcept;
   std::shared_ptr<Session> let_go() noexcept SFT_REQUIRES(mutex_);
 
-  const FieldMask full_mask_;
   const std::size_t largest_bytes_;
   const bool retains_;
-  const bool waits_;  ///< true if the writer waits for reliable readers
+  const std::chrono::nanoseconds max_blocking_;  ///< zero if the writer does not wait for reliable readers
+  const std::shared_ptr<DoorbellPages> pages_;
+  const std::shared_ptr<Statistics> statistics_;
+  /// The accounts whose doorbells this writer rings.
+  const core::TrustedAccounts reader_accounts_;
+  /// Pages of doorbells that are kept open until set_routes() is called.
+  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;
+  std::vector<core::Route> routes_;       ///< the routes in force
+  core::Published<Doorbells> doorbells_;  ///< the doorbells of the routes; null if there are no routes
+
+  // The next two members are used by the thread of the publisher.
+  std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
+  std::chrono::nanoseconds timeout_{0};  ///< the remaining time for which the present sample may wait
 
   mutable core::Mutex mutex_ SFT_ACQUIRED_AFTER(core::lock_order::jobs);  // never held over a system call
   /// True if the session is lost, and iceoryx must not be used any more.
@@ -119,57 +132,6 @@ class ChunkLender final : public core::BufferOwner,
   ChunkPools& pools_ SFT_GUARDED_BY(mutex_);
   ChunkSlots slots_ SFT_GUARDED_BY(mutex_);
   AttachedQueues attached_ SFT_GUARDED_BY(mutex_);
-};
-
-class ShmWriterPort final : public core::LendingWriter {
- public:
-  ShmWriterPort(std::shared_ptr<ChunkLender> chunks, std::shared_ptr<DoorbellPages> pages,
-                std::shared_ptr<Statistics> statistics, std::chrono::nanoseconds max_blocking = {},
-                core::TrustedAccounts reader_accounts = {})
-      : chunks_(std::move(chunks)),
-        pages_(std::move(pages)),
-        statistics_(std::move(statistics)),
-        max_blocking_(max_blocking),
-        reader_accounts_(std::move(reader_accounts)) {}
-
-  core::SampleHandle loan(std::size_t bytes) noexcept override;
-  std::size_t largest_loan_bytes() const noexcept override { return chunks_->largest_bytes(); }
-  core::SendStatus send(const core::SampleHandle& sample) noexcept override;
-  bool can_send(const core::SampleBuffer& sample) const noexcept override {
-    return chunks_->has_lent(sample);
-  }
-  std::string why_unreachable(const core::Route& to) override;
-  void set_routes(std::vector<core::Route> routes) override;
-  bool owns(const core::SampleBuffer& sample) const noexcept override { return chunks_->owns(sample); }
-  std::optional<std::uint64_t> held_back(core::EndpointId reader) noexcept override {
-    return chunks_->held_back(reader);
-  }
-  bool begin_with(const core::Route& to, const std::vector<core::SampleHandle>& retained,
-                  std::uint64_t held_back) override;
-  void set_timeout(std::chrono::nanoseconds at_most) noexcept override { timeout_max_ = at_most; }
-  std::chrono::nanoseconds time_left() const noexcept override { return timeout_; }
-
- private:
-  core::SendStatus drop() noexcept;
-  void ring() noexcept;
-  ChunkLender::Commit commit(ChunkSlot& slot, bool to_readers, bool may_wait) noexcept;
-  ChunkLender::Commit commit_once_there_is_room(ChunkSlot& slot) noexcept;
-
-  const std::shared_ptr<ChunkLender> chunks_;
-  const std::shared_ptr<DoorbellPages> pages_;
-  const std::shared_ptr<Statistics> statistics_;
-  const std::chrono::nanoseconds max_blocking_;
-  /// The accounts whose doorbells this writer rings.
-  const core::TrustedAccounts reader_accounts_;
-  /// Pages of doorbells that are kept open until set_routes() is called.
-  std::vector<std::shared_ptr<core::DoorbellPage>> reached_;
-  std::vector<core::Route> routes_;  ///< the routes in force
-
-  // The next two members are used by the thread of the publisher.
-  std::chrono::nanoseconds timeout_max_ = std::chrono::nanoseconds::max();
-  std::chrono::nanoseconds timeout_{0};  ///< the remaining time for which the present sample may wait
-
-  core::Published<Doorbells> doorbells_;  ///< the doorbells of the routes; null if there are no routes
 };
 
 }  // namespace sft::shm

@@ -11,31 +11,14 @@
 #include "core/platform/doorbell.h"
 #include "core/platform/thread.h"
 #include "core/sync/mutex.h"
+#include "shm_transport/wake/doorbells.h"
 
 namespace sft::shm {
-
-/// A task for the waker. Its functions are const, so that a task can be part of an object that does not
-/// change.
-class WakeTask {
- public:
-  /// Performs the task. The waker calls this on its thread, at least once after each Waker::submit().
-  virtual void run() const noexcept = 0;
-
- protected:
-  ~WakeTask() = default;
-
- private:
-  friend class Waker;
-  mutable std::atomic<bool> queued_{false};
-  /// A reference to the task itself, which keeps it alive while it is queued.
-  mutable std::shared_ptr<const WakeTask> self_;
-  mutable const WakeTask* next_ = nullptr;
-};
 
 class Waker {
  public:
   explicit Waker(core::ThreadSpec spec = "sft-wake") : spec_(std::move(spec)) {}
-  /// Runs the tasks that are still queued.
+  /// Wakes the readers whose doorbells are still queued.
   ~Waker();
   Waker(const Waker&) = delete;
   Waker& operator=(const Waker&) = delete;
@@ -44,21 +27,26 @@ class Waker {
   /// thread may call this.
   void start();
 
-  /// Queues the task and returns at once, without a lock and without an allocation. Returns false if the
-  /// thread does not run. Any thread may call this, but only one thread at a time for the same task.
-  bool submit(const std::shared_ptr<const WakeTask>& task) noexcept;
+  /// Queues Doorbells::wake(), which the thread calls at least once after this. Returns at once, without a
+  /// lock and without an allocation. Returns false if the thread does not run. Any thread may call this, but
+  /// only one thread at a time for the same doorbells.
+  bool submit(const std::shared_ptr<const Doorbells>& bells) noexcept;
 
  private:
   void serve();
-  void run_all() noexcept;
+  void wake_all() noexcept;
 
   const core::ThreadSpec spec_;
   core::Doorbell bell_;
-  std::atomic<const WakeTask*> submitted_{nullptr};  ///< a list of tasks, the latest first
+  std::atomic<const Doorbells*> submitted_{nullptr};  ///< a list, the latest first
   std::atomic<bool> running_{false};
   std::atomic<bool> stopping_{false};
   core::Mutex mutex_;
   std::thread thread_ SFT_GUARDED_BY(mutex_);
 };
+
+/// Rings the doorbells for the current sample. Must be called on the thread of the publisher. This thread
+/// wakes a single sleeping reader itself. If several readers sleep, the waker wakes them.
+void ring(const std::shared_ptr<const Doorbells>& bells, Waker& waker) noexcept;
 
 }  // namespace sft::shm

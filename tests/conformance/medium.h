@@ -29,6 +29,8 @@ class Either {
   Either() = default;
   Either(std::unique_ptr<OfMemory> given)  // NOLINT(google-explicit-constructor)
       : memory_(given.get()), common_(std::move(given)) {}
+  Either(std::shared_ptr<OfMemory> given)  // NOLINT(google-explicit-constructor)
+      : memory_(given.get()), common_(std::move(given)) {}
   Either(std::unique_ptr<OfNetwork> given)  // NOLINT(google-explicit-constructor)
       : network_(given.get()), common_(std::move(given)) {}
 
@@ -42,7 +44,7 @@ class Either {
  private:
   OfMemory* memory_ = nullptr;
   OfNetwork* network_ = nullptr;
-  std::unique_ptr<Common> common_;
+  std::shared_ptr<Common> common_;
 };
 
 using AnyTransport = Either<core::Transport, core::SharedMemory, core::Network>;

@@ -14,7 +14,6 @@
 
 #include "core/sync/mutex.h"
 #include "udp_transport/io/group_socket.h"
-#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 

@@ -1,6 +1,7 @@
 #include "udp_transport/io/udp_socket.h"
 
 #include <netinet/udp.h>
+#include <sys/eventfd.h>
 
 #include <algorithm>
 #include <array>
@@ -251,6 +252,13 @@ SendOutcome outcome_of(int error, bool segmented) noexcept {
     default:
       return SendOutcome::failed;
   }
+}
+
+Result<FileDescriptor> open_wake_event() {
+  FileDescriptor event(::eventfd(0, EFD_CLOEXEC | EFD_NONBLOCK));
+  if (!event)
+    return fail(Errc::system, "cannot create an eventfd; raise the limit on open files (ulimit -n)");
+  return event;
 }
 
 timespec time_until(Clock::time_point deadline) noexcept {

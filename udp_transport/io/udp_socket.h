@@ -1,5 +1,5 @@
 // The receiving socket of a transport, its sending sockets, and the code that both implementations of
-// datagram_io.h share: addresses, segmentation, trains of datagrams.
+// datagram_io.h share: addresses, segmentation, trains of datagrams, waiting.
 #pragma once
 
 #include <netinet/in.h>
@@ -72,6 +72,10 @@ Connection::Sent send_at_once(int fd, std::span<const OutgoingBatch> batches,
 /// Returns the outcome that the errno of a failed send means. `segmented` is true if several datagrams were
 /// to be sent at once.
 SendOutcome outcome_of(int error, bool segmented) noexcept;
+
+/// Opens an eventfd by which other threads wake a thread that waits in a system call. It does not block, and
+/// programs that this process starts do not inherit it.
+Result<FileDescriptor> open_wake_event();
 
 /// Returns the time that is left until the deadline, in the form that ppoll() takes.
 timespec time_until(std::chrono::steady_clock::time_point deadline) noexcept;

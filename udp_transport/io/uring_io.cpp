@@ -15,9 +15,8 @@
 #include <utility>
 
 #include "core/sync/spin.h"
-#include "udp_transport/io/socket_receiver.h"
+#include "udp_transport/io/socket_io.h"
 #include "udp_transport/io/socket_sender.h"
-#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 

@@ -14,7 +14,6 @@
 #include "core/platform/doorbell.h"
 #include "core/platform/thread.h"
 #include "core/sync/spin.h"
-#include "udp_transport/io/wake_event.h"
 
 namespace sft::udp {
 

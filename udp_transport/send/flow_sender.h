@@ -6,11 +6,14 @@
 #include <chrono>
 #include <cstddef>
 #include <cstdint>
+#include <functional>
 #include <optional>
+#include <span>
+#include <utility>
 
 #include "udp_transport/flow/rate_limit.h"
 #include "udp_transport/io/datagram_io.h"
-#include "udp_transport/send/answer_receiver.h"
+#include "udp_transport/outgoing/wake.h"
 #include "udp_transport/send/local_turns.h"
 #include "udp_transport/send/next_round.h"
 #include "udp_transport/send/send_flow.h"
@@ -35,11 +38,19 @@ class FlowSender {
   static constexpr std::chrono::seconds timeout{2};
 
   /// `limit` is the common rate limit of all writers. All arguments must outlive this object.
-  FlowSender(RateLimit& limit, LocalTurns& local_turns, AnswerReceiver& answers, NextRound& round)
-      : limit_(limit), local_turns_(local_turns), answers_(answers), round_(round) {}
+  FlowSender(RateLimit& limit, LocalTurns& local_turns, DatagramSender& io, NextRound& round)
+      : limit_(limit), local_turns_(local_turns), io_(io), round_(round) {}
 
-  /// Sends the data that may be sent in one turn, by several system calls. Meanwhile handles answers, and
-  /// yields to readers on this host.
+  using Hear = std::function<Wake(std::span<const std::byte> datagram, const SocketAddress& from, Time now)>;
+  /// Sets the function that handles answers (acks and reports). If it is empty, answers are ignored. Must be
+  /// called before the sending thread begins.
+  void set_handler(Hear hear) { hear_ = std::move(hear); }
+  /// Reads and handles the answers that have come to the socket for answers, without waiting.
+  void listen();
+
+  /// Sends the data that may be sent in one turn, by several system calls. Handles answers
+  /// between these calls, so that the sample is sent without a pause if answers come in time, and yields to
+  /// readers on this host.
   Progress send_some(SendFlow& flow);
   /// Sends the data that may be sent by one system call.
   Progress send_a_few(SendFlow& flow, Time now);
@@ -58,8 +69,9 @@ class FlowSender {
 
   RateLimit& limit_;
   LocalTurns& local_turns_;
-  AnswerReceiver& answers_;
+  DatagramSender& io_;
   NextRound& round_;
+  Hear hear_;
   // The batches of the present system call.
   std::array<Batch, batches_per_call> batches_;
   std::array<OutgoingBatch, batches_per_call> outgoing_;

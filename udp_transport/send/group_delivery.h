@@ -7,8 +7,6 @@
 #include <memory>
 
 #include "udp_transport/routing/routes.h"
-#include "udp_transport/send/direct_path.h"
-#include "udp_transport/send/draft.h"
 #include "udp_transport/send/sample_encoder.h"
 #include "udp_transport/send/send_side.h"
 #include "udp_transport/send/unicast_delivery.h"
@@ -17,10 +15,9 @@ namespace sft::udp {
 
 class GroupDelivery {
  public:
-  /// All arguments except `side` must outlive this object.
-  GroupDelivery(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, Draft& draft,
-                DirectPath& direct, UnicastDelivery& unicast)
-      : side_(std::move(side)), encoder_(encoder), draft_(draft), direct_(direct), unicast_(unicast) {}
+  /// `encoder` and `unicast` must outlive this object.
+  GroupDelivery(std::shared_ptr<SendSide> side, const SampleEncoder& encoder, UnicastDelivery& unicast)
+      : side_(std::move(side)), encoder_(encoder), unicast_(unicast) {}
 
   /// REQUIRES: the audience has a multicast group. `body` has the bytes of the job's body: it is the sample
   /// itself, or memory with the requested parts of the sample. Returns the number of destinations that do
@@ -36,8 +33,6 @@ class GroupDelivery {
 
   const std::shared_ptr<SendSide> side_;
   const SampleEncoder& encoder_;
-  Draft& draft_;
-  DirectPath& direct_;
   UnicastDelivery& unicast_;
 };
 

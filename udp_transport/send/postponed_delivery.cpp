@@ -23,7 +23,7 @@ bool PostponedDelivery::is_possible(const Audience& audience) {
 std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,
                                                    const core::SampleHandle& sample) {
   located_.clear();
-  sample->postponed->locate(draft_.job().projection.segments(), located_);
+  sample->postponed->locate(unicast_.job().projection.segments(), located_);
   const std::shared_ptr<Lane>& lane = audience.lanes.front();
   const std::shared_ptr<Channel>& channel = audience.channels.front();
   return channel == nullptr ? send_once(lane, sample) : send_reliably(*lane, channel, sample);
@@ -32,14 +32,14 @@ std::optional<std::size_t> PostponedDelivery::send(const Audience& audience,
 /// Sends by best effort. The sample is completed by copying only if the sending thread has to send the rest.
 std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
                                          const core::SampleHandle& sample) {
-  Job& job = draft_.job();
+  Job& job = unicast_.job();
   const std::uint32_t sent = send_located(job.first, lane->destination());
   lane->stay_behind(lane->destination().window().position());
   if (sent == job.first.total) return 0;
   job.sent_bytes = sent;
   sample->complete();
-  draft_.keep(sample);
-  return unicast_.best_effort.enqueue(lane);
+  unicast_.keep(sample);
+  return unicast_.enqueue(lane);
 }
 
 /// Sends reliably. Then copies the parts that may have to be sent again. Copying stops when the sample is
@@ -47,10 +47,9 @@ std::size_t PostponedDelivery::send_once(const std::shared_ptr<Lane>& lane,
 std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
                                                             const std::shared_ptr<Channel>& channel,
                                                             const core::SampleHandle& sample) {
-  ReliableDelivery& reliable = unicast_.reliable;
-  draft_.keep(sample);
+  unicast_.keep(sample);
   std::optional<Channel::Posted> posted =
-      channel->post_ahead(draft_.handle(), draft_.job().first, reliable.timeout());
+      channel->post_ahead(unicast_.handle(), unicast_.job().first, unicast_.timeout());
   if (!posted) return {};
   Channel::Piece& piece = *posted->piece;
   piece.range.begin = send_located(piece.first, channel->destination());
@@ -64,7 +63,7 @@ std::optional<std::size_t> PostponedDelivery::send_reliably(Lane& lane,
     channel->put_back(piece);
     posted->wake = strongest(posted->wake, Wake::look);
   }
-  return reliable.settle(*posted, channel, lane, 1);
+  return unicast_.settle(*posted, channel, lane, 1);
 }
 
 }  // namespace sft::udp

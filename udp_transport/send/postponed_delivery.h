@@ -8,17 +8,14 @@
 #include <vector>
 
 #include "udp_transport/routing/routes.h"
-#include "udp_transport/send/direct_path.h"
-#include "udp_transport/send/draft.h"
 #include "udp_transport/send/unicast_delivery.h"
 
 namespace sft::udp {
 
 class PostponedDelivery {
  public:
-  /// All arguments must outlive this object.
-  PostponedDelivery(Draft& draft, DirectPath& direct, UnicastDelivery& unicast)
-      : draft_(draft), direct_(direct), unicast_(unicast) {}
+  /// `unicast` must outlive this object.
+  explicit PostponedDelivery(UnicastDelivery& unicast) : unicast_(unicast) {}
 
   /// Returns true if no older sample has to be sent first, and there is a connection for large samples.
   static bool is_possible(const Audience& audience);
@@ -31,11 +28,9 @@ class PostponedDelivery {
   std::optional<std::size_t> send_reliably(Lane& lane, const std::shared_ptr<Channel>& channel,
                                            const core::SampleHandle& sample);
   std::uint32_t send_located(const FirstHeader& first, Destination& to) {
-    return direct_.send_some({first, draft_.job().mask->words, located_}, to);
+    return unicast_.direct.send_some({first, unicast_.job().mask->words, located_}, to);
   }
 
-  Draft& draft_;
-  DirectPath& direct_;
   UnicastDelivery& unicast_;
   std::vector<detail::Segment> located_;  ///< segments of the sample's body in the program's memory
 };

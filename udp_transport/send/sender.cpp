@@ -14,15 +14,14 @@ Sender::Sender(std::unique_ptr<DatagramSender> io, std::uint64_t max_bytes_per_s
     : io_(std::move(io)),
       limit_(max_bytes_per_s),
       scheduled_(*io_),
-      answers_(*io_, round_),
-      flow_sender_(limit_, local_turns_, answers_, round_),
+      flow_sender_(limit_, local_turns_, *io_, round_),
       lanes_(flow_sender_, scheduled_, round_),
       channels_(flow_sender_, round_) {}
 
 Sender::~Sender() { stop(); }
 
 Result<void> Sender::start(const core::ThreadSpec& thread, Hear hear) {
-  answers_.set_handler(std::move(hear));
+  flow_sender_.set_handler(std::move(hear));
   Result<std::thread> started = core::start_thread(thread, [this] { run(); });
   if (!started) return tl::unexpected<Error>(std::move(started.error()));
   thread_ = std::move(*started);
@@ -40,7 +39,7 @@ void Sender::run() {
   ::prctl(PR_SET_TIMERSLACK, timer_slack_ns);
   while (!stopped()) {
     round_.begin();
-    answers_.listen();
+    flow_sender_.listen();
     scheduled_.carry_out_deferred();
     take_over_scheduled();
     lanes_.send_small();

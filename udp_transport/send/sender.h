@@ -18,7 +18,6 @@
 #include "udp_transport/flow/rate_limit.h"
 #include "udp_transport/io/datagram_io.h"
 #include "udp_transport/outgoing/wake.h"
-#include "udp_transport/send/answer_receiver.h"
 #include "udp_transport/send/channel_flows.h"
 #include "udp_transport/send/flow_sender.h"
 #include "udp_transport/send/lane_flows.h"
@@ -38,7 +37,7 @@ class Sender {
 
   /// The function, like hear_answer(), that handles an answer which came to answer_port(). It is called on
   /// the sending thread.
-  using Hear = AnswerReceiver::Hear;
+  using Hear = FlowSender::Hear;
   Result<void> start(const core::ThreadSpec& thread, Hear hear = {});
   /// Ends the thread. Queued samples are not sent any more. Must not be called by the sending thread.
   void stop();
@@ -95,7 +94,6 @@ class Sender {
 
   // The following members are used by the sending thread only.
   NextRound round_;
-  AnswerReceiver answers_;
   FlowSender flow_sender_;
   LaneFlows lanes_;
   ChannelFlows channels_;

@@ -8,17 +8,14 @@ namespace sft::udp {
 
 VariantSender::VariantSender(const core::WriterSpec& spec, std::shared_ptr<SendSide> side,
                              std::shared_ptr<WriterTally> tally, std::shared_ptr<JobPool> jobs)
-    : side_(std::move(side)),
-      encoder_(spec, side_),
-      packer_(side_, encoder_, jobs),
-      draft_(std::move(jobs)),
-      direct_(side_, std::move(tally)),
-      unicast_(side_, draft_, direct_, spec.max_blocking.count() > 0),
-      group_(side_, encoder_, draft_, direct_, unicast_),
-      postponed_(draft_, direct_, unicast_) {}
+    : encoder_(spec, side),
+      packer_(side, encoder_, jobs),
+      unicast_(side, std::move(tally), std::move(jobs), spec.max_blocking.count() > 0),
+      group_(std::move(side), encoder_, unicast_),
+      postponed_(unicast_) {}
 
 std::size_t VariantSender::send(const Audience& audience, const core::SampleHandle& sample) noexcept try {
-  Job& job = draft_.begin();
+  Job& job = unicast_.begin();
   if (!encoder_.encode(audience, *sample, job)) {
     audience.tally->dropped();
     return audience.lanes.size();
@@ -33,7 +30,7 @@ std::size_t VariantSender::send(const Audience& audience, const core::SampleHand
   // An allocation can fail here, because buffers grow with the samples that they hold.
 } catch (const std::bad_alloc&) {
   audience.tally->dropped();
-  draft_.reset();
+  unicast_.reset();
   return audience.lanes.size();
 }
 
@@ -50,8 +47,8 @@ std::size_t VariantSender::send_postponed(const Audience& audience, const core::
     sample->complete();
     return distribute(audience, sample);
   }
-  audience.tally->sent(draft_.job().first.total, draft_.job().whole_bytes, 1);
-  draft_.release();
+  audience.tally->sent(unicast_.job().first.total, unicast_.job().whole_bytes, 1);
+  unicast_.release();
   return *missed;
 }
 
@@ -60,18 +57,16 @@ std::size_t VariantSender::send_postponed(const Audience& audience, const core::
 /// samples. Data that channels keep is copied first, because the sending thread may read the job as soon as
 /// a lane has it.
 std::size_t VariantSender::distribute(const Audience& audience, const core::SampleHandle& sample) {
-  Job& job = draft_.job();
-  direct_.begin_sample();
+  Job& job = unicast_.job();
+  unicast_.direct.begin_sample();
   std::size_t missed = 0;
-  const bool is_reliable = std::ranges::any_of(audience.channels, [](const auto& c) { return c != nullptr; });
-  if (is_reliable && job.is_small()) draft_.copy_for_channel();
-  if (is_reliable && !job.is_small()) draft_.keep_in_channels(sample, side_->pool);
+  unicast_.prepare_for_channels(audience, sample);
   for (std::size_t i = 0; i < audience.lanes.size(); ++i) {
     const std::size_t here = unicast_.send(audience, i, sample);
     missed = job.is_pack() ? std::max(missed, here) : missed + here;
   }
   audience.tally->sent(job.first.total, job.whole_bytes, job.samples());
-  draft_.release();
+  unicast_.release();
   return missed;
 }
 
@@ -83,13 +78,13 @@ std::size_t VariantSender::flush() noexcept {
 
 std::size_t VariantSender::send_pack(const Packer::Pack& pack) noexcept try {
   pack.job->seal();
-  JobHandle before = draft_.exchange(pack.job);
+  JobHandle before = unicast_.exchange(pack.job);
   const std::size_t missed = distribute(*pack.audience, {});
-  draft_.exchange(std::move(before));
+  unicast_.exchange(std::move(before));
   return missed;
 } catch (const std::bad_alloc&) {
   for (std::size_t i = 0; i < pack.job->samples(); ++i) pack.audience->tally->dropped();
-  draft_.reset();
+  unicast_.reset();
   return pack.job->samples();
 }
 

@@ -9,8 +9,6 @@
 #include "core/seam/transport.h"
 #include "udp_transport/outgoing/job.h"
 #include "udp_transport/routing/routes.h"
-#include "udp_transport/send/direct_path.h"
-#include "udp_transport/send/draft.h"
 #include "udp_transport/send/group_delivery.h"
 #include "udp_transport/send/packer.h"
 #include "udp_transport/send/postponed_delivery.h"
@@ -45,8 +43,8 @@ class VariantSender {
 
   /// Sets the total time that the publisher may wait for acks, so that no reliable reader loses an older
   /// sample for a new one.
-  void set_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.set_timeout(timeout); }
-  void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.reliable.cap_timeout(timeout); }
+  void set_timeout(std::chrono::nanoseconds timeout) { unicast_.set_timeout(timeout); }
+  void cap_timeout(std::chrono::nanoseconds timeout) { unicast_.cap_timeout(timeout); }
 
   /// Encodes the sample into the job. Returns false if the sample cannot be sent, because it is malformed or
   /// too large. Any thread may call this.
@@ -61,11 +59,8 @@ class VariantSender {
                         const core::SampleHandle& body);
   std::size_t send_postponed(const Audience& audience, const core::SampleHandle& sample);
 
-  const std::shared_ptr<SendSide> side_;
   const SampleEncoder encoder_;
   Packer packer_;
-  Draft draft_;
-  DirectPath direct_;
   UnicastDelivery unicast_;
   GroupDelivery group_;
   PostponedDelivery postponed_;

@@ -272,6 +272,8 @@ struct FlowReport {
   /// not known.
   std::uint32_t longest = 0;
   std::int64_t sent_at_ns = 0;
+
+  static constexpr std::size_t bytes() { return report_bytes; }
   friend bool operator==(const FlowReport&, const FlowReport&) = default;
 };
 
@@ -297,6 +299,8 @@ struct GroupReport {
   /// The ordinal of the last sample that has come by the group; 0: the member asks the writer to repeat the
   /// offer.
   std::uint64_t heard = 0;
+
+  static constexpr std::size_t bytes() { return group_report_bytes; }
   friend bool operator==(const GroupReport&, const GroupReport&) = default;
 };
 

@@ -6,7 +6,7 @@
 #include <string>
 
 #include "core/platform/doorbell.h"
-#include "shm_transport/wake/doorbells.h"
+#include "shm_transport/wake/doorbell_pages.h"
 #include "tests/transports/shm/shm_fixture.h"
 
 namespace sft::test {

@@ -19,9 +19,8 @@ class HeldLock : public ShmNodeTest {
     session_ = shm::ProcessDaemon::shared()->advance(own_daemon(), Clock::now()).session;
     publisher_ = session_->create_publisher(1, {hang_timeout, hang_timeout}).value();
     auto* keeper = session_->create_subscriber(1, 0, {hang_timeout, hang_timeout}).value();
-    port_ = std::make_unique<shm::ShmWriterPort>(
-        shm::ChunkLender::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16),
-        std::make_shared<shm::DoorbellPages>(), statistics_);
+    port_ = shm::ShmWriterPort::make(session_, *publisher_, *keeper, {.id = 1, .type = &frame_type()}, 16,
+                                     std::make_shared<shm::DoorbellPages>(), statistics_);
     port_->set_routes(
         {{.reader = reader_id, .destination = core::DoorbellAddress{}, .selection = frame_type().full()}});
   }
@@ -40,7 +39,7 @@ class HeldLock : public ShmNodeTest {
   std::shared_ptr<shm::Session> session_;
   iox::popo::PublisherPortData* publisher_ = nullptr;
   std::shared_ptr<shm::Statistics> statistics_ = std::make_shared<shm::Statistics>();
-  std::unique_ptr<shm::ShmWriterPort> port_;
+  std::shared_ptr<shm::ShmWriterPort> port_;
 };
 
 TEST_F(HeldLock, CostsAWriterItsSampleAndDoesNotBlockIt) {

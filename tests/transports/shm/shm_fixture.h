@@ -106,7 +106,7 @@ class Writer {
 
  private:
   core::EndpointId id_;
-  std::unique_ptr<core::LendingWriter> port_;
+  std::shared_ptr<core::LendingWriter> port_;
   std::uint64_t sequence_ = 0;
 };
 
@@ -141,7 +141,7 @@ class ChunkCounter {
  private:
   Node& node_;
   std::uint32_t data_;
-  std::vector<std::unique_ptr<core::LendingWriter>> ports_;
+  std::vector<std::shared_ptr<core::LendingWriter>> ports_;
 };
 
 inline bool contains(const std::string& text, const std::string& part) {

@@ -54,7 +54,7 @@ class TestMemory final : public IdleSharedMemory {
     token.bytes.fill(daemon);
     return token;
   }
-  Result<std::unique_ptr<LendingWriter>> open_writer(const WriterSpec&) override {
+  Result<std::shared_ptr<LendingWriter>> open_writer(const WriterSpec&) override {
     ++openings;
     if (is_full) return fail(Errc::unavailable, "no port is left");
     return std::make_unique<Writer>(*this);

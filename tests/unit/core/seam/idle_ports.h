@@ -86,11 +86,11 @@ class IdleTransport : public Kind {
   std::size_t max_sample_bytes() const noexcept override { return 1 << 20; }
   std::string description() const override { return "test"; }
   Transport::Counters counters() const noexcept override { return {}; }
-  Result<std::unique_ptr<Writer>> open_writer(const WriterSpec&) override { return nullptr; }
+  Result<Writer> open_writer(const WriterSpec&) override { return nullptr; }
   Result<std::unique_ptr<Reader>> open_reader(const ReaderSpec&) override { return nullptr; }
 };
 
-class IdleSharedMemory : public IdleTransport<SharedMemory, LendingWriter, BorrowingReader> {
+class IdleSharedMemory : public IdleTransport<SharedMemory, std::shared_ptr<LendingWriter>, BorrowingReader> {
  public:
   HostToken host_token() const override { return {}; }
   bool may_write() const override { return true; }
@@ -98,7 +98,7 @@ class IdleSharedMemory : public IdleTransport<SharedMemory, LendingWriter, Borro
   std::uint32_t max_depth() const noexcept override { return UINT32_MAX; }
 };
 
-class IdleNetwork : public IdleTransport<Network, NetworkWriter, NetworkReader> {
+class IdleNetwork : public IdleTransport<Network, std::unique_ptr<NetworkWriter>, NetworkReader> {
  public:
   std::vector<UdpAddress> addresses() const override { return {}; }
   std::vector<Link> links() const override { return {}; }

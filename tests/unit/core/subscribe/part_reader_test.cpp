@@ -1,5 +1,5 @@
 // Parts that stay in the whole sample are read as if they had been copied from it.
-#include "core/subscribe/part_reader.h"
+#include "core/subscribe/remote_copy.h"
 
 #include <gtest/gtest.h>
 
@@ -17,7 +17,6 @@
 #include <tuple>
 #include <vector>
 
-#include "core/subscribe/remote_copy.h"
 #include "sft/cells.h"
 #include "sft/detail/view.h"
 #include "sft/dynamic_view.h"

@@ -1,5 +1,5 @@
 // A publisher that rings for several readers leaves it to the waker to wake the readers that sleep.
-#include "shm_transport/wake/doorbells.h"
+#include "shm_transport/wake/doorbell_pages.h"
 
 #include <gtest/gtest.h>
 
@@ -108,7 +108,7 @@ TEST_F(SeveralSleepers, ThatCannotBeWokenWantTheSampleAllTheSame) {
   bells.add(nullptr, 0, nullptr);
   EXPECT_TRUE(bells.wanted()) << "a reader that cannot be woken looks for samples by itself";
   EXPECT_EQ(bells.announce(), 0U);
-  bells.run();
+  bells.wake();
 }
 
 TEST_F(SeveralSleepers, AreNeverForgotten) {
@@ -131,7 +131,7 @@ TEST_F(SeveralSleepers, AreNeverForgotten) {
   for (std::uint64_t round = 1; round <= rounds; ++round) {
     moment.pass();
     published_ = round;
-    pages_.ring(bells_);
+    ring(bells_, pages_.waker());
     if (!all_come_to(round)) break;
   }
   for (std::thread& sleeper : sleepers) sleeper.join();
@@ -149,7 +149,7 @@ TEST_F(SeveralSleepers, AreWokenAlsoIfTheListOfDoorbellsIsReplacedAtOnce) {
     auto bells = std::make_shared<shm::Doorbells>();
     const auto page = std::shared_ptr<DoorbellPage>(DoorbellPage::open(page_->id()).value());
     for (std::uint32_t slot = 0; slot < count; ++slot) bells->add(page, slot, nullptr);
-    pages_.ring(std::move(bells));
+    ring(std::move(bells), pages_.waker());
     for (std::thread& sleeper : sleepers) sleeper.join();
   }
 }
@@ -164,7 +164,7 @@ TEST_F(SeveralSleepers, AreWokenAlsoIfThePublisherEndsAtOnce) {
       DoorbellPages pages;
       const auto bells = pages.doorbells_of(routes());
       published_ = round;
-      pages.ring(bells);
+      ring(bells, pages.waker());
     }
     for (std::thread& sleeper : sleepers) sleeper.join();
   }

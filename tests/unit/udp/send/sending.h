@@ -43,9 +43,8 @@ struct Sending {
   NoSender io{connections};
   RateLimit limit{0};
   NextRound round;
-  AnswerReceiver answer_receiver{io, round};
   LocalTurns local_turns;
-  FlowSender sender{limit, local_turns, answer_receiver, round};
+  FlowSender sender{limit, local_turns, io, round};
   ScheduledWork scheduled{io};
 };
 

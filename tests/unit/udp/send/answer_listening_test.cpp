@@ -1,10 +1,10 @@
-#include "udp_transport/send/answer_receiver.h"
-
+// These tests check how the sending thread handles the answers that have come.
 #include <gtest/gtest.h>
 
 #include <vector>
 
 #include "tests/unit/udp/connections.h"
+#include "udp_transport/send/flow_sender.h"
 
 namespace sft::udp {
 namespace {
@@ -22,54 +22,55 @@ class AnsweredSender final : public test::NoSender {
   int taken = 0;
 };
 
-class AnswerReceiverTest : public testing::Test {
+class AnswerListeningTest : public testing::Test {
  protected:
   void set_handler(Wake wake) {
-    answer_receiver.set_handler(
-        [this, wake](std::span<const std::byte> datagram, const SocketAddress& from, auto) {
-          EXPECT_EQ(from.port, 5);
-          EXPECT_EQ(datagram.size(), 1U);
-          heard.push_back(std::to_integer<int>(datagram[0]));
-          return wake;
-        });
+    sender.set_handler([this, wake](std::span<const std::byte> datagram, const SocketAddress& from, auto) {
+      EXPECT_EQ(from.port, 5);
+      EXPECT_EQ(datagram.size(), 1U);
+      heard.push_back(std::to_integer<int>(datagram[0]));
+      return wake;
+    });
   }
 
   test::Connections connections;
   AnsweredSender io{connections};
   NextRound round;
-  AnswerReceiver answer_receiver{io, round};
+  RateLimit limit{0};
+  LocalTurns local_turns;
+  FlowSender sender{limit, local_turns, io, round};
   std::vector<int> heard;
 };
 
-TEST_F(AnswerReceiverTest, HearsAllThatHasCome) {
+TEST_F(AnswerListeningTest, HearsAllThatHasCome) {
   set_handler(Wake::none);
   io.answers = 3;
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(heard, (std::vector{0, 1, 2}));
   EXPECT_EQ(round.time(), NextRound::Time::max()) << "nothing may go on";
 }
 
-TEST_F(AnswerReceiverTest, AsksForARoundAtOnceIfSomethingMayGoOn) {
+TEST_F(AnswerListeningTest, AsksForARoundAtOnceIfSomethingMayGoOn) {
   set_handler(Wake::look);
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(round.time(), NextRound::Time::max());
   io.answers = 1;
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(round.time(), NextRound::Time{});
 }
 
-TEST_F(AnswerReceiverTest, LetsStrangersKeepItBusyForAWhileOnly) {
+TEST_F(AnswerListeningTest, LetsStrangersKeepItBusyForAWhileOnly) {
   set_handler(Wake::none);
   io.answers = 100;
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(heard.size(), 64U);
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(heard.size(), 100U);
 }
 
-TEST_F(AnswerReceiverTest, DropsAnswersIfNobodyHearsThem) {
+TEST_F(AnswerListeningTest, DropsAnswersIfNobodyHearsThem) {
   io.answers = 3;
-  answer_receiver.listen();
+  sender.listen();
   EXPECT_EQ(io.taken, 3);
 }
 
