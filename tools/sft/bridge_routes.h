@@ -54,7 +54,8 @@ class BridgeRoutes {
   std::optional<Source> source_of(const DomainSnapshot::Endpoint& publisher) const;
   /// Decides whether samples may be carried here.
   Verdict verdict(const Source& source, const std::string& topic, Time now) const;
-  /// Announces the routes of this bridge, if they have changed.
+  /// Announces the routes of this bridge if they have changed, and from time to time if they have not:
+  /// another sender may have forged an announcement in the name of this bridge.
   void announce(std::vector<Route> routes, Time now);
 
  private:
@@ -84,6 +85,7 @@ class BridgeRoutes {
   std::map<std::uint64_t, Time> unheard_{};  ///< and since when they are known
   std::set<std::uint64_t> publishers_{};     ///< all of the domain
   std::vector<Route> announced_{};           ///< the routes that this bridge has announced, sorted
+  Time announced_again_at_{};                ///< when they are announced again
   std::map<std::pair<std::uint64_t, std::string>, Time> since_{};  ///< when each route was first announced
   Time opened_ = std::chrono::steady_clock::now();
 };
