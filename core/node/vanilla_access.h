@@ -66,6 +66,7 @@ class VanillaAccess {
   /// Shows the node with them.
   void show_endpoints();
   const Setup& setup() const { return setup_; }
+  DdsNames names() const { return setup_.plan.names; }
 
  private:
   bool is_wanted(const Discovery::Vanilla& heard, Time now);

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/node/account_table.h"
+#include "core/vanilla/dds_names.h"
 #include "core/vanilla/vanilla_domain.h"
 #include "core/vanilla/vanilla_endpoints.h"
 #include "sft/domain.h"
@@ -18,6 +19,7 @@ struct VanillaView {
   std::vector<VanillaParticipant> participants{};
   std::set<EndpointId> of_sft{};      ///< publishers and subscribers of SFT that have a DDS endpoint
   std::set<EndpointId> unanswered{};  ///< publishers of SFT that some DDS reader does not answer
+  DdsNames names{};                   ///< of topics and types
 };
 
 /// Adds the unmodified endpoints, and their pairs with the publishers and subscribers of the snapshot.

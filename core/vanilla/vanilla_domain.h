@@ -11,6 +11,7 @@
 #include <string>
 #include <vector>
 
+#include "core/vanilla/dds_names.h"
 #include "core/vanilla/ros_discovery.h"
 #include "core/vanilla/ros_graph.h"
 #include "core/vanilla/vanilla_endpoints.h"
@@ -25,6 +26,7 @@ struct VanillaPlan {
   std::uint32_t domain = 0;
   std::string user_config{};  ///< XML texts or names of files
   RosDiscovery ros{};         ///< what the environment says; `user_config` overrides it
+  DdsNames names{};           ///< the names of topics and types
   ThreadSettings threads{};   ///< of Cyclone's threads
   /// The size of GUIDs in the graph of ROS 2, if the environment says it.
   std::optional<GuidBytes> guid_bytes{};

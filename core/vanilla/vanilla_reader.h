@@ -30,6 +30,7 @@ class VanillaReader {
   struct Spec {
     EndpointId id = 0;     ///< the subscriber's selection
     std::string topic{};   ///< the name in SFT
+    DdsNames names{};      ///< the names of topic and type
     RawReading reading{};  ///< what it needs to read samples
     Qos qos{};             ///< the QoS that the subscriber requests
     /// False: the reader is in a partition of its own, in which there are no writers, and reads nothing.
