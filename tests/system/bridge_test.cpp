@@ -246,5 +246,44 @@ TEST_F(BridgeOfHostsTest, OnANarrowLinkSmallSamplesAndTheGreaterPriorityComeFirs
   EXPECT_GT(arrivals.overtaken, arrivals.bulk / 10 * 8);
 }
 
+struct Numbers {
+  std::atomic<bool> failed{false};
+  std::atomic<std::uint32_t> last{0}, count{0};
+};
+
+void count_bulk(Node& node, Numbers& numbers) {
+  auto bulk = node.subscriber<PointCloud2>("bulk", {.reliability = reliable}).value();
+  for (;;) {
+    if (!bulk.wait(hang_timeout)) continue;
+    const auto sample = bulk.take();
+    ++numbers.count;
+    numbers.last = sample->height();
+  }
+}
+
+TEST_F(BridgeOfHostsTest, AfterAnOutageWithinALeaseFewOldSamplesOfALargeReliableTopicComeBeforeNewOnes) {
+  use_lease("100 s");
+  const NodeProcessWith<Numbers> reader(network_.host(1), behind_link("reader"), count_bulk);
+  BridgeProcess robot(network_.host(0), into_link("--reliable", "bulk"));
+  Node node = open_in(31);
+  auto bulk = node.publisher<PointCloud2>("bulk", {.reliability = reliable}).value();
+  ASSERT_TRUE(bulk.wait_for_subscribers(1, hang_timeout));
+  const Numbers& numbers = reader.report();
+  std::atomic<std::uint32_t> published{0};
+  const Ticker ticker(10ms, [&](std::uint32_t number) {
+    bulk.publish(cloud(number, 120'000));
+    published = number;
+  });
+  ASSERT_TRUE(eventually([&] { return numbers.count > 10; }));
+  set_link("down");
+  const std::uint32_t at_begin = published, before = numbers.count;
+  ASSERT_TRUE(eventually([&] { return published > at_begin + 400; }));
+  const std::uint32_t at_end = published;
+  set_link("up");
+  ASSERT_TRUE(eventually([&] { return numbers.last > at_end; }));
+  EXPECT_LT(numbers.count - before, 200U) << "8 MiB are 70 samples, and some new ones have come";
+  EXPECT_FALSE(numbers.failed);
+}
+
 }  // namespace
 }  // namespace sft::test

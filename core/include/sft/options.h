@@ -248,6 +248,11 @@ struct PublisherOptions {
   /// limit. Small samples are sent first. If the limit makes a queue full, its oldest samples are dropped
   /// and counted.
   std::uint64_t max_bytes_per_s = 0;
+  /// The maximum size in bytes of the samples that the publisher keeps for each reliable subscriber that it
+  /// serves by UDP, until the subscriber has acknowledged them; at most 64 MiB. The latest three samples are
+  /// kept in any case. After an interruption of a slow link, what was kept is sent before new samples: choose
+  /// less if late samples are worth nothing. What is given up counts as lost.
+  std::size_t resend_bytes = 64 * 1024 * 1024;
   /// Decides which large samples of several publishers of the node are sent first by UDP: those of the
   /// publisher with the greatest number. Small samples are sent before all large ones.
   std::int8_t priority = 0;
